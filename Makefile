@@ -1,0 +1,39 @@
+# Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
+JOBS ?= $(shell nproc)
+.DEFAULT_GOAL := help
+.PHONY: help setup build demo test bench format tidy install clean
+
+help: ## this text
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
+
+setup: ## install the Debian packages that are missing
+	@tools/setup
+
+build: setup ## build/release/bin/segue, the component libraries and the examples
+	@mkdir -p build
+	@cmake --preset release > build/release.log 2>&1 || { cat build/release.log; exit 1; }
+	@cmake --build --preset release --target product -j $(JOBS)
+
+demo: build ## the four controllers of the Artemis rover, switched online
+	@build/release/bin/artemis_demo examples/04_artemis/robot.yaml
+
+test: ## everything that CI runs (see tools/test --help)
+	@tools/test
+
+bench: setup ## all benchmarks, with their floors in the same run
+	@mkdir -p build
+	@cmake --preset release > build/release.log 2>&1 || { cat build/release.log; exit 1; }
+	@cmake --build --preset release --target benchmarks -j $(JOBS)
+	@bench/run
+
+format: ## clang-format over the whole tree
+	@git ls-files '*.cpp' '*.hpp' | xargs clang-format-14 -i
+
+tidy: ## clang-tidy over the whole tree
+	@tools/tidy
+
+install: build ## install below PREFIX (default /usr/local)
+	@cmake --install build/release --prefix $(or $(PREFIX),/usr/local)
+
+clean: ## remove what was built
+	@rm -rf build

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+struct Options {
+  std::string operation;
+  std::vector<std::string> arguments;
+  Duration timeout = std::chrono::seconds(10);
+};
+
+/// "name=value": a plain name before the first '='.
+bool is_named(const std::string& text) {
+  const auto equals = text.find('=');
+  return equals != std::string::npos && is_identifier(text.substr(0, equals));
+}
+
+Result<Value> named(const std::vector<std::string>& arguments) {
+  ValueMap map;
+  for (const std::string& argument : arguments) {
+    const auto equals = argument.find('=');
+    auto value = type::parse_yaml(argument.substr(equals + 1), "argument " + quote(argument));
+    if (!value) return value;
+    map.set(argument.substr(0, equals), std::move(*value));
+  }
+  return Value(std::move(map));
+}
+
+/// name=value pairs; or one whole map or list in YAML; or values in the operation's order.
+Result<Value> arguments_of(const std::vector<std::string>& arguments) {
+  if (!arguments.empty() && std::all_of(arguments.begin(), arguments.end(), is_named))
+    return named(arguments);
+  Value::List list;
+  for (const std::string& argument : arguments) {
+    auto value = type::parse_yaml(argument, "argument " + quote(argument));
+    if (!value) return value;
+    list.push_back(std::move(*value));
+  }
+  return Value(std::move(list));
+}
+
+int call(control::RobotService& robot, const Options& options, const Context& context) {
+  const auto arguments = arguments_of(options.arguments);
+  if (!arguments) return failed(context, arguments.error());
+  const auto address = resolve(robot, options.operation, "OPERATION");
+  if (!address) return failed(context, address.error());
+  const auto result = robot.call(address->task, address->member, *arguments, deadline_in(options.timeout));
+  if (!result) return failed(context, result.error());
+  if (context.json()) {
+    print_json(*result);
+  } else if (result->is_null()) {
+    print_line("done");
+  } else {
+    print_line(readable(*result));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_call(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "call", "call an operation of a task",
+                            "  segue call odometry.reset\n  segue call joystick.push forward=0.5 turn=0\n"
+                            "  segue call seeker.set_goal '{x: 1.0, y: 2.0}'",
+                            [options, &context] {
+                              return with_robot(context, [&](control::RobotService& robot) {
+                                return call(robot, *options, context);
+                              });
+                            });
+  verb->add_option("TASK.OPERATION", options->operation, "the operation")->required()->type_name("");
+  verb->add_option("ARGUMENT", options->arguments, "arguments as name=value, or values in order (YAML)")
+      ->type_name("");
+  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the result (default 10s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
+#include <segue/model/validate.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "models.hpp"
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using model::Depth;
+using model::FileKind;
+
+struct Options {
+  std::vector<std::string> files;
+  bool structure = false;
+  ModelSources sources;
+};
+
+/// Reads files of all kinds and collects what is wrong with them.
+class Checker {
+ public:
+  explicit Checker(const Options& options) : options_(options) {
+    catalog_ = load_catalog(options.sources, diagnostics_);
+  }
+
+  void run() {
+    for (const std::string& file : options_.files)
+      read(file);
+    model::resolve_inheritance(catalog_, diagnostics_);
+    // Networks last: they may use the models of files named after them.
+    for (const auto& network : networks_)
+      check(network, options_.structure ? Depth::Structure : depth_for(network));
+    diagnostics_.sort();
+  }
+
+  [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }
+  [[nodiscard]] std::size_t files() const { return files_; }
+  [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
+
+ private:
+  void read(const std::string& file) {
+    ++files_;
+    const auto text = read_file(file);
+    if (!text) {
+      diagnostics_.error("unreadable-file", text.error().message, {file, 0, 0});
+      return;
+    }
+    switch (model::kind_of_file(file, *text)) {
+      case FileKind::Network:
+      case FileKind::Cnd:
+        if (auto network = model::read_network(*text, file, diagnostics_))
+          networks_.push_back(std::move(*network));
+        return;
+      case FileKind::Transition:
+        model::read_transition(*text, file, diagnostics_);
+        return;
+      case FileKind::Robot:
+        read_robot(file);
+        return;
+      case FileKind::Components:
+      case FileKind::Typelib:
+        model::read_components(*text, file, catalog_, diagnostics_);
+        return;
+      case FileKind::Unknown:
+        explain_unknown(file, *text);
+    }
+  }
+
+  void explain_unknown(const std::string& file, const std::string& text) {
+    // A YAML file that cannot be parsed has no kind; what the parser says helps more.
+    Diagnostics parsing;
+    model::read_network(text, file, parsing);
+    const auto& found = parsing.items();
+    const bool broken = std::any_of(found.begin(), found.end(), [](const Diagnostic& item) {
+      return item.code.find("parse") != std::string::npos;
+    });
+    if (broken) return diagnostics_.append(parsing);
+    diagnostics_.error("unknown-kind",
+                       "this is no network, robot, transition, component model or .tlb file; a network has "
+                       "`tasks:`, a robot file `robot:` at its top",
+                       {file, 0, 0});
+  }
+
+  void read_robot(const std::string& file) {
+    const auto robot = model::load_robot(file, diagnostics_);
+    if (!robot) return;
+    add_robot_models(*robot, catalog_, diagnostics_);
+    model::resolve_inheritance(catalog_, diagnostics_);
+    std::vector<model::Network> controllers;
+    for (const std::string& pattern : robot->controllers) {
+      for (const auto& path : files_of(*robot, pattern, diagnostics_)) {
+        ++files_;
+        if (auto network = model::load_network(path, diagnostics_))
+          controllers.push_back(std::move(*network));
+      }
+    }
+    diagnostics_.append(model::validate(*robot, controllers));
+    for (const auto& network : controllers)
+      check(network, options_.structure ? Depth::Structure : Depth::Full);
+  }
+
+  void check(const model::Network& network, Depth depth) {
+    diagnostics_.append(model::validate(network, catalog_, depth));
+  }
+
+  /// Where no component is known, each would be reported, and that would help nobody.
+  Depth depth_for(const model::Network& network) {
+    const bool known = network.tasks.empty() ||
+                       std::any_of(network.tasks.begin(), network.tasks.end(), [&](const model::Task& task) {
+                         return catalog_.find(task.component) != nullptr;
+                       });
+    if (known) return Depth::Full;
+    shallow_.push_back(network.file);
+    return Depth::Structure;
+  }
+
+  const Options& options_;
+  Diagnostics diagnostics_;
+  model::ComponentCatalog catalog_;
+  std::vector<model::Network> networks_;
+  std::vector<std::string> shallow_;
+  std::size_t files_ = 0;
+};
+
+void print_summary(const Checker& checker) {
+  const std::size_t errors = checker.diagnostics().error_count();
+  const std::size_t warnings = checker.diagnostics().items().size() - errors;
+  const std::string files = checker.files() == 1 ? "1 file" : fmt::format("{} files", checker.files());
+  if (errors + warnings == 0)
+    return print_line(fmt::format("{}: {}", files, coloured(Colour::Green, "no problems")));
+  print_line(fmt::format("{}: {} error{}, {} warning{}", files, errors, errors == 1 ? "" : "s", warnings,
+                         warnings == 1 ? "" : "s"));
+}
+
+int check(const Options& options, const Context& context) {
+  Checker checker(options);
+  checker.run();
+  print_diagnostics(checker.diagnostics());
+  for (const std::string& file : checker.shallow()) {
+    print_note(
+        fmt::format("{}: none of its components is known, so only its structure was checked; name their "
+                    "models with --models or --robot-file",
+                    file));
+  }
+  if (context.json()) {
+    print_json(to_value(checker.diagnostics()));
+  } else {
+    print_summary(checker);
+  }
+  return checker.diagnostics().has_errors() ? kFailed : kDone;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(app, context, "check", "validate networks, robots, transitions and component models",
+               "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
+               [options, &context] { return check(*options, context); });
+  verb->add_option("FILE", options->files, "files of any kind; a robot file brings all that it names")
+      ->required()
+      ->type_name("");
+  verb->add_flag("--structure", options->structure,
+                 "only names and references, not components, ports and types");
+  add_model_options(*verb, options->sources);
+}
+
+}  // namespace segue::cli

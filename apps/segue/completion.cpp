@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+/// Verbs whose first word names something of the running robot, and what `complete-names` calls it.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {{{"switch", "controllers"},
+                                                                                  {"task", "tasks"},
+                                                                                  {"read", "ports"},
+                                                                                  {"set", "properties"},
+                                                                                  {"call", "operations"}}};
+
+std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); });
+}
+
+std::string option_words(const CLI::App& verb) {
+  std::string words;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_snames())
+      words += " -" + name;
+    for (const std::string& name : option->get_lnames())
+      words += " --" + name;
+  }
+  return words.empty() ? words : words.substr(1);
+}
+
+std::string verb_words(const CLI::App& app) {
+  std::string words;
+  for (const CLI::App* verb : verbs_of(app))
+    words += (words.empty() ? "" : " ") + verb->get_name();
+  return words;
+}
+
+std::string names_of(std::string_view verb) {
+  for (const auto& [name, kind] : kNames) {
+    if (name == verb) return fmt::format(" $(segue complete-names {} 2>/dev/null)", kind);
+  }
+  return {};
+}
+
+std::string bash_script(const CLI::App& app) {
+  std::string cases;
+  for (const CLI::App* verb : verbs_of(app)) {
+    cases +=
+        fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->get_name(), verb_words(*verb),
+                    verbs_of(*verb).empty() ? "" : " ", option_words(*verb) + names_of(verb->get_name()));
+  }
+  return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
+_segue() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} words=""
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    COMPREPLY=( $(compgen -W "{} {}" -- "$current") )
+    return
+  fi
+  case "${{COMP_WORDS[1]}}" in
+{}  esac
+  COMPREPLY=( $(compgen -W "$words" -- "$current") )
+}}
+complete -o default -F _segue segue
+)",
+                     verb_words(app), option_words(app), cases);
+}
+
+std::string single_quoted(std::string text) {
+  text = text.substr(0, text.find('\n'));
+  std::string result;
+  for (const char c : text)
+    result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return '\'' + result + '\'';
+}
+
+std::string zsh_script(const CLI::App& app) {
+  std::string verbs;
+  std::string cases;
+  for (const CLI::App* verb : verbs_of(app)) {
+    verbs += "    " + single_quoted(verb->get_name() + ':' + verb->get_description()) + '\n';
+    cases += fmt::format("    {}) words_of_verb=({} {}{}) ;;\n", verb->get_name(), verb_words(*verb),
+                         option_words(*verb), names_of(verb->get_name()));
+  }
+  return fmt::format(R"(#compdef segue
+# zsh completion for segue; load it with: source <(segue completion zsh)
+_segue() {{
+  local -a verbs words_of_verb
+  verbs=(
+{}  )
+  if (( CURRENT == 2 )); then
+    _describe 'verb' verbs
+    return
+  fi
+  case "$words[2]" in
+{}  esac
+  compadd -- $words_of_verb
+  _files
+}}
+compdef _segue segue
+)",
+                     verbs, cases);
+}
+
+void add_members(const type::Value& task, const std::string& id, const std::string& kind,
+                 std::vector<std::string>& names) {
+  if (kind == "properties") {
+    const type::Value* properties = task.find(kind);
+    if (properties == nullptr || !properties->is_map()) return;
+    for (const auto& [name, value] : properties->as_map())
+      names.push_back(id + '.' + name + '=');
+    return;
+  }
+  for (const type::Value& member : list_at(task, kind)) {
+    if (kind == "ports" && text_at(member, "direction") != "output") continue;
+    names.push_back(id + '.' + text_at(member, "name"));
+  }
+}
+
+/// For shells: one name a line, nothing at all where there is no robot.
+int complete_names(const std::string& kind) {
+  const auto running = control::running_robots();
+  if (running.size() != 1) return kDone;
+  const auto socket = control::socket_path(running.front());
+  const auto robot = socket ? control::connect(*socket, std::chrono::seconds(3)) : socket.error();
+  const auto status = robot ? (*robot)->status() : Result<type::Value>(robot.error());
+  if (!status) return kDone;
+  std::vector<std::string> names = kind == "controllers" ? controller_names(*status) : task_names(*status);
+  if (kind != "controllers" && kind != "tasks") {
+    const auto tasks = std::exchange(names, {});
+    for (const std::string& id : tasks) {
+      if (const auto task = (*robot)->task(id)) add_members(*task, id, kind, names);
+    }
+  }
+  for (const std::string& name : names)
+    print_line(name);
+  return kDone;
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app, Context& context) {
+  const auto shell = std::make_shared<std::string>();
+  CLI::App* verb =
+      add_verb(app, context, "completion", "completion for a shell",
+               "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, shell] {
+                 print(*shell == "bash" ? bash_script(app) : zsh_script(app));
+                 return static_cast<int>(kDone);
+               });
+  verb->add_option("SHELL", *shell, "bash or zsh")
+      ->required()
+      ->type_name("")
+      ->check(CLI::IsMember({"bash", "zsh"}).description(""));
+
+  const auto kind = std::make_shared<std::string>();
+  CLI::App* names = app.add_subcommand("complete-names", "for shells")->group("");
+  names->add_option("kind", *kind)->required();
+  names->callback([&context, kind] { context.action = [kind] { return complete_names(*kind); }; });
+}
+
+}  // namespace segue::cli

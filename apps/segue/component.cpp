@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/model/files.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "models.hpp"
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using model::ComponentModel;
+using type::Value;
+
+struct Options {
+  std::string name;
+  std::string output;
+  ModelSources sources;
+};
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+std::vector<std::string> names_of(const model::ComponentCatalog& catalog) {
+  std::vector<std::string> names;
+  for (const ComponentModel* component : catalog.all())
+    names.push_back(component->name.str());
+  return names;
+}
+
+int list(const Options& options, const Context& context) {
+  Diagnostics diagnostics;
+  const auto catalog = load_catalog(options.sources, diagnostics);
+  if (diagnostics.has_errors()) return report_failure(context, diagnostics);
+  print_diagnostics(diagnostics);
+  if (context.json()) {
+    Value::List items;
+    for (const ComponentModel* component : catalog.all())
+      items.push_back(model::to_value(*component));
+    print_json(Value(std::move(items)));
+    return kDone;
+  }
+  if (catalog.size() == 0) {
+    print_note(
+        "no component library is installed; folders looked at are those of $SEGUE_LIBRARY_PATH and lib/segue "
+        "beside the program");
+    return kDone;
+  }
+  Table table({{"COMPONENT"}, {"LIBRARY"}, {"WHAT IT DOES"}});
+  for (const ComponentModel* component : catalog.all()) {
+    table.add({component->name.str(), component->library.empty() ? "-" : component->library,
+               printable(first_line(component->doc))});
+  }
+  print(table.text());
+  return kDone;
+}
+
+std::string ports_text(const ComponentModel& component) {
+  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"WHAT IT IS"}});
+  for (const auto& port : component.ports) {
+    const std::string kind = port.pattern ? " (family)" : port.dynamic ? " (dynamic)" : "";
+    table.add({port.name, std::string(to_string(port.direction)) + kind, port.type, printable(port.doc)});
+  }
+  return component.ports.empty() ? std::string() : '\n' + table.text();
+}
+
+std::string properties_text(const ComponentModel& component) {
+  Table table({{"PROPERTY"}, {"TYPE"}, {"DEFAULT"}, {"LIVE"}, {"WHAT IT IS"}});
+  for (const auto& property : component.properties) {
+    table.add({property.name, property.type, type::describe(property.default_value),
+               property.live ? "yes" : "no", printable(property.doc)});
+  }
+  return component.properties.empty() ? std::string() : '\n' + table.text();
+}
+
+std::string operations_text(const ComponentModel& component) {
+  Table table({{"OPERATION"}, {"RESULT"}, {"WHAT IT DOES"}});
+  for (const auto& operation : component.operations) {
+    std::string arguments;
+    for (const auto& argument : operation.arguments) {
+      arguments += (arguments.empty() ? "" : ", ") + argument.name + ": " + argument.type;
+    }
+    table.add({fmt::format("{}({})", operation.name, arguments),
+               operation.result.empty() ? "-" : operation.result, printable(operation.doc)});
+  }
+  return component.operations.empty() ? std::string() : '\n' + table.text();
+}
+
+int show(const Options& options, const Context& context) {
+  Diagnostics diagnostics;
+  const auto catalog = load_catalog(options.sources, diagnostics);
+  if (diagnostics.has_errors()) return report_failure(context, diagnostics);
+  const ComponentModel* component = catalog.find(model::ComponentName(options.name));
+  if (component == nullptr) {
+    return failed(context, fail(ErrorCode::NotFound, "no component " + quote(options.name) + " is known" +
+                                                         did_you_mean(options.name, names_of(catalog)) +
+                                                         "; `segue component list` shows all"));
+  }
+  if (context.json()) {
+    print_json(model::to_value(*component));
+    return kDone;
+  }
+  print(coloured(Colour::Bold, component->name.str()) + '\n');
+  if (!component->doc.empty()) print(printable(component->doc) + '\n');
+  if (!component->library.empty()) print("library: " + component->library + '\n');
+  print(ports_text(*component) + properties_text(*component) + operations_text(*component));
+  return kDone;
+}
+
+int export_models(const Options& options, const Context& context) {
+  host::LibrarySet libraries;
+  const auto loaded = libraries.load(options.name);
+  if (!loaded) return failed(context, loaded.error());
+  const auto text = host::write_library_models(libraries, options.name);
+  if (!text) return failed(context, text.error());
+  if (options.output.empty()) {
+    print(*text);
+    return kDone;
+  }
+  const auto written = write_file(options.output, *text);
+  return written ? kDone : failed(context, written.error());
+}
+
+}  // namespace
+
+void add_component(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "component", "component libraries and models",
+                            "  segue component list\n  segue component show demo::Drive", nullptr);
+  verb->require_subcommand(1);
+  CLI::App* lister =
+      add_verb(*verb, context, "list", "all components that are known", "  segue component list",
+               [options, &context] { return list(*options, context); });
+  add_model_options(*lister, options->sources);
+  CLI::App* shower =
+      add_verb(*verb, context, "show", "one component's interface", "  segue component show demo::Drive",
+               [options, &context] { return show(*options, context); });
+  shower->add_option("COMPONENT", options->name, "the component")->required()->type_name("");
+  add_model_options(*shower, options->sources);
+  CLI::App* exporter =
+      add_verb(*verb, context, "export", "the component models of a library, as a file for tools",
+               "  segue component export segue_components_demo -o demo.components.yaml",
+               [options, &context] { return export_models(*options, context); });
+  exporter->add_option("LIBRARY", options->name, "a library's name")->required()->type_name("");
+  exporter->add_option("-o,--output", options->output, "a file instead of standard output")
+      ->type_name("FILE");
+}
+
+}  // namespace segue::cli

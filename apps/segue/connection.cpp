@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "connection.hpp"
+
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+Error not_running(const std::string& robot, const std::vector<std::string>& running) {
+  if (running.empty()) {
+    return fail(ErrorCode::Unavailable,
+                (robot.empty() ? std::string("no robot runs") : "robot " + quote(robot) + " does not run") +
+                    "; start one with `segue run ROBOT_FILE`");
+  }
+  return fail(ErrorCode::Unavailable, fmt::format("robot {} does not run{}; running: {}", quote(robot),
+                                                  did_you_mean(robot, running), listed(running)));
+}
+
+/// The name to connect to, or the exit status.
+std::pair<std::string, int> choose(Context& context) {
+  if (!context.robot.empty()) return {context.robot, kDone};
+  const auto running = control::running_robots();
+  if (running.size() == 1) return {running.front(), kDone};
+  if (running.empty()) return {"", failed(context, not_running("", running))};
+  print_error(context,
+              fail(ErrorCode::InvalidArgument, fmt::format("{} robots run: {}; say which with --robot NAME",
+                                                           running.size(), listed(running))));
+  return {"", kUsage};
+}
+
+}  // namespace
+
+std::pair<std::unique_ptr<control::RobotService>, int> reach(Context& context) {
+  const auto [name, status] = choose(context);
+  if (name.empty()) return {nullptr, status};
+  context.robot = name;
+  const auto socket = control::socket_path(name);
+  if (!socket) return {nullptr, failed(context, socket.error())};
+  auto robot = control::connect(*socket);
+  if (robot) return {std::move(*robot), kDone};
+  const bool nobody = robot.error().code == ErrorCode::Unavailable && !std::filesystem::exists(*socket);
+  print_error(context, nobody ? not_running(name, control::running_robots()) : robot.error());
+  return {nullptr, kUnreachable};
+}
+
+int with_robot(Context& context, const std::function<int(control::RobotService&)>& use) {
+  const auto [robot, status] = reach(context);
+  return robot ? use(*robot) : status;
+}
+
+std::vector<std::string> controller_names(const Value& status) {
+  std::vector<std::string> names;
+  for (const Value& name : list_at(status, "controllers")) {
+    if (name.is_string()) names.push_back(name.as_string());
+  }
+  return names;
+}
+
+std::vector<std::string> task_names(const Value& status) {
+  std::vector<std::string> names;
+  for (const Value& task : list_at(status, "tasks"))
+    names.push_back(text_at(task, "id"));
+  return names;
+}
+
+Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what) {
+  if (text.find('.') == std::string_view::npos) {
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("{} names no {}; write TASK.{}", quote(text), what, what));
+  }
+  const auto status = robot.status();
+  if (!status) return status.error();
+  const auto names = task_names(*status);
+  Address best;
+  for (const std::string& name : names) {
+    const bool fits =
+        text.size() > name.size() + 1 && text.substr(0, name.size()) == name && text[name.size()] == '.';
+    if (fits && name.size() > best.task.size()) best = {name, std::string(text.substr(name.size() + 1))};
+  }
+  if (!best.task.empty()) return best;
+  const std::string wanted(text.substr(0, text.find('.')));
+  const std::string known = names.empty() ? "; no task runs now" : "; running: " + listed(names);
+  return fail(ErrorCode::NotFound,
+              fmt::format("the robot has no task {}{}{}", quote(wanted), did_you_mean(wanted, names), known));
+}
+
+}  // namespace segue::cli

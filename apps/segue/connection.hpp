@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/robot_service.hpp>
+#include <segue/control/server.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "command.hpp"
+#include "output.hpp"
+
+/// Verbs that talk to a running robot.
+namespace segue::cli {
+
+/// The robot of --robot, or the only one that runs (whose name is then in the context). What is wrong is said
+/// on standard error; the second part is then the exit status and the first null.
+std::pair<std::unique_ptr<control::RobotService>, int> reach(Context& context);
+
+/// reach(), then `use`.
+int with_robot(Context& context, const std::function<int(control::RobotService&)>& use);
+
+/// "task.port" or "task.property.part": the longest task of the robot that fits, then the rest. Tells what is
+/// wrong and which tasks there are.
+struct Address {
+  std::string task;
+  std::string member;
+};
+Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what);
+
+/// Names from a status: "controllers", or the ids of "tasks".
+std::vector<std::string> controller_names(const type::Value& status);
+std::vector<std::string> task_names(const type::Value& status);
+
+inline TimePoint deadline_in(Duration duration) {
+  return RealClock::instance().now() + duration;
+}
+
+}  // namespace segue::cli

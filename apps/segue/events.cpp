@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "connection.hpp"
+#include "event_text.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+constexpr Duration kWait = std::chrono::seconds(1);
+
+struct Options {
+  bool follow = false;
+  std::uint64_t after = 0;
+};
+
+int events(control::RobotService& robot, const Options& options, const Context& context) {
+  std::uint64_t last = options.after;
+  for (;;) {
+    const auto found = robot.events(last, options.follow ? kWait : Duration(0));
+    if (!found) return failed(context, found.error());
+    if (context.json() && !options.follow) {
+      print_json(*found);
+      return kDone;
+    }
+    if (!found->is_list())
+      return failed(context, fail(ErrorCode::Internal, "the robot sent events that are no list"));
+    for (const Value& event : found->as_list()) {
+      last = static_cast<std::uint64_t>(number_at(event, "number"));
+      context.json() ? print_json_line(event) : print_line(event_line(event));
+    }
+    if (!options.follow) return kDone;
+  }
+}
+
+}  // namespace
+
+void add_events(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "events", "what happened, and with --follow what happens",
+                            "  segue events\n  segue events --follow", [options, &context] {
+                              return with_robot(context, [&](control::RobotService& robot) {
+                                return events(robot, *options, context);
+                              });
+                            });
+  verb->add_flag("-f,--follow", options->follow, "go on until Ctrl-C");
+  verb->add_option("--after", options->after, "only events with a greater number")->type_name("NUMBER");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

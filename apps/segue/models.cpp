@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "models.hpp"
+
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/model/files.hpp>
+#include <segue/model/validate.hpp>
+
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+void add_installed(model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  for (const std::string& library : host::installed_libraries()) {
+    const auto done = host::read_library_models(library, catalog);
+    if (!done) diagnostics.warning("unreadable-library", done.error().message, done.error().where);
+  }
+}
+
+void add_pattern(const std::filesystem::path& pattern, const SourceLocation& where,
+                 model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  const auto files = glob_files(pattern);
+  if (files.empty()) {
+    diagnostics.error("no-such-file", "no component model file matches " + quote(pattern.native()), where);
+  }
+  for (const auto& file : files)
+    model::load_components(file, catalog, diagnostics);
+}
+
+}  // namespace
+
+void add_model_options(CLI::App& verb, ModelSources& sources) {
+  verb.add_option("--models", sources.patterns,
+                  "component model files beside those of the installed libraries; may hold * and ?")
+      ->type_name("PATTERN")
+      ->allow_extra_args(false);
+  verb.add_option("--robot-file", sources.robot_file, "a robot file whose libraries and models are known too")
+      ->type_name("FILE");
+}
+
+void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  for (const std::string& library : robot.libraries) {
+    const auto done = host::read_library_models(library, catalog);
+    if (!done) diagnostics.error("unknown-library", done.error().message, robot.where);
+  }
+  for (const std::string& pattern : robot.models)
+    add_pattern(robot.folder / pattern, robot.where, catalog, diagnostics);
+}
+
+model::ComponentCatalog load_catalog(const ModelSources& sources, Diagnostics& diagnostics) {
+  model::ComponentCatalog catalog;
+  add_installed(catalog, diagnostics);
+  for (const std::string& pattern : sources.patterns)
+    add_pattern(pattern, {}, catalog, diagnostics);
+  if (!sources.robot_file.empty()) {
+    const auto robot = model::load_robot(sources.robot_file, diagnostics);
+    if (robot) add_robot_models(*robot, catalog, diagnostics);
+  }
+  model::resolve_inheritance(catalog, diagnostics);
+  return catalog;
+}
+
+std::vector<std::filesystem::path> files_of(const model::Robot& robot, const std::string& pattern,
+                                            Diagnostics& diagnostics) {
+  auto files = glob_files(robot.folder / pattern);
+  if (files.empty()) {
+    diagnostics.warning("no-such-file",
+                        "no file matches " + quote(pattern) + " in " + quote(robot.folder.native()),
+                        robot.where);
+  }
+  return files;
+}
+
+std::optional<model::Network> load_valid_network(const std::string& file,
+                                                 const model::ComponentCatalog& catalog,
+                                                 Diagnostics& diagnostics) {
+  if (file == "-" || (file == "empty" && !std::filesystem::exists(file))) return model::Network{};
+  auto network = model::load_network(file, diagnostics);
+  if (!network) return network;
+  const Diagnostics found = model::validate(*network, catalog, model::Depth::Structure);
+  diagnostics.append(found);
+  if (found.has_errors()) return std::nullopt;
+  return network;
+}
+
+int report_failure(const Context& context, Diagnostics& diagnostics) {
+  diagnostics.sort();
+  print_diagnostics(diagnostics);
+  if (context.json()) print_json(to_value(diagnostics));
+  return kFailed;
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output.hpp"
+
+#include <segue/type/json.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+bool wants_colour() {
+  const char* refused = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
+  return (refused == nullptr || *refused == '\0') && !dumb;
+}
+
+std::string_view code_of(Colour colour) {
+  switch (colour) {
+    case Colour::Red:
+      return "31";
+    case Colour::Green:
+      return "32";
+    case Colour::Yellow:
+      return "33";
+    case Colour::Blue:
+      return "34";
+    case Colour::Bold:
+      return "1";
+    case Colour::Dim:
+      return "2";
+  }
+  return "0";
+}
+
+std::string painted(Colour colour, std::string_view text) {
+  return fmt::format("\x1b[{}m{}\x1b[0m", code_of(colour), text);
+}
+
+/// For standard error, where diagnostics go.
+std::string label(Colour colour, std::string_view text) {
+  return errors_are_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
+}
+
+/// Columns that a text takes: without escape sequences, and bytes that continue a UTF-8 character.
+std::size_t width(std::string_view text) {
+  std::size_t columns = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\x1b') {
+      i = std::min(text.find('m', i), text.size() - 1);
+    } else if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) {
+      ++columns;
+    }
+  }
+  return columns;
+}
+
+Value error_value(const Error& error) {
+  Value value = Value::map({{"code", to_string(error.code)}, {"message", error.message}});
+  if (!error.subject.empty()) value.as_map().set("subject", error.subject);
+  if (error.where.known()) value.as_map().set("where", to_string(error.where));
+  if (error.cause) value.as_map().set("cause", error_value(*error.cause));
+  return value;
+}
+
+/// A word that reads the same without quotes, within braces too. YAML 1.1's "y" is one; "true" is not.
+bool is_plain(std::string_view text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto fits = [&](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '.' || c == '/' || c == '-';
+  };
+  if (text.empty() || !is_letter(text[0]) || !std::all_of(text.begin(), text.end(), fits)) return false;
+  const auto read = type::parse_yaml(text);
+  return read && read->is_string();
+}
+
+std::string flow_text(std::string_view text) {
+  return is_plain(text) ? std::string(text) : printable(type::to_json(Value(text), -1));
+}
+
+std::string flow(const Value& value) {
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (value.is_list()) {
+    for (const Value& item : value.as_list())
+      add(flow(item));
+    return '[' + text + ']';
+  }
+  if (value.is_map()) {
+    for (const auto& [key, item] : value.as_map())
+      add(flow_text(key) + ": " + flow(item));
+    return '{' + text + '}';
+  }
+  return value.is_string() ? flow_text(value.as_string()) : readable(value);
+}
+
+std::string headline(const Error& error) {
+  std::string text = error.where.known() ? to_string(error.where) + ": " : std::string();
+  // The message often names its subject already.
+  if (!error.subject.empty() && error.message.find(error.subject) == std::string::npos) {
+    text += error.subject + ": ";
+  }
+  return printable(text + error.message);
+}
+
+}  // namespace
+
+bool output_is_terminal() {
+  return ::isatty(STDOUT_FILENO) == 1;
+}
+
+bool errors_are_terminal() {
+  return ::isatty(STDERR_FILENO) == 1;
+}
+
+std::string coloured(Colour colour, std::string_view text) {
+  return output_is_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
+}
+
+std::string printable(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool control = (byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7F;
+    result += control ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  return result;
+}
+
+void print(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+void print_line(std::string_view text) {
+  print(text);
+  std::fputc('\n', stdout);
+  std::fflush(stdout);
+}
+
+void print_json(const Value& value) {
+  print_line(type::to_json(value));
+}
+
+void print_json_line(const Value& value) {
+  print_line(type::to_json(value, -1));
+}
+
+std::string readable(const Value& value) {
+  if (value.is_string()) return printable(value.as_string());
+  std::string text = type::to_yaml(value);
+  while (!text.empty() && text.back() == '\n')
+    text.pop_back();
+  return text;
+}
+
+std::string one_line(const Value& value) {
+  return value.is_string() && value.as_string().find('\n') == std::string::npos ? printable(value.as_string())
+                                                                                : flow(value);
+}
+
+void print_error(const Context& context, const Error& error) {
+  if (context.json()) print_json(Value::map({{"error", error_value(error)}}));
+  std::fflush(stdout);
+  fmt::print(stderr, "{} {}\n", label(Colour::Red, "segue: error:"), headline(error));
+  for (const Error* cause = error.cause.get(); cause != nullptr; cause = cause->cause.get()) {
+    fmt::print(stderr, "  because: {}\n", headline(*cause));
+  }
+}
+
+void print_note(std::string_view text) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{} {}\n", label(Colour::Blue, "segue: note:"), printable(text));
+}
+
+void print_diagnostics(const Diagnostics& diagnostics) {
+  std::fflush(stdout);
+  for (const Diagnostic& item : diagnostics.items()) {
+    const bool is_error = item.severity == Severity::Error;
+    const std::string where = item.where.known() ? to_string(item.where) + ": " : std::string();
+    fmt::print(stderr, "{}{} {} [{}]\n", where,
+               label(is_error ? Colour::Red : Colour::Yellow, is_error ? "error:" : "warning:"),
+               printable(item.message), item.code);
+  }
+}
+
+Value to_value(const Diagnostics& diagnostics) {
+  Value::List list;
+  for (const Diagnostic& item : diagnostics.items()) {
+    list.push_back(Value::map({{"severity", to_string(item.severity)},
+                               {"code", item.code},
+                               {"message", item.message},
+                               {"file", item.where.file},
+                               {"line", item.where.line},
+                               {"column", item.where.column}}));
+  }
+  return Value::map({{"ok", !diagnostics.has_errors()}, {"diagnostics", std::move(list)}});
+}
+
+int exit_status(const Error& error) {
+  return error.code == ErrorCode::Unavailable ? kUnreachable : kFailed;
+}
+
+int failed(const Context& context, const Error& error) {
+  print_error(context, error);
+  return exit_status(error);
+}
+
+std::string format_seconds(double seconds) {
+  if (seconds >= 1.0) return fmt::format("{:.3g} s", seconds);
+  if (seconds >= 1e-3) return fmt::format("{:.3g} ms", seconds * 1e3);
+  return fmt::format("{:.3g} us", seconds * 1e6);
+}
+
+double number_at(const Value& map, std::string_view key) {
+  const Value* value = map.find(key);
+  return value != nullptr && value->is_number() ? value->as_double() : 0.0;
+}
+
+std::string text_at(const Value& map, std::string_view key) {
+  const Value* value = map.find(key);
+  return value != nullptr && value->is_string() ? printable(value->as_string()) : std::string();
+}
+
+const Value::List& list_at(const Value& map, std::string_view key) {
+  static const Value::List none;
+  const Value* value = map.find(key);
+  return value != nullptr && value->is_list() ? value->as_list() : none;
+}
+
+std::string Table::text() const {
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    widths.push_back(width(columns_[c].title));
+    for (const auto& row : rows_)
+      widths[c] = std::max(widths[c], width(row[c]));
+  }
+  std::string text;
+  const auto add_row = [&](const auto& cell_of) {
+    std::string line;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const std::string cell = cell_of(c);
+      const std::string padding(widths[c] - width(cell), ' ');
+      line += columns_[c].align == Align::Right ? padding + cell : cell + padding;
+      if (c + 1 < columns_.size()) line += "  ";
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+  };
+  add_row([&](std::size_t c) { return coloured(Colour::Bold, columns_[c].title); });
+  for (const auto& row : rows_)
+    add_row([&](std::size_t c) { return row[c]; });
+  return text;
+}
+
+void Progress::show(std::string_view text) {
+  if (!active_) return;
+  shown_ = true;
+  fmt::print(stderr, "\r\x1b[K{}", printable(text.substr(0, 100)));
+  std::fflush(stderr);
+}
+
+void Progress::clear() {
+  if (!shown_) return;
+  shown_ = false;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+}
+
+}  // namespace segue::cli

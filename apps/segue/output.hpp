@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/diagnostic.hpp>
+#include <segue/base/error.hpp>
+#include <segue/type/value.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command.hpp"
+
+/// What people and tools read: results on standard output, diagnostics and progress on standard error.
+namespace segue::cli {
+
+enum class Colour { Red, Green, Yellow, Blue, Bold, Dim };
+
+/// `text` in that colour if standard output is a terminal and NO_COLOR is not set, else as it is.
+std::string coloured(Colour colour, std::string_view text);
+bool output_is_terminal();
+bool errors_are_terminal();
+
+/// Text that others wrote, with control characters made harmless for a terminal.
+std::string printable(std::string_view text);
+
+void print(std::string_view text);       ///< as it is
+void print_line(std::string_view text);  ///< with a line end, flushed
+void print_json(const type::Value& value);
+/// One value a line, flushed: for streams.
+void print_json_line(const type::Value& value);
+/// A value for people: scalars in a line, the rest as YAML.
+std::string readable(const type::Value& value);
+/// A value for people in one line, whatever its size: YAML in flow style.
+std::string one_line(const type::Value& value);
+
+/// "segue: error: ..." and its causes, on standard error. In JSON also {"error": {...}} on standard output.
+void print_error(const Context& context, const Error& error);
+void print_note(std::string_view text);
+void print_diagnostics(const Diagnostics& diagnostics);
+type::Value to_value(const Diagnostics& diagnostics);
+
+/// kUnreachable for Unavailable, else kFailed.
+int exit_status(const Error& error);
+/// print_error() and exit_status().
+int failed(const Context& context, const Error& error);
+
+/// "1.25 ms", "3.2 s": three digits, for tables.
+std::string format_seconds(double seconds);
+/// The number at `key` of a map, 0 where there is none; likewise text.
+double number_at(const type::Value& map, std::string_view key);
+std::string text_at(const type::Value& map, std::string_view key);
+const type::Value::List& list_at(const type::Value& map, std::string_view key);
+
+/// Columns as wide as their widest cell. Colours of cells do not count.
+class Table {
+ public:
+  enum class Align { Left, Right };
+  struct Column {
+    std::string title;
+    Align align = Align::Left;
+  };
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  void add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// One line on standard error that is written over; nothing unless that is a terminal.
+class Progress {
+ public:
+  Progress() : active_(errors_are_terminal()) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  [[nodiscard]] bool active() const { return active_; }
+  void show(std::string_view text);
+  void clear();
+
+ private:
+  bool active_;
+  bool shown_ = false;
+};
+
+}  // namespace segue::cli

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+constexpr std::size_t kBuffer = 1000;
+constexpr std::size_t kBatch = 100;
+constexpr Duration kPollInterval = std::chrono::milliseconds(5);
+
+struct Options {
+  std::string port;
+  std::size_t count = 0;  ///< 0: not given
+  bool follow = false;
+  Duration length{0};  ///< --for; 0: not given
+  Duration timeout = std::chrono::seconds(5);
+};
+
+void print_sample(const Value& sample, const Context& context) {
+  if (context.json()) return print_json_line(sample);
+  print_line(one_line(sample));
+}
+
+/// How many samples to print, and until when.
+class Limit {
+ public:
+  explicit Limit(const Options& options)
+      : count_(options.count > 0                                ? options.count
+               : options.follow || options.length > Duration(0) ? SIZE_MAX
+                                                                : 1) {
+    if (options.length > Duration(0)) end_ = deadline_in(options.length);
+  }
+  [[nodiscard]] bool reached() const { return count_ == 0 || (end_ && RealClock::instance().now() >= *end_); }
+  /// Whether an end is known by the clock, so that silence until then is no failure.
+  [[nodiscard]] bool is_timed() const { return end_.has_value(); }
+  [[nodiscard]] std::size_t left() const { return std::min(count_, kBatch); }
+  void printed() { --count_; }
+
+ private:
+  std::size_t count_;
+  std::optional<TimePoint> end_;
+};
+
+int read_samples(control::SampleStream& stream, const Options& options, const Context& context) {
+  Limit limit(options);
+  const TimePoint patience = deadline_in(options.timeout);
+  bool any = false;
+  while (!limit.reached()) {
+    const auto samples = stream.read(limit.left());
+    if (!samples) return failed(context, samples.error());
+    for (const Value& sample : *samples) {
+      print_sample(sample, context);
+      limit.printed();
+    }
+    any |= !samples->empty();
+    if (!samples->empty()) continue;
+    if (!any && !options.follow && !limit.is_timed() && RealClock::instance().now() > patience) {
+      return failed(
+          context, fail(ErrorCode::DeadlineExceeded,
+                        fmt::format("no sample came from {} within {}; does its task run? See `segue status`",
+                                    quote(options.port), format_duration(options.timeout))));
+    }
+    RealClock::instance().sleep_until(deadline_in(kPollInterval));
+  }
+  return kDone;
+}
+
+int read(control::RobotService& robot, const Options& options, const Context& context) {
+  const auto address = resolve(robot, options.port, "PORT");
+  if (!address) return failed(context, address.error());
+  const auto stream = robot.open_port(address->task, address->member, kBuffer);
+  if (!stream) return failed(context, stream.error());
+  return read_samples(**stream, options, context);
+}
+
+}  // namespace
+
+void add_read(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "read", "the samples of an output port",
+                            "  segue read odometry.pose\n  segue read odometry.pose --follow\n"
+                            "  segue read laser.scan --count 10 --format json",
+                            [options, &context] {
+                              return with_robot(context, [&](control::RobotService& robot) {
+                                return read(robot, *options, context);
+                              });
+                            });
+  verb->add_option("TASK.PORT", options->port, "an output port of a running task")->required()->type_name("");
+  verb->add_option("-n,--count", options->count, "how many samples (default 1)")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber.description(""));
+  verb->add_flag("-f,--follow", options->follow, "until Ctrl-C");
+  add_duration(*verb, "--for", options->length, "all samples of so long");
+  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the first sample (default 5s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

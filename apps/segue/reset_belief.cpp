@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+int reset_belief(control::RobotService& robot, const Context& context) {
+  const auto done = robot.reset_belief();
+  if (!done) return failed(context, done.error());
+  if (context.json()) {
+    print_json(type::Value::map({{"outcome", "done"}}));
+  } else {
+    print_line("the belief is now what is observed; `segue status` shows it");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_reset_belief(CLI::App& app, Context& context) {
+  CLI::App* verb =
+      add_verb(app, context, "reset-belief", "believe what is observed, after the tasks were changed by hand",
+               "  segue reset-belief && segue status", [&context] {
+                 return with_robot(
+                     context, [&](control::RobotService& robot) { return reset_belief(robot, context); });
+               });
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

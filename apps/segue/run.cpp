@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/server.hpp>
+#include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/report.hpp>
+#include <segue/runtime/robot_service.hpp>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <future>
+#include <memory>
+#include <thread>
+
+#include "connection.hpp"
+#include "event_text.hpp"
+#include "models.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+#include "switch_text.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using runtime::EmbeddedRobot;
+
+struct Options {
+  std::string file;
+  std::string controller;
+  std::string stand_ins;
+  bool stand_in = false;
+  bool in_process = false;
+  bool verbose = false;
+  std::string log_level = std::string(to_string(LogLevel::Info));
+  Duration length{0};
+};
+
+constexpr std::array kLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
+
+std::vector<std::string> level_names() {
+  std::vector<std::string> names;
+  for (const LogLevel level : kLevels)
+    names.emplace_back(to_string(level));
+  return names;
+}
+
+LogLevel level_of(const std::string& name) {
+  const auto found =
+      std::find_if(kLevels.begin(), kLevels.end(), [&](LogLevel level) { return to_string(level) == name; });
+  return found == kLevels.end() ? LogLevel::Info : *found;
+}
+
+/// Prints what the runtime does, from a thread of its own.
+class EventPrinter {
+ public:
+  EventPrinter(runtime::Runtime& runtime, const Context& context, bool verbose)
+      : runtime_(runtime), context_(context), verbose_(verbose), thread_([this] { run(); }) {}
+  /// Prints what is left, then ends.
+  ~EventPrinter() {
+    ended_ = true;
+    thread_.join();
+    print_new({});
+  }
+  EventPrinter(const EventPrinter&) = delete;
+  EventPrinter& operator=(const EventPrinter&) = delete;
+
+ private:
+  void run() {
+    while (!ended_)
+      print_new(std::chrono::milliseconds(50));
+  }
+
+  void print_new(Duration wait) {
+    for (const runtime::Event& event : runtime_.events(last_, wait)) {
+      last_ = event.number;
+      show(event);
+    }
+  }
+
+  void show(const runtime::Event& event) {
+    const bool is_action = event.kind == runtime::EventKind::ActionDone;
+    actions_ = is_action ? actions_ + 1 : 0;
+    if (context_.json()) return print_json_line(runtime::to_value(event));
+    if (is_action && !verbose_)
+      return progress_.show(fmt::format("{} actions done: {}", actions_, event.subject));
+    progress_.clear();
+    print_line(event_line(runtime::to_value(event)));
+  }
+
+  runtime::Runtime& runtime_;
+  const Context& context_;
+  bool verbose_;
+  std::uint64_t last_ = 0;
+  int actions_ = 0;
+  Progress progress_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+/// Text for people only; in JSON every line is an event.
+void announce(const Context& context, const std::string& text) {
+  if (!context.json()) print_line(text);
+}
+
+int explain_outcome(const runtime::SwitchResult& result) {
+  if (result.outcome == runtime::Outcome::Done) return kDone;
+  print_diagnostics(result.diagnostics);
+  Error error = fail(ErrorCode::Internal, "the switch to " + quote(result.to.str()) + " was " +
+                                              std::string(to_string(result.outcome)));
+  if (result.error) error = *result.error;
+  print_error({}, error);
+  return kFailed;
+}
+
+/// A controller that is not there is told before anything starts.
+Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runtime,
+                              const std::string& name) {
+  if (name.empty() || runtime.controller(model::NetworkName(name))) return {};
+  std::vector<std::string> names;
+  for (const auto& known : runtime.controllers())
+    names.push_back(known.str());
+  return fail(ErrorCode::NotFound,
+              fmt::format("robot {} has no controller {}{}; it has {}", quote(robot.robot().name),
+                          quote(name), did_you_mean(name, names), names.empty() ? "none" : listed(names)));
+}
+
+/// The controller, then until there is a reason to end.
+int operate(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const Context& context) {
+  std::optional<TimePoint> end;
+  if (options.length > Duration(0)) end = deadline_in(options.length);
+  if (!options.controller.empty()) {
+    const int status = explain_outcome(robot.switch_to(options.controller));
+    if (status != kDone) return status;
+  }
+  const auto reason = stop.wait(end);
+  announce(context, reason ? *reason + "; stopping in order" : "time is up; stopping in order");
+  return kDone;
+}
+
+int shut_down(EmbeddedRobot& robot) {
+  const auto result = robot.shut_down();
+  return explain_outcome(result);
+}
+
+int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const Context& context) {
+  runtime::Runtime& runtime = robot.runtime();
+  if (const auto known = check_controller(robot, runtime, options.controller); !known) {
+    return failed(context, known.error());
+  }
+  const auto socket = control::socket_path(robot.robot().name);
+  if (!socket) return failed(context, socket.error());
+  runtime::RuntimeService service(runtime, [&stop] { stop.request("asked to end"); });
+  const auto server = control::Server::listen(*socket, service);
+  if (!server) return failed(context, server.error());
+  const EventPrinter printer(runtime, context, options.verbose);
+  announce(context,
+           fmt::format("robot {} runs (pid {}); Ctrl-C stops it in order, `segue status` looks at it",
+                       robot.robot().name, ::getpid()));
+  const int operated = operate(robot, options, stop, context);
+  const int ended = shut_down(robot);
+  return operated == kDone ? ended : operated;
+}
+
+int run(const Options& options, const Context& context) {
+  set_log_level(level_of(options.log_level));
+  StopSignal stop;
+  Diagnostics diagnostics;
+  runtime::EmbeddedOptions embedded;
+  embedded.stand_in = options.stand_in || !options.stand_ins.empty();
+  embedded.stand_ins = options.stand_ins;
+  const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
+  if (!robot) return report_failure(context, diagnostics);
+  print_diagnostics(diagnostics);
+  const int status = serve(*robot, options, stop, context);
+  if (status == kDone) announce(context, "the robot is stopped");
+  return status;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      app, context, "run", "start a robot's runtime; Ctrl-C stops it in order",
+      "  segue run robot.yaml --controller explore\n"
+      "  segue run --stand-in robot.yaml     # without the components of the real robot\n\n"
+      "All tasks live in this one process. SIGINT (Ctrl-C) and SIGTERM stop every task in order; a second\n"
+      "one ends at once with status 130. With `--format json` every event is a line of JSON.",
+      [options, &context] { return run(*options, context); });
+  verb->add_option("ROBOT", options->file, "the robot file")->required()->type_name("");
+  verb->add_option("--controller", options->controller, "request this controller at once")->type_name("NAME");
+  verb->add_flag("--stand-in", options->stand_in, "a stand-in for every component that is not installed");
+  verb->add_option("--stand-ins", options->stand_ins,
+                   "a file that says how stand-ins behave; implies --stand-in")
+      ->type_name("FILE");
+  verb->add_flag("--in-process", options->in_process,
+                 "all tasks in one process, whatever the network's deployments say; always so for now");
+  add_duration(*verb, "--for", options->length, "end by itself after so long");
+  verb->add_flag("-v,--verbose", options->verbose, "also print every action");
+  verb->add_option("--log-level", options->log_level,
+                   "debug, info (default), warning or error: what tasks log on standard error")
+      ->type_name("LEVEL")
+      ->check(CLI::IsMember(level_names()).description(""));
+}
+
+}  // namespace segue::cli

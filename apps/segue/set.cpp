@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+struct Options {
+  std::string assignment;
+  Duration timeout = std::chrono::seconds(10);
+};
+
+/// The present value, for the report.
+std::string present_value(control::RobotService& robot, const Address& address) {
+  const auto task = robot.task(address.task);
+  const Value* value = task ? task->find("properties") : nullptr;
+  std::string_view path = address.member;
+  while (value != nullptr && !path.empty()) {
+    const auto dot = path.find('.');
+    value = value->find(path.substr(0, dot));
+    path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
+  }
+  return value == nullptr ? std::string() : type::describe(*value);
+}
+
+int set(control::RobotService& robot, const Options& options, const Context& context) {
+  const auto equals = options.assignment.find('=');
+  const auto value = type::parse_yaml(options.assignment.substr(equals + 1), "the value");
+  if (!value) return failed(context, value.error());
+  const auto address = resolve(robot, options.assignment.substr(0, equals), "PROPERTY");
+  if (!address) return failed(context, address.error());
+  const std::string before = present_value(robot, *address);
+  const auto done = robot.set_property(address->task, address->member, *value, deadline_in(options.timeout));
+  if (!done) return failed(context, done.error());
+  if (context.json()) {
+    print_json(Value::map({{"task", address->task}, {"property", address->member}, {"value", *value}}));
+  } else {
+    print_line(fmt::format("{}.{} = {}{}", address->task, address->member, type::describe(*value),
+                           before.empty() ? "" : " (was " + before + ")"));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_set(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      app, context, "set", "change a property of a task",
+      "  segue set drive.max_speed=0.4\n  segue set 'seeker.goal={x: 1.0, y: 2.0}'", [options, &context] {
+        return with_robot(context,
+                          [&](control::RobotService& robot) { return set(robot, *options, context); });
+      });
+  verb->add_option("ASSIGNMENT", options->assignment,
+                   "the property (a.b for a part of it) and its value as YAML")
+      ->required()
+      ->type_name("TASK.PROPERTY=VALUE")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text.find('=') == std::string::npos ? "write TASK.PROPERTY=VALUE" : std::string();
+          },
+          ""));
+  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the task (default 10s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "connection.hpp"
+#include "task_table.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+std::string heading(const Value& status) {
+  const std::string controller = text_at(status, "controller");
+  return fmt::format(
+      "robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
+      number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
+      controller.empty() ? "the empty network" : "controller " + coloured(Colour::Green, controller),
+      text_at(status, "state"));
+}
+
+std::string others(const Value& status) {
+  auto names = controller_names(status);
+  std::erase(names, text_at(status, "controller"));
+  return names.empty() ? std::string() : fmt::format("can switch to: {}\n", printable(listed(names)));
+}
+
+std::string connections_text(const Value& status) {
+  Table table({{"FROM"},
+               {"TO"},
+               {"POLICY"},
+               {"WRITTEN", Table::Align::Right},
+               {"READ", Table::Align::Right},
+               {"DROPPED", Table::Align::Right}});
+  for (const Value& connection : list_at(status, "connections")) {
+    table.add({text_at(connection, "from"), text_at(connection, "to"), text_at(connection, "policy"),
+               fmt::format("{}", number_at(connection, "written")),
+               fmt::format("{}", number_at(connection, "read")),
+               fmt::format("{}", number_at(connection, "dropped"))});
+  }
+  return list_at(status, "connections").empty() ? std::string() : '\n' + table.text();
+}
+
+int show(control::RobotService& robot, const Context& context) {
+  const auto status = robot.status();
+  if (!status) return failed(context, status.error());
+  if (context.json()) {
+    print_json(*status);
+    return kDone;
+  }
+  print(heading(*status) + others(*status));
+  if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
+  print(connections_text(*status));
+  for (const Value& difference : list_at(*status, "differences")) {
+    if (difference.is_string())
+      print(coloured(Colour::Yellow, "differs: ") + printable(difference.as_string()) + '\n');
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, Context& context) {
+  CLI::App* verb = add_verb(
+      app, context, "status", "what a running robot does", "  segue status\n  segue status --format json",
+      [&context] {
+        return with_robot(context, [&](control::RobotService& robot) { return show(robot, context); });
+      });
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stop_signal.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdint>
+
+namespace segue::cli {
+
+namespace {
+
+constexpr int kEndedBySignal = 130;
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+}  // namespace
+
+StopSignal::StopSignal() : wake_(::eventfd(0, EFD_CLOEXEC)) {
+  const sigset_t signals = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  thread_ = std::thread([this] { listen(); });
+}
+
+StopSignal::~StopSignal() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
+  thread_.join();
+  ::close(wake_);
+}
+
+void StopSignal::listen() {
+  const sigset_t signals = stop_signals();
+  const int descriptor = ::signalfd(-1, &signals, SFD_CLOEXEC);
+  std::array<pollfd, 2> waited = {{{descriptor, POLLIN, 0}, {wake_, POLLIN, 0}}};
+  for (;;) {
+    if (::poll(waited.data(), waited.size(), -1) < 0) continue;
+    if (waited[1].revents != 0) break;
+    signalfd_siginfo signal{};
+    if (::read(descriptor, &signal, sizeof signal) != sizeof signal) continue;
+    if (requested()) ::_exit(kEndedBySignal);
+    request(signal.ssi_signo == SIGINT ? "interrupted" : "terminated");
+  }
+  ::close(descriptor);
+}
+
+void StopSignal::request(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (!reason_) reason_ = reason;
+  changed_.notify_all();
+}
+
+bool StopSignal::requested() {
+  const std::lock_guard lock(mutex_);
+  return reason_.has_value();
+}
+
+std::optional<std::string> StopSignal::wait(std::optional<TimePoint> deadline) {
+  std::unique_lock lock(mutex_);
+  const auto stopped = [this] { return reason_.has_value(); };
+  if (deadline) {
+    changed_.wait_until(lock, *deadline, stopped);
+  } else {
+    changed_.wait(lock, stopped);
+  }
+  return reason_;
+}
+
+}  // namespace segue::cli

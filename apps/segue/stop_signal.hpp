@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace segue::cli {
+
+/// SIGINT and SIGTERM as something that can be waited for. The first asks to end; a second ends the process
+/// at once with status 130. Make one before any other thread, since it blocks the signals for all of them.
+class StopSignal {
+ public:
+  StopSignal();
+  ~StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+
+  /// From any thread: as if a signal had come.
+  void request(const std::string& reason);
+  /// Why to end; waits until `deadline`, or for ever.
+  std::optional<std::string> wait(std::optional<TimePoint> deadline);
+  [[nodiscard]] bool requested();
+
+ private:
+  void listen();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::string> reason_;
+  int wake_ = -1;
+  std::thread thread_;
+};
+
+}  // namespace segue::cli

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "connection.hpp"
+#include "switch_text.hpp"
+#include "transition_text.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+struct Options {
+  std::string controller;
+  std::string transition;  ///< a file; empty: to the controller
+  std::string order;
+  bool dry_run = false;
+  bool wait = true;
+  Duration timeout = std::chrono::seconds(60);
+};
+
+/// Shows what the robot does meanwhile, through a connection of its own. Nothing where nobody watches.
+class Watcher {
+ public:
+  explicit Watcher(const Context& context) {
+    if (context.json() || !progress_.active()) return;
+    auto socket = control::socket_path(context.robot);
+    auto robot =
+        socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
+    if (robot) thread_ = std::thread([this, connection = std::move(*robot)] { watch(*connection); });
+  }
+  ~Watcher() {
+    ended_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  Watcher(const Watcher&) = delete;
+  Watcher& operator=(const Watcher&) = delete;
+
+ private:
+  void watch(control::RobotService& robot) {
+    std::uint64_t last = last_number(robot.events(0, {}));
+    int done = 0;
+    while (!ended_) {
+      const auto events = robot.events(last, std::chrono::milliseconds(100));
+      if (!events || !events->is_list()) return;
+      for (const Value& event : events->as_list()) {
+        last = static_cast<std::uint64_t>(number_at(event, "number"));
+        done += text_at(event, "kind") == "action_done" ? 1 : 0;
+        progress_.show(fmt::format("{} actions done: {}", done, text_at(event, "subject")));
+      }
+    }
+  }
+
+  static std::uint64_t last_number(const Result<Value>& events) {
+    if (!events || !events->is_list() || events->as_list().empty()) return 0;
+    return static_cast<std::uint64_t>(number_at(events->as_list().back(), "number"));
+  }
+
+  Progress progress_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+int show_plan(const Value& transition, const Context& context) {
+  if (context.json()) {
+    print_json(transition);
+  } else {
+    print(describe_transition(transition));
+  }
+  return kDone;
+}
+
+int show_requested(const Options& options, const Context& context) {
+  const bool by_file = !options.transition.empty();
+  const std::string& what = by_file ? options.transition : options.controller;
+  if (context.json()) {
+    print_json(Value::map({{"outcome", "requested"}, {by_file ? "transition" : "to", what}}));
+  } else {
+    print_line("requested " + what + "; `segue status` tells how it goes");
+  }
+  return kDone;
+}
+
+/// An unknown name is the likeliest mistake, and the robot's list the best help.
+void suggest(control::RobotService& robot, const std::string& controller) {
+  const auto status = robot.status();
+  if (!status) return;
+  const auto names = controller_names(*status);
+  const bool known = controller.empty() || std::find(names.begin(), names.end(), controller) != names.end();
+  if (!known) print_note(names.empty() ? "the robot has no controllers" : "the robot has " + listed(names));
+}
+
+Result<Value> request(control::RobotService& robot, const Options& options) {
+  const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
+  if (options.transition.empty()) {
+    return robot.switch_to(options.controller, options.dry_run, options.order, deadline);
+  }
+  const auto text = read_file(options.transition);
+  if (!text) return text.error();
+  return robot.apply_transition(*text, options.transition, deadline);
+}
+
+int switch_robot(control::RobotService& robot, const Options& options, const Context& context) {
+  Result<Value> answer;
+  {
+    const Watcher watcher(context);
+    answer = request(robot, options);
+  }
+  const bool only_late = !answer && answer.error().code == ErrorCode::DeadlineExceeded;
+  if (!options.wait && only_late) return show_requested(options, context);
+  if (answer && options.dry_run) return show_plan(*answer, context);
+  const int status = answer ? show_outcome(*answer, context) : failed(context, answer.error());
+  if (status == kFailed && options.transition.empty()) suggest(robot, options.controller);
+  return status;
+}
+
+}  // namespace
+
+void add_switch(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      app, context, "switch", "request a controller of a running robot",
+      "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"
+      "  segue switch --transition t.yaml  # carry out a transition file",
+      [options, &context] {
+        return with_robot(
+            context, [&](control::RobotService& robot) { return switch_robot(robot, *options, context); });
+      });
+  CLI::Option* name =
+      verb->add_option("NAME", options->controller, "the controller; \"\" is the empty network")
+          ->type_name("");
+  CLI::Option* file =
+      verb->add_option("--transition", options->transition, "instead of NAME: carry out this transition file")
+          ->type_name("FILE")
+          ->excludes(name);
+  verb->add_flag("--dry-run", options->dry_run, "show the transition, do nothing")->excludes(file);
+  add_order_option(*verb, options->order)->excludes(file);
+  verb->parse_complete_callback([name, file] {
+    if (name->count() + file->count() == 0) throw CLI::RequiredError("NAME or --transition FILE");
+  });
+  verb->add_flag("--wait,!--no-wait", options->wait,
+                 "wait for the outcome (default); --no-wait returns once it is requested");
+  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the outcome (default 60s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

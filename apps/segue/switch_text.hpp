@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/type/value.hpp>
+
+#include "command.hpp"
+
+namespace segue::cli {
+
+/// Prints the JSON of `switch` or its text; kDone where the outcome is done, else kFailed.
+int show_outcome(const type::Value& result, const Context& context);
+
+/// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"
+std::string outcome_line(const type::Value& result);
+
+}  // namespace segue::cli

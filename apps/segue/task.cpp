@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/type/yaml.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+std::string ports_text(const Value& task) {
+  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"WHAT IT IS"}});
+  for (const Value& port : list_at(task, "ports")) {
+    table.add(
+        {text_at(port, "name"), text_at(port, "direction"), text_at(port, "type"), text_at(port, "doc")});
+  }
+  return list_at(task, "ports").empty() ? std::string() : '\n' + table.text();
+}
+
+std::string operations_text(const Value& task) {
+  Table table({{"OPERATION"}, {"RESULT"}, {"WHAT IT DOES"}});
+  for (const Value& operation : list_at(task, "operations")) {
+    std::string arguments;
+    for (const Value& argument : list_at(operation, "arguments")) {
+      arguments +=
+          (arguments.empty() ? "" : ", ") + text_at(argument, "name") + ": " + text_at(argument, "type");
+    }
+    const std::string result = text_at(operation, "result");
+    table.add({fmt::format("{}({})", text_at(operation, "name"), arguments), result.empty() ? "-" : result,
+               text_at(operation, "doc")});
+  }
+  return list_at(task, "operations").empty() ? std::string() : '\n' + table.text();
+}
+
+std::string timing_text(const Value& task) {
+  const Value* timing = task.find("timing");
+  if (timing == nullptr || number_at(*timing, "cycles") == 0) return {};
+  const auto micros = [&](std::string_view key) { return format_seconds(number_at(*timing, key) * 1e-6); };
+  return fmt::format("cycles {}, missed {}; update mean {}, worst {}; latency mean {}, worst {}; cpu {}\n",
+                     number_at(*timing, "cycles"), number_at(*timing, "missed"), micros("mean_us"),
+                     micros("worst_us"), micros("latency_mean_us"), micros("latency_worst_us"),
+                     micros("cpu_us"));
+}
+
+/// "name: value"; what does not fit into a line is indented below.
+std::string property_text(const std::string& name, const Value& value) {
+  const std::string text = value.is_string() ? '\'' + readable(value) + '\'' : readable(value);
+  if (text.find('\n') == std::string::npos) return fmt::format("  {}: {}\n", name, text);
+  std::string lines = fmt::format("  {}:\n    ", name);
+  for (const char c : text)
+    lines += c == '\n' ? std::string("\n    ") : std::string(1, c);
+  return lines + '\n';
+}
+
+std::string properties_text(const Value& task) {
+  const Value* properties = task.find("properties");
+  if (properties == nullptr || !properties->is_map() || properties->as_map().empty()) return {};
+  std::string text = '\n' + coloured(Colour::Bold, "PROPERTIES") + '\n';
+  for (const auto& [name, value] : properties->as_map())
+    text += property_text(name, value);
+  return text;
+}
+
+int show(control::RobotService& robot, const std::string& id, const Context& context) {
+  const auto task = robot.task(id);
+  if (!task) return failed(context, task.error());
+  if (context.json()) {
+    print_json(*task);
+    return kDone;
+  }
+  print(fmt::format("{}: {}, {}\n", coloured(Colour::Bold, text_at(*task, "id")), text_at(*task, "component"),
+                    text_at(*task, "state_name")));
+  const std::string error = text_at(*task, "error");
+  if (!error.empty()) print(coloured(Colour::Red, "error: ") + error + '\n');
+  print(timing_text(*task) + ports_text(*task) + properties_text(*task) + operations_text(*task));
+  return kDone;
+}
+
+}  // namespace
+
+void add_task(CLI::App& app, Context& context) {
+  const auto id = std::make_shared<std::string>();
+  CLI::App* verb = add_verb(
+      app, context, "task", "one task: state, ports, properties, operations, timing", "  segue task drive",
+      [id, &context] {
+        return with_robot(context, [&](control::RobotService& robot) { return show(robot, *id, context); });
+      });
+  verb->add_option("TASK", *id, "the task's id")->required()->type_name("");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

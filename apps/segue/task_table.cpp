@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "task_table.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+/// The state, and the named sub-state where there is one.
+std::string state_cell(const Value& task) {
+  const std::string state = text_at(task, "state");
+  const std::string name = text_at(task, "state_name");
+  const bool is_error = state == "run_time_error" || state == "exception" || state == "fatal";
+  const Colour colour = is_error ? Colour::Red : state == "running" ? Colour::Green : Colour::Yellow;
+  const std::string text = name.empty() || name == state ? state : fmt::format("{} ({})", state, name);
+  return coloured(colour, text);
+}
+
+std::string micros(const Value& task, std::string_view key) {
+  const double value = number_at(task, key);
+  return value > 0 ? format_seconds(value * 1e-6) : std::string("-");
+}
+
+std::vector<std::string> cells(const Value& task, bool with_cpu) {
+  const Value* stand_in = task.find("stand_in");
+  const bool is_stand_in = stand_in != nullptr && stand_in->is_bool() && stand_in->as_bool();
+  std::vector<std::string> row = {
+      text_at(task, "id"),        text_at(task, "component") + (is_stand_in ? " (stand-in)" : ""),
+      state_cell(task),           fmt::format("{}", number_at(task, "cycles")),
+      micros(task, "cycle_us"),   micros(task, "worst_us"),
+      micros(task, "latency_us"), fmt::format("{}", number_at(task, "missed"))};
+  if (with_cpu) row.push_back(micros(task, "cpu_us"));
+  return row;
+}
+
+/// Below the table: they are longer than any cell.
+std::string errors_text(const Value::List& tasks) {
+  std::string text;
+  for (const Value& task : tasks) {
+    const std::string error = text_at(task, "error");
+    if (!error.empty())
+      text += fmt::format("{} {}\n", coloured(Colour::Red, text_at(task, "id") + ':'), error);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string task_table(const Value& status, bool with_cpu) {
+  using Align = Table::Align;
+  const auto& tasks = list_at(status, "tasks");
+  std::vector<Table::Column> columns = {{"TASK"},
+                                        {"COMPONENT"},
+                                        {"STATE"},
+                                        {"CYCLES", Align::Right},
+                                        {"MEAN", Align::Right},
+                                        {"WORST", Align::Right},
+                                        {"LATENCY", Align::Right},
+                                        {"MISSED", Align::Right}};
+  if (with_cpu) columns.push_back({"CPU", Align::Right});
+  Table table(std::move(columns));
+  for (const Value& task : tasks)
+    table.add(cells(task, with_cpu));
+  return table.text() + errors_text(tasks);
+}
+
+}  // namespace segue::cli

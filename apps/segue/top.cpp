@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "connection.hpp"
+#include "task_table.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+constexpr std::string_view kClear = "\x1b[H\x1b[2J";
+
+struct Options {
+  bool once = false;
+  Duration interval = std::chrono::seconds(1);
+};
+
+std::string page(const Value& status) {
+  const std::string controller = text_at(status, "controller");
+  return fmt::format("{}: {}, {}; up {}; {} tasks, {} connections\n\n{}",
+                     coloured(Colour::Bold, text_at(status, "robot")),
+                     controller.empty() ? "the empty network" : controller, text_at(status, "state"),
+                     format_seconds(number_at(status, "uptime_s")), list_at(status, "tasks").size(),
+                     list_at(status, "connections").size(), task_table(status, true));
+}
+
+/// A runtime whose status has no processor times has them in each task's own report.
+void add_processor_times(control::RobotService& robot, Value& status) {
+  Value* tasks = status.is_map() ? status.as_map().find("tasks") : nullptr;
+  if (tasks == nullptr || !tasks->is_list()) return;
+  for (Value& task : tasks->as_list()) {
+    if (task.find("cpu_us") != nullptr) continue;
+    const auto report = robot.task(text_at(task, "id"));  // may have gone since
+    const Value* timing = report ? report->find("timing") : nullptr;
+    if (timing != nullptr && task.is_map()) task.as_map().set("cpu_us", number_at(*timing, "cpu_us"));
+  }
+}
+
+int top(control::RobotService& robot, const Options& options, const Context& context) {
+  const bool once = options.once || context.json() || !output_is_terminal();
+  for (;;) {
+    auto status = robot.status();
+    if (!status) return failed(context, status.error());
+    add_processor_times(robot, *status);
+    if (context.json()) {
+      print_json(*status);
+    } else {
+      print((once ? std::string() : std::string(kClear)) + page(*status));
+    }
+    if (once) return kDone;
+    print_line(coloured(Colour::Dim, "Ctrl-C ends"));
+    RealClock::instance().sleep_until(deadline_in(options.interval));
+  }
+}
+
+}  // namespace
+
+void add_top(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "top", "the timing of all tasks, again and again",
+                            "  segue top\n  segue top --once", [options, &context] {
+                              return with_robot(context, [&](control::RobotService& robot) {
+                                return top(robot, *options, context);
+                              });
+                            });
+  verb->add_flag("--once", options->once, "print once and end; so it does where the output is no terminal");
+  add_duration(*verb, "--interval", options->interval, "time between refreshes (default 1s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

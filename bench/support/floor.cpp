@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "floor.hpp"
+
+#include <linux/futex.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <climits>
+#include <memory>
+#include <thread>
+#include <vector>
+
+namespace bench {
+namespace {
+
+/// A word to sleep on.
+struct alignas(64) Seat {
+  std::atomic<std::uint32_t> word{0};
+
+  void wait(std::uint32_t old) {
+    while (word.load(std::memory_order_acquire) == old) {
+      ::syscall(SYS_futex, &word, FUTEX_WAIT_PRIVATE, old, nullptr, nullptr, 0);
+    }
+  }
+  void hand_over(std::uint32_t value) {
+    word.store(value, std::memory_order_release);
+    ::syscall(SYS_futex, &word, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);
+  }
+};
+
+}  // namespace
+
+bool pin_to(int cpu) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return ::pthread_setaffinity_np(::pthread_self(), sizeof set, &set) == 0;
+}
+
+Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cpu) {
+  auto seats = std::make_unique<Seat[]>(hops);
+  std::vector<Duration> durations(repeats);
+  std::atomic<std::size_t> arrived{0};
+  segue::TimePoint begin;
+  auto relay = [&](std::size_t seat) {
+    if (cpu) pin_to(*cpu);
+    for (std::size_t round = 0; round < repeats; ++round) {
+      seats[seat].wait(static_cast<std::uint32_t>(round));
+      if (seat + 1 < hops) {
+        seats[seat + 1].hand_over(static_cast<std::uint32_t>(round + 1));
+      } else {
+        durations[round] = segue::RealClock::instance().now() - begin;
+        arrived.store(round + 1, std::memory_order_release);
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < hops; ++i)
+    threads.emplace_back(relay, i);
+  if (cpu) pin_to(*cpu);
+  for (std::size_t round = 0; round < repeats; ++round) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // until everybody sleeps
+    begin = segue::RealClock::instance().now();
+    seats[0].hand_over(static_cast<std::uint32_t>(round + 1));
+    while (arrived.load(std::memory_order_acquire) <= round)
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  return summarise(std::move(durations));
+}
+
+Summary bare_thread(std::size_t repeats) {
+  return measure(repeats, [] { std::thread([] {}).join(); });
+}
+
+}  // namespace bench

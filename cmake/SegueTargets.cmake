@@ -1,0 +1,112 @@
+# Targets of the project: one function per kind, so that every folder states only what is its own.
+include_guard()
+
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# Aggregates: what users run; what `make bench` measures; what runs under thread sanitizer; the fuzzers.
+add_custom_target(product)
+add_custom_target(benchmarks)
+add_custom_target(concurrency_tests)
+add_custom_target(fuzzers)
+
+find_program(SEGUE_CCACHE ccache)
+if(SEGUE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SEGUE_CCACHE})
+endif()
+
+# What every target of ours is compiled with.
+add_library(segue_flags INTERFACE)
+target_compile_features(segue_flags INTERFACE cxx_std_20)
+target_compile_options(segue_flags INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # False alarms in std::string's operator+ when it is inlined (gcc bug 105651).
+  target_compile_options(segue_flags INTERFACE -Wno-restrict)
+endif()
+if(SEGUE_WERROR)
+  target_compile_options(segue_flags INTERFACE -Werror)
+endif()
+if(SEGUE_SANITIZE)
+  target_compile_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE} -fno-omit-frame-pointer)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # With the sanitizers' code in between, gcc sees unset variables where there are none.
+    target_compile_options(segue_flags INTERFACE -Wno-maybe-uninitialized)
+  endif()
+  target_link_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE})
+endif()
+
+# segue_folder(NAME SOURCES ... DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
+# The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
+# made at configure time; what it may include beyond that comes from the folders it DEPENDS on.
+function(segue_folder NAME)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  # One tree for all presets: the same include path everywhere keeps compiler caches useful.
+  set(view ${CMAKE_SOURCE_DIR}/build/include/${NAME})
+  file(MAKE_DIRECTORY ${view}/segue)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${view}/segue/${NAME} SYMBOLIC)
+
+  add_library(segue_${NAME} SHARED ${ARG_SOURCES})
+  add_library(segue::${NAME} ALIAS segue_${NAME})
+  target_include_directories(segue_${NAME} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:include>)
+  list(TRANSFORM ARG_DEPENDS PREPEND segue::)
+  target_link_libraries(segue_${NAME} PUBLIC ${ARG_DEPENDS} ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:segue_flags>)
+  target_compile_features(segue_${NAME} PUBLIC cxx_std_20)
+  if(NOT SEGUE_SANITIZE)
+    target_link_options(segue_${NAME} PRIVATE -Wl,--no-undefined)
+  endif()
+  set_target_properties(segue_${NAME} PROPERTIES EXPORT_NAME ${NAME} VERSION ${PROJECT_VERSION}
+                        SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} INSTALL_RPATH "$ORIGIN")
+  add_dependencies(product segue_${NAME})
+  install(TARGETS segue_${NAME} EXPORT segue LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segue/${NAME}
+          FILES_MATCHING PATTERN "*.hpp")
+endfunction()
+
+# segue_test(NAME SOURCES ... LINK targets... [LABELS ...] [TIMEOUT seconds])
+# A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer.
+function(segue_test NAME)
+  if(NOT BUILD_TESTING)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  find_package(GTest REQUIRED)
+  find_package(rapidcheck REQUIRED)
+  add_executable(${NAME} ${ARG_SOURCES})
+  target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
+  target_compile_definitions(${NAME} PRIVATE SEGUE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if("concurrency" IN_LIST ARG_LABELS)
+    add_dependencies(concurrency_tests ${NAME})
+  endif()
+  add_test(NAME ${NAME} COMMAND ${NAME} --gtest_brief=1)
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()
+
+# segue_fuzzer(NAME SOURCES ... LINK targets... [CORPUS folder])
+# A libFuzzer program (SEGUE_FUZZ with clang). As a ctest entry it tries SEGUE_FUZZ_RUNS inputs made from its corpus, for
+# SEGUE_FUZZ_SECONDS at the most; with SEGUE_FUZZ_SEED the same ones each time, so that a change is judged by what it changes.
+set(SEGUE_FUZZ_SECONDS 20 CACHE STRING "How long each fuzzer runs as a test")
+set(SEGUE_FUZZ_RUNS 100000 CACHE STRING "How many inputs each fuzzer tries as a test; -1: as many as time allows")
+set(SEGUE_FUZZ_SEED 1 CACHE STRING "Where its random numbers begin; 0: anywhere")
+function(segue_fuzzer NAME)
+  if(NOT SEGUE_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "CORPUS" "SOURCES;LINK" ${ARGN})
+  add_executable(${NAME} ${ARG_SOURCES})
+  target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags)
+  target_compile_options(${NAME} PRIVATE -fsanitize=fuzzer)
+  target_link_options(${NAME} PRIVATE -fsanitize=fuzzer)
+  set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz)
+  add_dependencies(fuzzers ${NAME})
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found)
+  add_test(NAME ${NAME}
+           COMMAND ${NAME} -max_total_time=${SEGUE_FUZZ_SECONDS} -runs=${SEGUE_FUZZ_RUNS}
+                   -seed=${SEGUE_FUZZ_SEED} -timeout=10 -rss_limit_mb=2048
+                   -print_final_stats=1 ${CMAKE_BINARY_DIR}/fuzz/${NAME}.found ${ARG_CORPUS})
+  set_tests_properties(${NAME} PROPERTIES LABELS fuzz TIMEOUT 600)
+endfunction()

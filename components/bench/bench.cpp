@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The paper's three components: a producer, a relay, a consumer. Chains of them measure what a hop costs and
+// what a switch between chains loses.
+#include "samples.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <algorithm>
+
+namespace bench {
+
+using segue::Result;
+using segue::task::Component;
+using segue::task::InputPort;
+using segue::task::Operation;
+using segue::task::OutputPort;
+using segue::task::Property;
+
+namespace {
+
+std::int64_t nanoseconds(segue::TimePoint time) {
+  return time.time_since_epoch().count();
+}
+
+/// Gaps in the numbers that a producer gives its samples. A number that falls is a producer that began anew.
+class GapCounter {
+ public:
+  std::uint64_t lost_before(std::uint64_t sequence) {
+    const std::uint64_t lost = sequence > next_ && next_ > 0 ? sequence - next_ : 0;
+    next_ = sequence + 1;
+    return lost;
+  }
+
+ private:
+  std::uint64_t next_ = 0;
+};
+
+}  // namespace
+
+/// Writes a numbered, stamped sample at every update.
+class Producer final : public Component {
+ public:
+  Producer() {
+    doc("Writes a numbered, stamped sample of a given size at every update");
+    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(1), {}, 0, {}, {}, false});
+  }
+
+ protected:
+  Result<void> on_configure() override {
+    if (*size_ > kLargest) {
+      return segue::fail(segue::ErrorCode::InvalidArgument, "size must be at most 1 GiB");
+    }
+    Sample largest;
+    largest.payload.resize(*size_);
+    out_.prime(largest);
+    return {};
+  }
+
+  Result<void> on_start() override {
+    sequence_ = 0;
+    return {};
+  }
+
+  void on_update() override {
+    ++sequence_;
+    write_sample();
+    FixedSample fixed;
+    fixed.sequence = sequence_;
+    fixed.stamp = nanoseconds(now());
+    fixed_.write(fixed);
+  }
+
+ private:
+  static constexpr std::uint64_t kLargest = std::uint64_t{1} << 30;
+
+  void write_sample() {
+    auto loan = out_.loan();
+    if (!loan) {
+      return;
+    }
+    loan->sequence = sequence_;
+    loan->payload.resize(*size_);
+    loan->stamp = nanoseconds(now());
+    out_.publish(std::move(loan));
+  }
+
+  OutputPort<Sample> out_{*this, "out", {.doc = "samples of the given size"}};
+  OutputPort<FixedSample> fixed_{*this, "fixed_out", {.doc = "the same numbers with 48 bytes"}};
+  Property<std::uint64_t> size_{*this, "size", 0, {.doc = "bytes of payload in each sample"}};
+  std::uint64_t sequence_ = 0;
+};
+
+/// Passes every sample on.
+class Relay final : public Component {
+ public:
+  Relay() { doc("Passes every sample on"); }
+
+ protected:
+  void on_update() override {
+    while (auto sample = in_.take()) {
+      out_.write(*sample);
+    }
+    while (auto sample = fixed_in_.take()) {
+      fixed_out_.write(*sample);
+    }
+  }
+
+ private:
+  InputPort<Sample> in_{*this, "in"};
+  OutputPort<Sample> out_{*this, "out"};
+  InputPort<FixedSample> fixed_in_{*this, "fixed_in"};
+  OutputPort<FixedSample> fixed_out_{*this, "fixed_out"};
+};
+
+/// Counts samples, their latency, and what is missing.
+class Consumer final : public Component {
+ public:
+  Consumer() { doc("Counts samples, their latency, and the gaps in their numbers"); }
+
+ protected:
+  Result<void> on_start() override {
+    statistics_ = {};
+    latency_sum_ = 0;
+    gaps_ = {};
+    fixed_gaps_ = {};
+    return {};
+  }
+
+  void on_update() override {
+    while (auto sample = in_.take()) {
+      count(sample->sequence, sample->stamp, gaps_);
+    }
+    while (auto sample = fixed_in_.take()) {
+      count(sample->sequence, sample->stamp, fixed_gaps_);
+    }
+    statistics_out_.write(statistics_);
+  }
+
+ private:
+  void count(std::uint64_t sequence, std::int64_t stamp, GapCounter& gaps) {
+    const double latency = 1e-9 * static_cast<double>(nanoseconds(now()) - stamp);
+    ++statistics_.count;
+    statistics_.lost += gaps.lost_before(sequence);
+    latency_sum_ += latency;
+    statistics_.latency_min = statistics_.count == 1 ? latency : std::min(statistics_.latency_min, latency);
+    statistics_.latency_max = std::max(statistics_.latency_max, latency);
+    statistics_.latency_mean = latency_sum_ / static_cast<double>(statistics_.count);
+  }
+
+  InputPort<Sample> in_{*this, "in"};
+  InputPort<FixedSample> fixed_in_{*this, "fixed_in"};
+  OutputPort<Statistics> statistics_out_{*this, "statistics", {.doc = "after every update"}};
+  Operation<Statistics()> read_{*this, "statistics", {}, [this] { return statistics_; }};
+  Statistics statistics_;
+  double latency_sum_ = 0;
+  GapCounter gaps_;
+  GapCounter fixed_gaps_;
+};
+
+}  // namespace bench
+
+SEGUE_COMPONENT(bench::Producer)
+SEGUE_COMPONENT(bench::Relay)
+SEGUE_COMPONENT(bench::Consumer)

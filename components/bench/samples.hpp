@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/type/describe.hpp>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace bench {
+
+/// What the producer sends: numbered, stamped (monotonic clock, ns), with as much ballast as is asked for.
+struct Sample {
+  std::uint64_t sequence = 0;
+  std::int64_t stamp = 0;
+  std::vector<std::uint8_t> payload;
+};
+
+/// The same with ballast of fixed size: travels as bytes.
+struct FixedSample {
+  std::uint64_t sequence = 0;
+  std::int64_t stamp = 0;
+  std::array<std::uint8_t, 48> payload{};
+};
+
+/// What a consumer has seen since it was started. Latencies in seconds from the producer's stamp to the
+/// consumer's update; lost counts gaps in the sequence numbers.
+struct Statistics {
+  std::uint64_t count = 0;
+  std::uint64_t lost = 0;
+  double latency_min = 0;
+  double latency_mean = 0;
+  double latency_max = 0;
+};
+
+}  // namespace bench
+
+SEGUE_TYPE(bench::Sample, sequence, stamp, payload)
+SEGUE_TYPE(bench::FixedSample, sequence, stamp, payload)
+SEGUE_TYPE(bench::Statistics, count, lost, latency_min, latency_mean, latency_max)

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "types.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <algorithm>
+#include <chrono>
+
+namespace demo {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// The wheels: follow a commanded velocity within their limits, and stop when commands stay away.
+class Drive final : public Component {
+ public:
+  Drive() {
+    doc("Follows commanded velocities within limits of speed and acceleration");
+    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(20), {}, 0, {}, {}, false});
+    declare_states({"driving", "idle"});
+    claims({"wheels"});
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    if (*max_acceleration_ <= 0) {
+      return segue::fail(segue::ErrorCode::InvalidArgument, "max_acceleration must be positive");
+    }
+    return {};
+  }
+
+  segue::Result<void> on_start() override {
+    velocity_ = {};
+    last_command_ = now();
+    last_ = now();
+    return {};
+  }
+
+  void on_update() override {
+    const double step = std::chrono::duration<double>(now() - last_).count();
+    last_ = now();
+    if (command_in_.read(command_) == ReadStatus::NewData) {
+      last_command_ = now();
+    }
+    const bool late = now() - last_command_ > *timeout_;
+    const Velocity wanted = late ? Velocity{} : command_;
+    const double change = *max_acceleration_ * step;
+    const double forward = std::clamp(wanted.forward, -*max_speed_, *max_speed_);
+    velocity_.forward += std::clamp(forward - velocity_.forward, -change, change);
+    velocity_.turn = std::clamp(wanted.turn, -*max_turn_, *max_turn_);
+    set_state(late ? "idle" : "driving");
+    velocity_out_.write(velocity_);
+  }
+
+  void on_stop() override { velocity_out_.write({}); }
+
+ private:
+  InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
+  OutputPort<Velocity> velocity_out_{*this, "velocity", {.doc = "what the wheels do"}};
+  Property<double> max_speed_{*this, "max_speed", 0.8, {.live = true, .doc = "m/s"}};
+  Property<double> max_turn_{*this, "max_turn", 1.5, {.live = true, .doc = "rad/s"}};
+  Property<double> max_acceleration_{*this, "max_acceleration", 2.0, {.doc = "m/s^2"}};
+  Property<std::chrono::milliseconds> timeout_{
+      *this, "timeout", std::chrono::milliseconds(500), {.doc = "without a command for so long it stops"}};
+  Velocity command_;
+  Velocity velocity_;
+  segue::TimePoint last_command_;
+  segue::TimePoint last_;
+};
+
+}  // namespace demo
+
+SEGUE_COMPONENT(demo::Drive)

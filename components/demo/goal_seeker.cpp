@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "types.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace demo {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Drives straight to a point.
+class GoalSeeker final : public Component {
+ public:
+  GoalSeeker() {
+    doc("Commands velocities that lead to a goal");
+    trigger_on({"pose"});
+    declare_states({"driving", "arrived"});
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    target_ = *goal_;
+    return {};
+  }
+
+  void on_update() override {
+    if (pose_in_.read(pose_) == ReadStatus::NoData) {
+      return;
+    }
+    const double dx = target_.x - pose_.x;
+    const double dy = target_.y - pose_.y;
+    const double distance = std::hypot(dx, dy);
+    const bool arrived = distance < *tolerance_;
+    set_state(arrived ? "arrived" : "driving");
+    distance_out_.write(distance);
+    command_out_.write(arrived ? Velocity{} : towards(std::atan2(dy, dx), distance));
+  }
+
+ private:
+  Velocity towards(double heading, double distance) const {
+    const double error = std::remainder(heading - pose_.theta, 2 * M_PI);
+    const double forward = std::min(*speed_, distance) * std::max(0.0, std::cos(error));
+    return {forward, 2.0 * error};
+  }
+
+  InputPort<Pose> pose_in_{*this, "pose"};
+  OutputPort<Velocity> command_out_{*this, "command"};
+  OutputPort<double> distance_out_{*this, "distance", {.doc = "m to the goal"}};
+  Property<Point> goal_{*this, "goal", {3.0, -2.0}, {.doc = "where to go"}};
+  Property<double> speed_{*this, "speed", 0.6, {.live = true, .doc = "m/s at most"}};
+  Property<double> tolerance_{*this, "tolerance", 0.1, {.live = true, .doc = "m; this close is there"}};
+  Operation<void(Point)> set_goal_{*this,
+                                   "set_goal",
+                                   {"goal"},
+                                   [this](Point goal) { target_ = goal; },
+                                   RunsIn::TaskThread,
+                                   "goes somewhere else, until it is configured anew"};
+  Point target_;
+  Pose pose_;
+};
+
+}  // namespace demo
+
+SEGUE_COMPONENT(demo::GoalSeeker)

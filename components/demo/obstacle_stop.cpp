@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "types.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace demo {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Lets commands through, but not into obstacles.
+class ObstacleStop final : public Component {
+ public:
+  ObstacleStop() {
+    doc("Passes velocity commands on, without forward motion when something is close ahead");
+    default_activity({segue::Trigger::PortDriven, {}, {}, 0, {}, {}, false});
+    trigger_on({"command"});
+    declare_states({"clear", "blocked"});
+  }
+
+ protected:
+  segue::Result<void> on_start() override {
+    ahead_ = 0;  // nothing seen yet: blocked
+    return {};
+  }
+
+  void on_update() override {
+    while (auto scan = scan_in_.take()) {
+      ahead_ = nearest_ahead(*scan);
+    }
+    const bool blocked = ahead_ < *distance_;
+    set_state(blocked ? "blocked" : "clear");
+    while (auto command = command_in_.take()) {
+      Velocity safe = *command;
+      safe.forward = blocked ? std::min(safe.forward, 0.0) : safe.forward;
+      command_out_.write(safe);
+    }
+  }
+
+ private:
+  double nearest_ahead(const Scan& scan) const {
+    double nearest = HUGE_VAL;
+    double angle = scan.first_angle;
+    for (const double range : scan.ranges) {
+      if (std::abs(angle) <= *half_angle_) nearest = std::min(nearest, range);
+      angle += scan.step;
+    }
+    return nearest;
+  }
+
+  InputPort<Scan> scan_in_{*this, "scan"};
+  InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
+  OutputPort<Velocity> command_out_{*this, "safe_command", {.doc = "what is safe of it"}};
+  Property<double> distance_{*this, "distance", 0.4, {.live = true, .doc = "m; closer than this is blocked"}};
+  Property<double> half_angle_{*this, "half_angle", 0.6, {.live = true, .doc = "rad; what counts as ahead"}};
+  double ahead_ = 0;
+};
+
+}  // namespace demo
+
+SEGUE_COMPONENT(demo::ObstacleStop)

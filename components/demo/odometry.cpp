@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "types.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <chrono>
+#include <cmath>
+
+namespace demo {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Where the robot is: adds up how its wheels move it.
+class Odometry final : public Component {
+ public:
+  Odometry() {
+    doc("Adds up velocities to a pose");
+    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(20), {}, 0, {}, {}, false});
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    pose_ = *start_;
+    return {};
+  }
+
+  segue::Result<void> on_start() override {
+    last_ = now();
+    return {};
+  }
+
+  void on_update() override {
+    const double step = std::chrono::duration<double>(now() - last_).count();
+    last_ = now();
+    velocity_in_.read(velocity_);
+    const double middle = pose_.theta + 0.5 * step * velocity_.turn;
+    pose_.x += step * velocity_.forward * std::cos(middle);
+    pose_.y += step * velocity_.forward * std::sin(middle);
+    pose_.theta = std::remainder(pose_.theta + step * velocity_.turn, 2 * M_PI);
+    pose_out_.write(pose_);
+  }
+
+ private:
+  InputPort<Velocity> velocity_in_{*this, "velocity", {.doc = "how the robot moves"}};
+  OutputPort<Pose> pose_out_{*this, "pose", {.doc = "where it is now"}};
+  Property<Pose> start_{*this, "start", {}, {.doc = "where it is when it is configured"}};
+  Operation<void()> reset_{*this,
+                           "reset",
+                           {},
+                           [this] { pose_ = *start_; },
+                           RunsIn::TaskThread,
+                           "puts the robot back to where it started"};
+  Pose pose_;
+  Velocity velocity_;
+  segue::TimePoint last_;
+};
+
+}  // namespace demo
+
+SEGUE_COMPONENT(demo::Odometry)

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two components: one counts, one doubles whatever comes.
+#include <segue/task/component.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace hello {
+
+/// What travels from one to the other.
+struct Count {
+  std::int64_t number = 0;
+  std::string unit;
+};
+
+}  // namespace hello
+
+SEGUE_TYPE(hello::Count, number, unit)
+
+namespace hello {
+
+using namespace segue::task;
+
+class Counter final : public Component {
+ public:
+  Counter() {
+    doc("Counts in steps");
+    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
+  }
+
+ private:
+  void on_update() override {
+    count_.number += *step_;
+    out_.write(count_);
+  }
+  std::int64_t reset() {
+    const std::int64_t before = count_.number;
+    count_.number = 0;
+    return before;
+  }
+
+  OutputPort<Count> out_{*this, "count"};
+  Property<std::int64_t> step_{*this, "step", 1, {.live = true, .doc = "added at every update"}};
+  Operation<std::int64_t()> reset_{*this, "reset", {}, [this] { return reset(); }};
+  Count count_{.number = 0, .unit = "ticks"};
+};
+
+class Doubler final : public Component {
+ public:
+  Doubler() { doc("Doubles every count"); }
+
+ private:
+  void on_update() override {  // whenever a sample has come: components are port driven by default
+    while (in_.read(count_) == ReadStatus::NewData) {
+      count_.number *= 2;
+      out_.write(count_);
+    }
+  }
+
+  InputPort<Count> in_{*this, "count"};
+  OutputPort<Count> out_{*this, "doubled"};
+  Count count_;
+};
+
+}  // namespace hello
+
+SEGUE_COMPONENT(hello::Counter)
+SEGUE_COMPONENT(hello::Doubler)

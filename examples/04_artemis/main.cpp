@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main job: a robot with four controllers walks through all twelve transitions between them while samples
+// flow. Everything runs in this process; stand-ins take the place of the rover's drivers.
+#include "report.hpp"
+
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace segue;
+
+// An Eulerian circuit of the four controllers: every transition once, each beginning where the last one
+// ended.
+constexpr std::array<const char*, 13> kWalk = {
+    "search_explore",     "goal_navigation",    "search_explore", "manipulation",    "search_explore",
+    "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
+    "manipulation",       "manipulator_teleop", "search_explore"};
+
+// How long each controller runs, so that a visitor sees samples flow.
+constexpr auto kStay = std::chrono::milliseconds(250);
+
+int walk(runtime::EmbeddedRobot& robot, demo::Report& report) {
+  report.introduce(robot);
+  const runtime::SwitchResult begun = robot.switch_to(kWalk.front());
+  if (!report.started(begun)) return 1;
+  std::this_thread::sleep_for(kStay);
+  for (const char* target : std::span(kWalk).subspan(1)) {
+    const demo::Flow before = demo::measure_flow(robot);
+    const runtime::SwitchResult result = robot.switch_to(target);
+    if (!report.switched(result, before, demo::measure_flow(robot))) return 1;
+    std::this_thread::sleep_for(kStay);
+    report.flowed(demo::measure_flow(robot));
+  }
+  report.ended(robot.shut_down());
+  return report.summarise() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool everything = argc == 3 && std::strcmp(argv[2], "--all") == 0;
+  if (argc != 2 && !everything) {
+    std::fprintf(
+        stderr,
+        "usage: artemis_demo ROBOT_FILE [--all]\n  --all  print every action, not the first of each kind\n");
+    return 2;
+  }
+  Diagnostics diagnostics;
+  const auto robot = runtime::EmbeddedRobot::open(argv[1], diagnostics, {.stand_in = true});
+  if (!robot) {
+    std::fputs(to_string(diagnostics).c_str(), stderr);
+    return 1;
+  }
+  auto report = demo::Report::create(robot->robot().folder / "table7.yaml", everything);
+  if (!report) {
+    std::fprintf(stderr, "%s\n", to_string(report.error()).c_str());
+    return 1;
+  }
+  return walk(*robot, *report);
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// What the Artemis demo prints.
+namespace demo {
+
+/// What every running task has done so far.
+struct Flow {
+  std::uint64_t samples = 0;                    ///< read from all connections
+  std::map<std::string, std::uint64_t> missed;  ///< per task: updates that a period passed without
+  std::map<std::string, std::uint64_t> cycles;  ///< per task: updates since its start
+};
+Flow measure_flow(segue::runtime::EmbeddedRobot& robot);
+
+class Report {
+ public:
+  /// Reads the paper's table. `everything`: print every action.
+  static segue::Result<Report> create(const std::filesystem::path& table, bool everything);
+
+  void introduce(segue::runtime::EmbeddedRobot& robot);
+  bool started(const segue::runtime::SwitchResult& result);
+  /// False if the transition failed.
+  bool switched(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
+  void flowed(const Flow& flow);
+  void ended(const segue::runtime::SwitchResult& result);
+  /// False if a count differs from the paper's, or if a task that no transition named was disturbed.
+  bool summarise();
+
+ private:
+  using Columns = std::vector<std::pair<std::string, int>>;
+
+  void print_actions(const segue::runtime::SwitchResult& result) const;
+  void print_counts(const segue::model::ActionCounts& counts, const Columns& paper);
+  /// How many running tasks the transition did not name.
+  int note_undisturbed(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
+
+  bool everything_ = false;
+  std::map<std::pair<std::string, std::string>, Columns> table_;
+  int transitions_ = 0;
+  int actions_ = 0;
+  int numbers_equal_ = 0;
+  int numbers_ = 0;
+  int undisturbed_ = 0;
+  int disturbed_ = 0;
+  std::uint64_t samples_ = 0;
+  std::uint64_t samples_before_ = 0;
+  segue::Duration longest_{0};
+  segue::Duration switching_{0};
+};
+
+}  // namespace demo

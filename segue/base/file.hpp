@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue {
+
+/// The whole file. Refuses what is not a regular file or larger than `limit` bytes. Blocks.
+Result<std::string> read_file(const std::filesystem::path& path, std::size_t limit = std::size_t{1} << 30);
+
+/// Replaces the file as a whole or not at all (temporary file beside it, fsync, rename). Blocks.
+Result<void> write_file(const std::filesystem::path& path, std::string_view content);
+
+/// Files that match a pattern whose last part may hold '*' and '?', sorted; a plain path yields itself.
+std::vector<std::filesystem::path> glob_files(const std::filesystem::path& pattern);
+
+}  // namespace segue

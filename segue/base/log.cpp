@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <mutex>
+#include <utility>
+
+namespace segue {
+namespace {
+
+std::atomic<LogLevel> threshold{LogLevel::Info};
+
+struct Output {
+  std::mutex mutex;
+  LogSink sink;
+};
+
+/// Never destroyed: threads may log while the process exits.
+Output& output() {
+  static auto* instance = new Output;
+  return *instance;
+}
+
+}  // namespace
+
+std::string_view to_string(LogLevel level) {
+  static constexpr std::array<std::string_view, 4> kNames = {"debug", "info", "warning", "error"};
+  return kNames.at(static_cast<std::size_t>(level));
+}
+
+void log(LogLevel level, std::string_view source, std::string_view message) {
+  if (level < threshold.load(std::memory_order_relaxed)) return;
+  std::scoped_lock lock(output().mutex);
+  if (output().sink) {
+    output().sink(level, source, message);
+    return;
+  }
+  const std::string line =
+      std::string(to_string(level)) + ": " + std::string(source) + ": " + std::string(message) + '\n';
+  std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+void set_log_level(LogLevel level) {
+  threshold.store(level, std::memory_order_relaxed);
+}
+
+void set_log_sink(LogSink sink) {
+  std::scoped_lock lock(output().mutex);
+  output().sink = std::move(sink);
+}
+
+}  // namespace segue

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace segue {
+namespace {
+
+constexpr std::size_t kLongestQuote = 80;
+
+struct Unit {
+  std::string_view name;
+  double nanoseconds;
+};
+constexpr std::array<Unit, 6> kUnits = {
+    {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}, {"min", 60e9}, {"h", 3600e9}}};
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitution});
+    }
+  }
+  return row.back();
+}
+
+bool is_word_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+}  // namespace
+
+std::string quote(std::string_view text) {
+  std::string result = "'";
+  for (const char c : text.substr(0, kLongestQuote)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\n') {
+      result += "\\n";
+    } else if (byte < 0x20 || byte == 0x7f) {
+      constexpr std::string_view kHex = "0123456789abcdef";
+      result += "\\x";
+      result += kHex[byte >> 4];
+      result += kHex[byte & 15];
+    } else {
+      result += c;
+    }
+  }
+  return result + (text.size() > kLongestQuote ? "...'" : "'");
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  if (word.size() > 200) return {};
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() > 200) continue;
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance >= best_distance || distance >= word.size()) continue;
+    best_distance = distance;
+    best = &candidate;
+  }
+  return best == nullptr ? std::string{} : ", did you mean " + quote(*best) + "?";
+}
+
+std::string listed(std::span<const std::string> items) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
+    text += items[i];
+  }
+  return text;
+}
+
+Result<Duration> parse_duration(std::string_view text) {
+  auto refuse = [&] {
+    return fail(ErrorCode::InvalidArgument,
+                "expected a duration with a unit such as '100ms' or '1.5s', got " + quote(text));
+  };
+  double number = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || !std::isfinite(number)) return refuse();
+  std::string_view name(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  while (name.starts_with(' '))
+    name.remove_prefix(1);
+  const auto* unit = std::ranges::find(kUnits, name, &Unit::name);
+  if (unit == kUnits.end()) return refuse();
+  const double nanoseconds = number * unit->nanoseconds;
+  if (std::abs(nanoseconds) > 9.2e18) return refuse();
+  return Duration(std::llround(nanoseconds));
+}
+
+std::string format_duration(Duration duration) {
+  const auto count = duration.count();
+  if (count == 0) return "0s";
+  const Unit* unit = kUnits.data();
+  for (const Unit& candidate : std::span(kUnits).first(4)) {
+    if (std::abs(static_cast<double>(count)) >= candidate.nanoseconds) unit = &candidate;
+  }
+  std::array<char, 40> buffer{};
+  const double number = static_cast<double>(count) / unit->nanoseconds;
+  auto [end, status] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number);
+  if (std::llround(number * unit->nanoseconds) == count && status == std::errc{}) {
+    return std::string(buffer.data(), end) + std::string(unit->name);
+  }
+  return std::to_string(count) + "ns";
+}
+
+bool is_identifier(std::string_view text) {
+  if (text.empty() || text.size() > 255 || !is_word_character(text.front())) return false;
+  return std::ranges::all_of(text,
+                             [](char c) { return is_word_character(c) || c == '-' || c == '.' || c == ':'; });
+}
+
+bool matches_glob(std::string_view pattern, std::string_view text) {
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = std::string_view::npos;
+  std::size_t resume = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && (pattern[p] == '?' || (pattern[p] != '*' && pattern[p] == text[t]))) {
+      ++p;
+      ++t;
+    } else if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      resume = t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++resume;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*')
+    ++p;
+  return p == pattern.size();
+}
+
+}  // namespace segue

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/id.hpp>
+#include <segue/base/life_cycle.hpp>
+#include <segue/base/text.hpp>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace segue {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+TEST(Quote, EscapesControlCharactersAndShortensLongText) {
+  EXPECT_EQ(quote("far"), "'far'");
+  EXPECT_EQ(quote("a\nb\x01"), "'a\\nb\\x01'");
+  EXPECT_EQ(quote(std::string(100, 'x')), "'" + std::string(80, 'x') + "...'");
+}
+
+TEST(DidYouMean, SuggestsTheNearestNameOrNothing) {
+  const std::vector<std::string> names = {"velodyne", "odometry"};
+  EXPECT_EQ(did_you_mean("velodine", names), ", did you mean 'velodyne'?");
+  EXPECT_EQ(did_you_mean("zzz", names), "");
+}
+
+TEST(Listed, JoinsAsInASentence) {
+  EXPECT_EQ(listed(std::vector<std::string>{"a", "b", "c"}), "a, b and c");
+  EXPECT_EQ(listed(std::vector<std::string>{"a"}), "a");
+}
+
+TEST(ParseDuration, NeedsAUnit) {
+  EXPECT_EQ(parse_duration("100ms").value(), milliseconds(100));
+  EXPECT_EQ(parse_duration("1.5 s").value(), milliseconds(1500));
+  EXPECT_EQ(parse_duration("2min").value(), std::chrono::minutes(2));
+  for (const char* wrong : {"", "100", "ms", "1 lightyear", "nan s", "1e300s", "1ms "}) {
+    EXPECT_FALSE(parse_duration(wrong)) << wrong;
+  }
+}
+
+RC_GTEST_PROP(FormatDuration, IsReadBackExactly, (std::int64_t count)) {
+  const Duration duration(count % 4'000'000'000'000'000);
+  RC_ASSERT(parse_duration(format_duration(duration)).value() == duration);
+}
+
+TEST(FormatDuration, PicksAUnitThatReadsWell) {
+  EXPECT_EQ(format_duration(milliseconds(100)), "100ms");
+  EXPECT_EQ(format_duration(milliseconds(1500)), "1.5s");
+  EXPECT_EQ(format_duration(nanoseconds(0)), "0s");
+}
+
+TEST(IsIdentifier, AcceptsNamesAndRefusesPaths) {
+  EXPECT_TRUE(is_identifier("demo::Filter"));
+  EXPECT_TRUE(is_identifier("head_demo_control-Task1"));
+  for (const char* wrong : {"", "../x", "a/b", "-x", "a b", "."})
+    EXPECT_FALSE(is_identifier(wrong)) << wrong;
+  EXPECT_FALSE(is_identifier(std::string(256, 'a')));
+}
+
+TEST(MatchesGlob, KnowsStarAndQuestionMark) {
+  EXPECT_TRUE(matches_glob("*.yaml", "a.yaml"));
+  EXPECT_TRUE(matches_glob("a?c*", "abcdef"));
+  EXPECT_TRUE(matches_glob("*b*d", "abbcd"));
+  EXPECT_FALSE(matches_glob("*.yaml", "a.yml"));
+  EXPECT_FALSE(matches_glob("", "a"));
+}
+
+TEST(TaskState, IsReadInEitherCase) {
+  EXPECT_EQ(task_state_from("RUNNING"), TaskState::Running);
+  EXPECT_EQ(task_state_from("pre_operational"), TaskState::PreOperational);
+  EXPECT_EQ(task_state_from("flying"), std::nullopt);
+}
+
+TEST(Id, OfDifferentKindsDoNotMix) {
+  using TaskId = Id<struct A>;
+  using HostName = Id<struct B>;
+  static_assert(!std::is_convertible_v<TaskId, HostName>);
+  EXPECT_LT(TaskId("a"), TaskId("b"));
+}
+
+}  // namespace
+}  // namespace segue

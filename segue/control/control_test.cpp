@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <support/fake_robot.hpp>
+#include <support/random_values.hpp>
+
+#include <rapidcheck.h>
+
+#include <future>
+#include <thread>
+
+namespace segue::control {
+namespace {
+
+using type::Value;
+
+TEST_F(ControlTest, QuestionsAndAnswersTravel) {
+  serve();
+  const auto robot = client();
+  EXPECT_EQ(robot->status().value(), Value::map({{"robot", "fake"}}));
+  EXPECT_EQ(robot->task("slam").value(), Value::map({{"id", "slam"}}));
+  EXPECT_EQ(robot->history().value(), Value(Value::List{}));
+  EXPECT_EQ(robot->events(3, {}).value(), Value::list({Value::map({{"number", 4}})}));
+  EXPECT_TRUE(robot->shut_down());
+  EXPECT_TRUE(robot_.asked_to_end);
+}
+
+TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
+  serve();
+  const auto robot = client();
+  const auto switched = robot->switch_to("explore", true, "paper", soon()).value();
+  EXPECT_EQ(*switched.find("to"), Value("explore"));
+  EXPECT_EQ(*switched.find("dry_run"), Value(true));
+  EXPECT_EQ(*switched.find("order"), Value("paper"));
+  const double left = switched.find("left_s")->as_double();
+  EXPECT_GT(left, 1.0);
+  EXPECT_LE(left, std::chrono::duration<double>(kLong).count());
+  EXPECT_EQ(robot->apply_transition("transition: {}", "a.yaml", soon()).value(),
+            Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
+}
+
+TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {
+  serve();
+  const auto robot = client();
+  Value version(1.1);
+  version.set_source_text("1.10");
+  ASSERT_TRUE(robot->set_property("a", "b.c", version, soon()));
+  EXPECT_EQ(robot_.last_set(), Value::map({{"task", "a"}, {"property", "b.c"}, {"value", 1.1}}));
+  EXPECT_EQ(robot_.last_set_text(), "1.10");
+}
+
+TEST_F(ControlTest, ErrorsTravelWithPlaceAndCauses) {
+  serve();
+  const auto failed = client()->reset_belief();
+  ASSERT_FALSE(failed);
+  const Error& error = failed.error();
+  EXPECT_EQ(error.code, ErrorCode::InvalidState);
+  EXPECT_EQ(error.message, "the outermost");
+  EXPECT_EQ(error.subject, "task_a");
+  EXPECT_EQ(error.where, (SourceLocation{"outer.yaml", 1, 2}));
+  ASSERT_TRUE(error.cause && error.cause->cause);
+  EXPECT_EQ(error.cause->code, ErrorCode::HookFailed);
+  EXPECT_EQ(error.cause->cause->where, (SourceLocation{"inner.yaml", 3, 4}));
+  EXPECT_EQ(error.cause->cause->subject, "disk");
+  EXPECT_EQ(error.cause->cause->cause, nullptr);
+}
+
+TEST_F(ControlTest, ADefectOfTheServiceIsAnErrorOfTheCall) {
+  serve();
+  const auto robot = client();
+  const auto failed = robot->task("throws");
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::Internal);
+  EXPECT_NE(failed.error().message.find("a defect"), std::string::npos);
+  EXPECT_TRUE(robot->status());
+}
+
+TEST_F(ControlTest, AnyValueComesBackAsItWent) {
+  serve();
+  const auto robot = client();
+  rc::check("echo", [&] {
+    const auto value = *type::random_value();
+    const auto back = robot->call("t", "echo", value, soon());
+    RC_ASSERT(back.has_value());
+    RC_ASSERT(*back == value);
+    RC_ASSERT(back->kind() == value.kind());
+  });
+}
+
+TEST_F(ControlTest, NumbersOfAKindComeBackAsThatKind) {
+  serve();
+  const auto robot = client();
+  const Value mixed = Value::list({Value::list({1, 2, 3}), Value::list({1.5, 2.0}), Value::list({1, 2.0}),
+                                   Value::list({UINT64_MAX, UINT64_MAX - 1}), Value(Value::List{})});
+  const auto back = robot->call("t", "echo", mixed, soon()).value();
+  EXPECT_EQ(back, mixed);
+  EXPECT_EQ(back.as_list()[1].as_list()[1].kind(), Value::Kind::Float);
+  EXPECT_EQ(back.as_list()[2].as_list()[0].kind(), Value::Kind::Int);
+  EXPECT_EQ(back.as_list()[3].as_list()[0].kind(), Value::Kind::UInt);
+}
+
+TEST_F(ControlTest, ValuesNestedTooDeepOrTooLargeAreRefusedAndTheConnectionLives) {
+  serve();
+  const auto robot = client();
+  Value deep(1);
+  for (int i = 0; i < 200; ++i)
+    deep = Value::list({std::move(deep)});
+  EXPECT_EQ(robot->call("t", "echo", deep, soon()).value(), deep);
+  for (int i = 0; i < 200; ++i)
+    deep = Value::list({std::move(deep)});
+  const auto too_deep = robot->call("t", "echo", deep, soon());
+  ASSERT_FALSE(too_deep);
+  EXPECT_EQ(too_deep.error().code, ErrorCode::InvalidArgument);
+  const auto too_large = robot->call("t", "echo", Value(std::string(std::size_t{20} << 20, 'x')), soon());
+  ASSERT_FALSE(too_large);
+  EXPECT_EQ(too_large.error().code, ErrorCode::ResourceExhausted);
+  EXPECT_EQ(robot->task("huge").error().code, ErrorCode::ResourceExhausted);
+  EXPECT_TRUE(robot->status());
+}
+
+TEST_F(ControlTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
+  serve();
+  const auto robot = client();
+  auto stream = robot->open_port("source", "out", 10).value();
+  EXPECT_EQ(stream->type_name(), "/int32_t");
+  EXPECT_EQ(stream->read(2).value(), (std::vector<Value>{1, 2}));
+  EXPECT_EQ(stream->read(1).value(), (std::vector<Value>{3}));
+  EXPECT_EQ(robot_.open_streams, 1);
+  EXPECT_EQ(robot->open_port("source", "no", 10).error().code, ErrorCode::NotFound);
+  stream.reset();
+  // The next stream's answer comes after the release of the last one was read.
+  ASSERT_TRUE(robot->open_port("source", "out", 10));
+  server_.reset();
+  EXPECT_EQ(robot_.open_streams, 0);
+}
+
+TEST_F(ControlTest, AStreamMayOutliveItsClient) {
+  serve();
+  auto robot = client();
+  const auto stream = robot->open_port("source", "out", 10).value();
+  robot.reset();
+  EXPECT_EQ(stream->read(1).value(), (std::vector<Value>{1}));
+}
+
+TEST_F(ControlTest, ASlowCallBlocksNeitherOthersNorItsOwnClient) {
+  serve();
+  const auto slow = client();
+  const auto quick = client();
+  auto waiting = std::async(std::launch::async, [&] { return slow->call("t", "wait", Value(), soon()); });
+  ASSERT_TRUE(robot_.entered.wait());
+  EXPECT_TRUE(quick->status());
+  EXPECT_TRUE(slow->status());
+  robot_.release.open();
+  EXPECT_EQ(waiting.get().value(), Value("released"));
+}
+
+TEST_F(ControlTest, ADeadlineThatPassesIsAnAnswer) {
+  serve();
+  const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(20);
+  const auto late = client()->call("t", "wait", Value(), deadline);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_EQ(late.error().message, "nobody let me go");
+}
+
+TEST_F(ControlTest, AClientWithTooManyCallsIsToldSo) {
+  serve();
+  const auto robot = client();
+  std::vector<std::future<Result<Value>>> calls;
+  for (int i = 0; i < 17; ++i) {
+    calls.push_back(
+        std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), soon()); }));
+  }
+  // All but one wait; that one is refused at once.
+  const auto other = client();
+  EXPECT_TRUE(other->status());
+  int refused = 0;
+  for (bool found = false; !found;) {
+    for (auto& call : calls)
+      found |= call.wait_for(std::chrono::milliseconds(1)) == std::future_status::ready;
+  }
+  robot_.release.open();
+  for (auto& call : calls) {
+    const auto answer = call.get();
+    if (answer) continue;
+    EXPECT_EQ(answer.error().code, ErrorCode::ResourceExhausted);
+    ++refused;
+  }
+  EXPECT_EQ(refused, 1);
+}
+
+TEST_F(ControlTest, ManyClientsAndThreadsAtOnce) {
+  serve();
+  std::vector<std::future<int>> workers;
+  for (int i = 0; i < 8; ++i) {
+    workers.push_back(std::async(std::launch::async, [this, i] {
+      const auto robot = client();
+      int right = 0;
+      for (int n = 0; n < 50; ++n) {
+        const Value sent = Value::list({i, n});
+        right += robot->call("t", "echo", sent, soon()).value_or(Value()) == sent ? 1 : 0;
+      }
+      return right;
+    }));
+  }
+  for (auto& worker : workers)
+    EXPECT_EQ(worker.get(), 50);
+}
+
+TEST_F(ControlTest, AServerThatGoesAnswersTheCallInProgressAndIsGoneForTheNext) {
+  serve();
+  const auto robot = client();
+  auto waiting = std::async(std::launch::async, [&] { return robot->call("t", "wait", Value(), soon()); });
+  ASSERT_TRUE(robot_.entered.wait());
+  auto ending = std::async(std::launch::async, [&] { server_.reset(); });
+  robot_.release.open();
+  ending.get();
+  EXPECT_EQ(waiting.get().value(), Value("released"));
+  const auto after = robot->status();
+  ASSERT_FALSE(after);
+  EXPECT_EQ(after.error().code, ErrorCode::Unavailable);
+  EXPECT_FALSE(std::filesystem::exists(socket_));
+}
+
+TEST_F(ControlTest, AServerThatGoesDoesNotWaitForPatientClients) {
+  serve();
+  const auto robot = client();
+  auto waiting = std::async(std::launch::async, [&] { return robot->events(10, std::chrono::hours(1)); });
+  ASSERT_TRUE(robot_.entered.wait());
+  const auto begun = RealClock::instance().now();
+  server_.reset();
+  EXPECT_LT(RealClock::instance().now() - begun, kLong);
+  EXPECT_TRUE(waiting.get());
+}
+
+}  // namespace
+}  // namespace segue::control

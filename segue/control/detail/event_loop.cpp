@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/control/detail/event_loop.hpp>
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace segue::control::detail {
+
+namespace {
+
+/// Signals are for the main thread.
+void block_signals() {
+  sigset_t all;
+  sigfillset(&all);
+  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+    sigdelset(&all, fault);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+void run_guarded(const EventLoop::Work& work, kj::AsyncIoContext& io) {
+  try {
+    work(io);
+  } catch (const kj::Exception& exception) {
+    log(LogLevel::Error, "control", exception.getDescription().cStr());
+  } catch (const std::exception& exception) {
+    log(LogLevel::Error, "control", exception.what());
+  }
+}
+
+/// What a piece of work set going, such as an answer, is on its way before the next looks at it or takes it
+/// down.
+void settle(kj::AsyncIoContext& io) {
+  run_guarded([](kj::AsyncIoContext& context) { kj::evalLast([] {}).wait(context.waitScope); }, io);
+}
+
+}  // namespace
+
+EventLoop::EventLoop() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (event_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+  const auto ready = std::make_shared<std::promise<void>>();
+  auto started = ready->get_future();
+  try {
+    thread_ = std::thread([this, ready] { main(*ready); });
+    started.get();
+  } catch (...) {
+    if (thread_.joinable()) thread_.join();
+    ::close(event_);
+    throw;
+  }
+}
+
+EventLoop::~EventLoop() {
+  stop();
+  thread_.join();
+  ::close(event_);
+}
+
+bool EventLoop::post(Work work) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopped_) return false;
+    queue_.push_back(std::move(work));
+  }
+  wake();
+  return true;
+}
+
+bool EventLoop::run(const Work& work) {
+  // Shared, since the waiter may be gone before set_value() returns.
+  const auto done = std::make_shared<std::promise<void>>();
+  auto future = done->get_future();
+  const bool posted = post([&work, done](kj::AsyncIoContext& io) {
+    run_guarded(work, io);
+    done->set_value();
+  });
+  if (posted) future.wait();
+  return posted;
+}
+
+void EventLoop::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  wake();
+}
+
+void EventLoop::wake() const {
+  const std::uint64_t one = 1;
+  // Fails only if the counter is about to overflow, and then the loop is awake anyway.
+  [[maybe_unused]] const auto written = ::write(event_, &one, sizeof one);
+}
+
+void EventLoop::main(std::promise<void>& ready) {
+  block_signals();
+  std::optional<kj::AsyncIoContext> io;
+  try {
+    io.emplace(kj::setupAsyncIo());
+  } catch (...) {
+    ready.set_exception(std::make_exception_ptr(
+        std::system_error(std::make_error_code(std::errc::too_many_files_open), "event loop")));
+    return;
+  }
+  ready.set_value();
+  serve(*io);
+}
+
+void EventLoop::serve(kj::AsyncIoContext& io) {
+  auto events = io.lowLevelProvider->wrapInputFd(event_, kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
+  while (drain(io)) {
+    try {
+      std::uint64_t count = 0;
+      events->read(&count, sizeof count).wait(io.waitScope);
+    } catch (const kj::Exception& exception) {
+      log(LogLevel::Error, "control", exception.getDescription().cStr());
+    }
+  }
+}
+
+/// False when it is time to go.
+bool EventLoop::drain(kj::AsyncIoContext& io) {
+  for (;;) {
+    std::vector<Work> batch;
+    {
+      const std::lock_guard lock(mutex_);
+      if (queue_.empty()) return !stopped_;
+      batch.swap(queue_);
+    }
+    for (Work& work : batch) {
+      run_guarded(std::exchange(work, nullptr), io);  // what it holds goes before the next begins
+      settle(io);
+    }
+  }
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <kj/async-io.h>
+
+#include <functional>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace segue::control::detail {
+
+/// A thread with a KJ event loop. Everything of KJ and Cap'n Proto is made, used and destroyed in it; other
+/// threads only post() work. (Our own queue instead of KJ's cross-thread promises keeps every hand-over
+/// between threads in std::mutex, where the thread sanitizer can follow it.)
+class EventLoop {
+ public:
+  using Work = std::function<void(kj::AsyncIoContext& io)>;
+
+  /// Starts the thread. Throws std::system_error or kj::Exception where the system has no resources.
+  EventLoop();
+  /// stop() and join.
+  ~EventLoop();
+  EventLoop(const EventLoop&) = delete;
+  EventLoop& operator=(const EventLoop&) = delete;
+
+  /// Runs `work` in the loop's thread, in the order of posting. Work that throws is dropped. False (and
+  /// `work` is destroyed by the caller) after stop().
+  bool post(Work work);
+  /// post() and wait for the end of `work`. False after stop(). Not from the loop's own thread.
+  bool run(const Work& work);
+  /// What was posted before is still done. Returns at once.
+  void stop();
+
+ private:
+  void main(std::promise<void>& ready);
+  void serve(kj::AsyncIoContext& io);
+  bool drain(kj::AsyncIoContext& io);
+  void wake() const;
+
+  int event_ = -1;
+  std::mutex mutex_;
+  std::vector<Work> queue_;
+  bool stopped_ = false;
+  std::thread thread_;
+};
+
+}  // namespace segue::control::detail

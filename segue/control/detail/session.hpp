@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/detail/robot_server.hpp>
+#include <segue/control/detail/socket.hpp>
+
+#include <capnp/rpc-twoparty.h>
+
+#include <cstddef>
+#include <set>
+
+namespace segue::control::detail {
+
+class Session;
+
+/// The connections of a server: accepts, checks who is there, limits how many there are, drops those that do
+/// not say hello in time, stops listening to those that do not read their answers. Made, used and destroyed
+/// in the event loop's thread.
+class Sessions final : private kj::TaskSet::ErrorHandler {
+ public:
+  static constexpr std::size_t kMaxClients = 64;
+  /// Connections beyond kMaxClients that are kept just long enough to be told why they are refused.
+  static constexpr std::size_t kMaxRefused = 16;
+
+  Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket);
+  ~Sessions() noexcept;
+
+  void stop_accepting();
+  /// No call in progress and no answer on its way.
+  [[nodiscard]] bool idle() const;
+
+ private:
+  friend class Session;
+  void taskFailed(kj::Exception&& exception) override;
+  kj::Promise<void> accept();
+  void admit(kj::Own<kj::AsyncIoStream> stream);
+
+  ServerCore& core_;
+  kj::Timer& timer_;
+  kj::Own<kj::ConnectionReceiver> receiver_;
+  std::set<const Session*> sessions_;
+  kj::TaskSet tasks_;  ///< holds the sessions
+  kj::Promise<void> accepting_;
+};
+
+}  // namespace segue::control::detail

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/robot.capnp.h>
+#include <segue/base/error.hpp>
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+/// Values and errors to and from messages. What comes from a message is untrusted: depth and number of nodes
+/// are bounded. Reading malformed messages throws kj::Exception, which the RPC system turns into an error.
+namespace segue::control::detail {
+
+/// Raised when the meaning of a message changes; additions that old programs ignore do not count.
+inline constexpr std::uint32_t kProtocolVersion = 1;
+
+/// Deeper values are refused (files are limited to 200).
+inline constexpr int kMaxDepth = 256;
+
+/// The largest message, in words of eight bytes, that a server and a client take.
+inline constexpr std::uint64_t kServerMessageWords = std::uint64_t{1} << 20;   // 8 MiB
+inline constexpr std::uint64_t kClientMessageWords = std::uint64_t{32} << 20;  // 256 MiB
+/// A level of a Value is three levels of a message; RPC itself adds a few.
+inline constexpr int kMessageNesting = 3 * kMaxDepth + 32;
+
+/// How large a value is on its way, at most.
+std::uint64_t encoded_words(const type::Value& value);
+/// ResourceExhausted where `value` does not fit into a message of `words` (with room for the rest).
+Result<void> check_size(const type::Value& value, std::uint64_t words);
+
+/// InvalidArgument where the value is nested too deep; the builder is then half filled.
+Result<void> encode(const type::Value& value, wire::Value::Builder builder);
+/// ResourceExhausted where it has more than `max_nodes` nodes, ParseError where it is nested too deep or a
+/// map has a key twice.
+Result<type::Value> decode(wire::Value::Reader reader, std::uint64_t max_nodes);
+
+void encode(const Error& error, wire::Error::Builder builder);
+Error decode(wire::Error::Reader reader);
+
+/// Values that cannot be encoded become the error that says so.
+void encode(const Result<type::Value>& answer, wire::Answer::Builder builder);
+Result<type::Value> decode(wire::Answer::Reader reader, std::uint64_t max_nodes);
+
+/// Text that C++ strings and messages share.
+capnp::Text::Reader as_text(const std::string& value);
+capnp::Data::Reader as_data(std::string_view value);
+std::string as_string(capnp::Text::Reader value);
+std::string as_string(capnp::Data::Reader value);
+
+}  // namespace segue::control::detail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// How other processes reach a running robot: Cap'n Proto over a Unix socket.
+namespace segue::control {
+
+/// Samples of an output port for a remote reader.
+class SampleStream {
+ public:
+  virtual ~SampleStream() = default;
+  virtual Result<std::vector<type::Value>> read(std::size_t limit) = 0;
+  [[nodiscard]] virtual std::string type_name() const = 0;
+};
+
+/// What a running robot offers. The same interface on both sides: the runtime implements it, the server
+/// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
+/// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
+class RobotService {
+ public:
+  virtual ~RobotService() = default;
+
+  /// {"robot", "controller", "state", "controllers", "pid", "uptime_s", "tasks", "connections",
+  /// "differences"}
+  virtual Result<type::Value> status() = 0;
+  /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
+  virtual Result<type::Value> task(std::string_view id) = 0;
+  /// Requests a controller; answers the JSON of `switch` when it is done. dry_run: the JSON of `diff`.
+  virtual Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+                                        TimePoint deadline) = 0;
+  /// Applies a given transition (the text of a transition file, `file` for messages).
+  virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
+                                               TimePoint deadline) = 0;
+  virtual Result<void> reset_belief() = 0;
+  virtual Result<void> set_property(std::string_view task, std::string_view property,
+                                    const type::Value& value, TimePoint deadline) = 0;
+  virtual Result<type::Value> call(std::string_view task, std::string_view operation,
+                                   const type::Value& arguments, TimePoint deadline) = 0;
+  virtual Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
+                                                          std::size_t buffer) = 0;
+  /// A list of {"number", "time", "kind", "subject", "message"}.
+  virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
+  /// A list of the JSON of `switch`, oldest first.
+  virtual Result<type::Value> history() = 0;
+  /// Asks the runtime to bring the robot to the empty network and end.
+  virtual Result<void> shut_down() = 0;
+};
+
+}  // namespace segue::control

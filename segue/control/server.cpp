@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/control/detail/robot_server.hpp>
+#include <segue/control/detail/session.hpp>
+#include <segue/control/detail/socket.hpp>
+#include <segue/control/server.hpp>
+
+#include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace segue::control {
+
+namespace {
+
+constexpr auto kFlushPoll = std::chrono::milliseconds(5);
+constexpr auto kFlushLimit = std::chrono::milliseconds(500);
+
+}  // namespace
+
+struct Server::Implementation {
+  Implementation(detail::ListeningSocket listening, RobotService& service)
+      : socket(std::move(listening)), core(service) {
+    core.loop.run(
+        [this](kj::AsyncIoContext& io) { sessions = std::make_unique<detail::Sessions>(core, io, socket); });
+  }
+
+  /// Calls in progress end first, since the service may be gone afterwards; their answers are still sent.
+  ~Implementation() {
+    core.stopping = true;
+    core.loop.run([this](kj::AsyncIoContext&) {
+      if (sessions) sessions->stop_accepting();
+    });
+    core.pool.finish();
+    flush();
+    core.loop.run([this](kj::AsyncIoContext&) { sessions.reset(); });
+  }
+
+  void flush() {
+    auto& clock = RealClock::instance();
+    const TimePoint give_up = clock.now() + kFlushLimit;
+    bool idle = false;
+    while (!idle && clock.now() < give_up) {
+      core.loop.run([&](kj::AsyncIoContext&) { idle = !sessions || sessions->idle(); });
+      if (!idle) clock.sleep_until(clock.now() + kFlushPoll);
+    }
+  }
+
+  detail::ListeningSocket socket;
+  detail::ServerCore core;
+  std::unique_ptr<detail::Sessions> sessions;  ///< belongs to the loop's thread
+};
+
+Server::Server(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+
+Server::~Server() = default;
+
+Result<std::unique_ptr<Server>> Server::listen(const std::filesystem::path& socket, RobotService& service) {
+  auto listening = detail::ListeningSocket::open(socket);
+  if (!listening) return listening.error();
+  try {
+    auto implementation = std::make_unique<Implementation>(std::move(*listening), service);
+    if (!implementation->sessions) return fail(ErrorCode::Internal, "the control server did not start");
+    return std::unique_ptr<Server>(new Server(std::move(implementation)));
+  } catch (const std::exception& exception) {
+    return fail(ErrorCode::ResourceExhausted,
+                std::string("the control server cannot start: ") + exception.what());
+  }
+}
+
+}  // namespace segue::control

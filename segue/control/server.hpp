@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/control/robot_service.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::control {
+
+/// `$XDG_RUNTIME_DIR/segue`, else `/tmp/segue-UID`; made with mode 0700 and refused if it belongs to somebody
+/// else.
+Result<std::filesystem::path> socket_folder();
+/// The socket of the robot of that name.
+Result<std::filesystem::path> socket_path(std::string_view robot);
+/// Names of robots whose sockets answer, sorted. Sockets that nobody serves any more are removed.
+std::vector<std::string> running_robots();
+
+/// Serves a RobotService on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
+/// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the
+/// limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB) is refused with
+/// ResourceExhausted.
+class Server {
+ public:
+  /// AlreadyExists where a living runtime holds the socket; a stale one is replaced.
+  static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, RobotService& service);
+  /// Refuses new calls, waits for those in progress (until their deadlines at most) and sends their answers,
+  /// then closes all clients and removes the socket.
+  ~Server();
+
+ private:
+  struct Implementation;
+  explicit Server(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The robot on the other end of a socket. Unavailable where nobody answers; calls after the robot went
+/// answer Unavailable too. The destructor closes.
+Result<std::unique_ptr<RobotService>> connect(const std::filesystem::path& socket,
+                                              Duration timeout = std::chrono::seconds(5));
+
+}  // namespace segue::control

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/socket.hpp>
+#include <support/fake_robot.hpp>
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include <fstream>
+#include <string>
+
+namespace segue::control {
+namespace {
+
+mode_t mode_of(const std::filesystem::path& path) {
+  struct stat status {};
+  EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
+  return status.st_mode & 0777;
+}
+
+/// What a killed server leaves behind.
+void leave_stale_socket(const std::filesystem::path& path) {
+  const detail::Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  std::ofstream(std::filesystem::path(path) += ".lock");
+}
+
+TEST_F(ControlTest, SocketAndFolderAreOnlyForTheirOwner) {
+  serve();
+  EXPECT_EQ(mode_of(socket_), 0600U);
+  EXPECT_EQ(mode_of(socket_.parent_path()), 0700U);
+  ::chmod(socket_.parent_path().c_str(), 0777);
+  ASSERT_TRUE(socket_folder());
+  EXPECT_EQ(mode_of(socket_.parent_path()), 0700U);
+}
+
+TEST_F(ControlTest, AFolderThatIsALinkIsRefused) {
+  std::filesystem::remove_all(socket_.parent_path());
+  std::filesystem::create_directory(folder_ / "elsewhere");
+  std::filesystem::create_symlink(folder_ / "elsewhere", socket_.parent_path());
+  EXPECT_EQ(socket_folder().error().code, ErrorCode::PermissionDenied);
+}
+
+TEST_F(ControlTest, ASecondServerOnTheSameSocketIsRefused) {
+  serve();
+  FakeRobot other;
+  const auto second = Server::listen(socket_, other);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::AlreadyExists);
+  EXPECT_TRUE(client()->status());
+}
+
+TEST_F(ControlTest, AStaleSocketIsReplaced) {
+  leave_stale_socket(socket_);
+  EXPECT_EQ(connect(socket_).error().code, ErrorCode::Unavailable);
+  serve();
+  EXPECT_TRUE(client()->status());
+}
+
+TEST_F(ControlTest, AServerThatEndsLeavesNothingBehind) {
+  serve();
+  server_.reset();
+  EXPECT_TRUE(std::filesystem::is_empty(socket_.parent_path()));
+  serve();
+  EXPECT_TRUE(client()->status());
+}
+
+TEST_F(ControlTest, RunningRobotsAreThoseThatAnswer) {
+  EXPECT_TRUE(running_robots().empty());
+  leave_stale_socket(socket_path("dead").value());
+  serve();
+  FakeRobot other;
+  const auto second = Server::listen(socket_path("a_second").value(), other);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(running_robots(), (std::vector<std::string>{"a_second", "fake"}));
+  EXPECT_FALSE(std::filesystem::exists(socket_path("dead").value()));
+}
+
+TEST_F(ControlTest, NobodyThereIsUnavailable) {
+  EXPECT_EQ(connect(socket_).error().code, ErrorCode::Unavailable);
+}
+
+TEST_F(ControlTest, ANameThatIsAPathIsNoRobot) {
+  EXPECT_EQ(socket_path("../other").error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(socket_path("").error().code, ErrorCode::InvalidArgument);
+}
+
+TEST_F(ControlTest, APathThatIsTooLongForASocketSaysWhatToDo) {
+  const auto failed = Server::listen(folder_ / std::string(120, 'x'), robot_);
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("XDG_RUNTIME_DIR"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace segue::control

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/local_task_host.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/host/notifier.hpp>
+#include <segue/host/port_reader.hpp>
+#include <segue/host/task_actions.hpp>
+#include <segue/host/task_maker.hpp>
+#include <segue/host/task_table.hpp>
+#include <segue/task/held_ports.hpp>
+
+#include <unistd.h>
+
+#include <map>
+
+namespace segue::host {
+
+namespace {
+
+/// How long a question about ports waits for a hook that makes or unmakes them.
+constexpr Duration kPatience = std::chrono::milliseconds(200);
+
+std::vector<std::string> names_of(const std::vector<task::OutputPortBase*>& outputs) {
+  std::vector<std::string> names;
+  for (const auto* port : outputs) {
+    names.push_back(port->name());
+  }
+  return names;
+}
+
+/// The entry's ports, held still; DeadlineExceeded while a hook is at them.
+Result<std::shared_lock<detail::PortsMutex>> hold_ports(const detail::TaskEntry& entry) {
+  std::shared_lock lock(*entry.ports, RealClock::instance().now() + kPatience);
+  if (!lock) {
+    return fail(ErrorCode::DeadlineExceeded, "is being configured or cleaned up; ask again later",
+                entry.definition.id.str());
+  }
+  return lock;
+}
+
+}  // namespace
+
+struct LocalTaskHost::Implementation {
+  Implementation(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
+      : maker(libraries, catalog, std::move(options)) {}
+
+  detail::Notifier notifier;
+  detail::TaskMaker maker;
+  detail::TaskTable table;
+  detail::TaskActions actions{table, maker, notifier};
+};
+
+LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
+                             LocalOptions options)
+    : implementation_(std::make_unique<Implementation>(libraries, catalog, std::move(options))) {}
+
+LocalTaskHost::~LocalTaskHost() {
+  implementation_->notifier.set_listener({});
+  implementation_->table.clear();
+}
+
+model::Depth LocalTaskHost::validation_depth() const {
+  return implementation_->maker.makes_stand_ins() ? model::Depth::Structure : model::Depth::Full;
+}
+
+Result<void> LocalTaskHost::can_make(const model::ComponentName& component) const {
+  return implementation_->maker.can_make(component);
+}
+
+void LocalTaskHost::expect(const model::Network& target) {
+  implementation_->maker.expect(target);
+}
+
+void LocalTaskHost::conclude(const model::Transition& transition) {
+  implementation_->actions.conclude(transition);
+}
+
+Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
+  return implementation_->actions.perform(action, deadline);
+}
+
+model::Network LocalTaskHost::observe() const {
+  model::Network network;
+  network.deployments = implementation_->table.processes();
+  std::map<model::DeploymentKey, model::Deployment*> seats;
+  for (auto& deployment : network.deployments) {
+    seats.emplace(deployment.key(), &deployment);
+  }
+  for (auto& entry : implementation_->table.all()) {
+    network.tasks.push_back(entry.definition);
+    network.tasks.back().state = entry.state();
+    if (const auto seat = seats.find(entry.process); seat != seats.end()) {
+      seat->second->tasks.push_back({entry.definition.id, entry.name});
+    }
+  }
+  implementation_->table.for_each_wire(
+      [&](const detail::WireEntry& wire) { network.connections.push_back(wire.connection); });
+  return network;
+}
+
+std::vector<TaskReport> LocalTaskHost::tasks() const {
+  std::vector<TaskReport> reports;
+  for (const auto& entry : implementation_->table.all()) {
+    TaskReport report;
+    report.id = entry.definition.id;
+    report.component = entry.definition.component;
+    report.process = entry.process;
+    report.pid = ::getpid();
+    report.state = entry.task->state();
+    report.state_name = entry.task->state_name();
+    report.error = entry.task->error_message();
+    report.stand_in = entry.stand_in;
+    report.activity = entry.task->activity();
+    report.timing = entry.task->timing();
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::vector<ConnectionReport> LocalTaskHost::connections() const {
+  std::vector<ConnectionReport> reports;
+  implementation_->table.for_each_wire([&](const detail::WireEntry& wire) {
+    const link::Counters counts = wire.wire.counters();
+    reports.push_back({wire.connection, counts.written, counts.read, counts.dropped});
+  });
+  return reports;
+}
+
+Result<model::ComponentModel> LocalTaskHost::describe(const model::TaskId& task) const {
+  const auto entry = implementation_->table.find(task);
+  if (!entry) {
+    return entry.error();
+  }
+  const auto ports = hold_ports(*entry);
+  if (!ports) {
+    return ports.error();
+  }
+  return host::describe(entry->task->component());
+}
+
+Result<type::Value> LocalTaskHost::properties(const model::TaskId& task) const {
+  const auto entry = implementation_->table.find(task);
+  if (!entry) {
+    return entry.error();
+  }
+  return entry->task->properties();
+}
+
+Result<void> LocalTaskHost::set_property(const model::TaskId& task, std::string_view path,
+                                         const type::Value& value, TimePoint deadline) {
+  return implementation_->actions.set_property(task, path, value, deadline);
+}
+
+Result<type::Value> LocalTaskHost::call(const model::TaskId& task, std::string_view operation,
+                                        const type::Value& arguments, TimePoint deadline) {
+  const auto entry = implementation_->table.find(task);
+  if (!entry) {
+    return entry.error();
+  }
+  return entry->task->call(operation, arguments, deadline);
+}
+
+Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::PortRef& port,
+                                                               std::size_t buffer) {
+  const auto entry = implementation_->table.find(port.task);
+  if (!entry) {
+    return entry.error();
+  }
+  const auto ports = hold_ports(*entry);
+  if (!ports) {
+    return ports.error();
+  }
+  task::Component& component = entry->task->component();
+  const task::HeldPorts held(component);
+  task::OutputPortBase* output = held.find_output(component, port.port);
+  if (output == nullptr) {
+    const auto names = names_of(held.outputs(component));
+    const std::string hint = did_you_mean(port.port, names);
+    return fail(ErrorCode::NotFound,
+                "no output port " + quote(port.port) + (hint.empty() ? "; there are " + listed(names) : hint),
+                port.task.str());
+  }
+  return detail::tap(*output, buffer);
+}
+
+void LocalTaskHost::set_listener(Listener listener) {
+  implementation_->notifier.set_listener(std::move(listener));
+}
+
+}  // namespace segue::host

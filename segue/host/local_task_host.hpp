@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/component_library.hpp>
+#include <segue/host/stand_in.hpp>
+#include <segue/host/task_host.hpp>
+
+#include <memory>
+
+namespace segue::host {
+
+struct LocalOptions {
+  /// Make a stand-in for every component that no loaded library has.
+  bool stand_in = false;
+  /// Stand-ins for all components, even installed ones.
+  bool only_stand_ins = false;
+  /// How they behave; see stand_in.hpp.
+  StandInTable stand_ins{};
+};
+
+/// The tasks of this process. Deployments are kept as names only: all of them live here ("--in-process").
+class LocalTaskHost final : public TaskHost {
+ public:
+  /// `libraries` makes components; `catalog` tells stand-ins what their components look like. Both must
+  /// outlive this.
+  LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
+                LocalOptions options = {});
+  ~LocalTaskHost() override;
+
+  /// Structure where stand-ins may be made.
+  [[nodiscard]] model::Depth validation_depth() const override;
+  Result<void> can_make(const model::ComponentName& component) const override;
+  /// Stand-ins get the ports that connections of any expected network name where no model does.
+  void expect(const model::Network& target) override;
+  void conclude(const model::Transition& transition) override;
+
+  Result<void> perform(const model::Action& action, TimePoint deadline) override;
+  [[nodiscard]] model::Network observe() const override;
+  [[nodiscard]] std::vector<TaskReport> tasks() const override;
+  [[nodiscard]] std::vector<ConnectionReport> connections() const override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override;
+  Result<type::Value> properties(const model::TaskId& task) const override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) override;
+  void set_listener(Listener listener) override;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::host

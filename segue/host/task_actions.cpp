@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/task_actions.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <atomic>
+
+namespace segue::host::detail {
+
+namespace {
+
+using model::ActionKind;
+
+/// The task whose life-cycle verb this thread carries out: changes of its state are no news.
+thread_local const task::Task* acting_on = nullptr;
+
+class Acting {
+ public:
+  explicit Acting(const task::Task& task) : before_(std::exchange(acting_on, &task)) {}
+  Acting(const Acting&) = delete;
+  Acting& operator=(const Acting&) = delete;
+  ~Acting() { acting_on = before_; }
+
+ private:
+  const task::Task* before_;
+};
+
+std::string state_text(const TaskEntry& entry) {
+  return quote(to_string(entry.state()));
+}
+
+Error busy(const model::TaskId& id) {
+  return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned", id.str());
+}
+
+/// A new value over the present one: a compound's fields one by one, everything else as a whole.
+void change(type::Value& present, const type::Value& value, const task::PropertyBase* property) {
+  if (property != nullptr && property->takes_parts()) {
+    type::merge(present, value);
+  } else {
+    present = value;
+  }
+}
+
+/// The values that turn properties from what `before` says into what `wanted` says; a property that is not
+/// named has its default. What stays is left out, since most properties cannot be set away from
+/// PreOperational.
+type::Value values_for(const task::Component& component, const type::Value& wanted,
+                       const type::Value& before) {
+  type::ValueMap values;
+  for (const task::PropertyBase* property : component.properties()) {
+    const type::Value* next = wanted.find(property->name());
+    const type::Value* last = before.find(property->name());
+    const bool same = (next == nullptr) == (last == nullptr) && (next == nullptr || *next == *last);
+    if (same) {
+      continue;
+    }
+    type::Value value = property->default_value();
+    if (next != nullptr) {
+      change(value, *next, property);
+    }
+    values.set(property->name(), std::move(value));
+  }
+  // What the component does not have: the task says so, with the names it has.
+  for (const auto& [name, value] : wanted.as_map()) {
+    if (component.find_property(name) == nullptr) {
+      values.set(name, value);
+    }
+  }
+  return values;
+}
+
+/// "range.max" and 30 as {range: {max: 30}}. A property whose own name has dots is taken as it is. One that
+/// is replaced as a whole keeps the rest of its map.
+type::Value nested(const task::Task& task, std::string_view path, type::Value value) {
+  std::string_view rest = path;
+  const task::PropertyBase* property = task.component().find_property(rest);
+  while (property == nullptr) {
+    const std::size_t dot = rest.rfind('.');
+    if (dot == std::string_view::npos) {
+      break;
+    }
+    value = type::Value::map({{std::string(rest.substr(dot + 1)), std::move(value)}});
+    rest = rest.substr(0, dot);
+    property = task.component().find_property(rest);
+  }
+  if (property != nullptr && rest != path && !property->takes_parts()) {
+    const type::Value all = task.properties();
+    type::Value whole = *all.find(rest);
+    type::merge(whole, value);
+    value = std::move(whole);
+  }
+  return type::Value::map({{std::string(rest), std::move(value)}});
+}
+
+/// What the network says of properties, after `values` were set.
+void note(type::Value& properties, const type::Value& values, const task::Component& component) {
+  for (const auto& [name, value] : values.as_map()) {
+    const type::Value* known = properties.find(name);
+    type::Value next = known == nullptr ? type::Value{} : *known;
+    change(next, value, component.find_property(name));
+    properties.as_map().set(name, std::move(next));
+  }
+}
+
+Error with_subject(Error error, const std::string& subject) {
+  if (error.subject.empty()) {
+    error.subject = subject;
+  }
+  return error;
+}
+
+}  // namespace
+
+Result<void> TaskActions::perform(const model::Action& action, TimePoint deadline) {
+  struct Visitor {
+    TaskActions& self;
+    ActionKind kind;
+    TimePoint deadline;
+    Result<void> operator()(const model::TaskAction& what) const {
+      return self.perform_on_task(kind, what.task, deadline);
+    }
+    Result<void> operator()(const model::ConnectionAction& what) const {
+      return kind == ActionKind::Connect ? self.connect(what.connection, deadline)
+                                         : self.disconnect(what.connection);
+    }
+    Result<void> operator()(const model::DeploymentAction& what) const {
+      return kind == ActionKind::Deploy ? self.deploy(what.deployment) : self.undeploy(what.deployment.key());
+    }
+    Result<void> operator()(const model::ConfigAction& what) const {
+      return self.apply_config(what, deadline);
+    }
+    Result<void> operator()(const model::CallAction& what) const {
+      auto entry = self.table_.find(what.task);
+      if (!entry) {
+        return std::move(entry.error());
+      }
+      auto answer = entry->task->call(what.operation, what.arguments, deadline);
+      return answer ? Result<void>{} : Result<void>(std::move(answer.error()));
+    }
+  };
+  auto done = std::visit(Visitor{*this, action.kind, deadline}, action.what);
+  if (!done) {
+    return with_subject(std::move(done.error()), action.label());
+  }
+  return done;
+}
+
+Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& id, TimePoint deadline) {
+  auto entry = table_.find(id);
+  if (!entry) {
+    return std::move(entry.error());
+  }
+  if (kind == ActionKind::Configure) {
+    if (auto free = check_devices(*entry); !free) {
+      return free;
+    }
+  }
+  task::Task& task = *entry->task;
+  const Acting acting(task);
+  if (kind == ActionKind::Start) {
+    return task.start(deadline);
+  }
+  if (kind == ActionKind::Stop) {
+    return task.stop(deadline);
+  }
+  // The others make and unmake ports.
+  const std::unique_lock ports(*entry->ports, deadline);
+  if (!ports) {
+    return busy(id);
+  }
+  auto done = kind == ActionKind::Configure ? task.configure(deadline)
+              : kind == ActionKind::Cleanup ? task.cleanup(deadline)
+                                            : task.recover(deadline);
+  table_.drop_dead_wires();
+  return done;
+}
+
+Result<void> TaskActions::check_devices(const TaskEntry& entry) const {
+  const auto devices_of = [](const TaskEntry& of) {
+    std::vector<std::string> devices = of.definition.exclusive;
+    const auto& claimed = of.task->component().claims();
+    devices.insert(devices.end(), claimed.begin(), claimed.end());
+    return devices;
+  };
+  const auto wanted = devices_of(entry);
+  if (wanted.empty()) {
+    return {};
+  }
+  for (const TaskEntry& other : table_.all()) {
+    if (other.task == entry.task || !other.configured()) {
+      continue;
+    }
+    for (const auto& device : devices_of(other)) {
+      if (std::find(wanted.begin(), wanted.end(), device) != wanted.end()) {
+        return fail(ErrorCode::InvalidState, "device " + quote(device) + " is held by task " +
+                                                 quote(other.definition.id.str()) + "; clean it up first");
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> TaskActions::deploy(const model::Deployment& deployment) {
+  if (deployment.key().is_runtime()) {
+    return fail(ErrorCode::InvalidArgument, "a process needs a name; the runtime's own is always there");
+  }
+  return table_.add_process(deployment);
+}
+
+Result<void> TaskActions::undeploy(const model::DeploymentKey& key) {
+  if (!table_.find_process(key)) {
+    return fail(ErrorCode::NotFound, "process " + quote(to_string(key)) + " is not deployed");
+  }
+  const auto tasks = table_.in_process(key);
+  for (const TaskEntry& entry : tasks) {
+    if (entry.configured()) {
+      return fail(ErrorCode::InvalidState, "task " + quote(entry.definition.id.str()) + " in process " +
+                                               quote(to_string(key)) + " is still " + state_text(entry) +
+                                               "; stop it and clean it up first");
+    }
+  }
+  table_.remove_process(key);
+  for (const TaskEntry& entry : tasks) {
+    table_.take_wires_of(entry.definition.id);
+    table_.take(entry.definition.id);
+  }
+  return {};
+}
+
+Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePoint deadline) {
+  std::optional<ProcessEntry> process;
+  if (!action.process.is_runtime()) {
+    process = table_.find_process(action.process);
+    if (!process) {
+      return fail(ErrorCode::InvalidState,
+                  "process " + quote(to_string(action.process)) + " is not deployed; deploy it first");
+    }
+  }
+  if (!action.definition.properties.is_map()) {
+    return fail(ErrorCode::InvalidArgument,
+                "properties: expected a map, got " + type::describe(action.definition.properties));
+  }
+  const ProcessEntry* place = process ? &*process : nullptr;
+  auto entry = table_.find(action.definition.id);
+  if (!entry) {
+    return create(action, place, deadline);
+  }
+  const bool stays =
+      entry->definition.component == action.definition.component && entry->process == action.process;
+  if (stays) {
+    return reapply(std::move(*entry), action, place, deadline);
+  }
+  if (entry->configured()) {
+    return fail(ErrorCode::InvalidState, "is still " + state_text(*entry) + " as " +
+                                             quote(entry->definition.component.str()) + " in " +
+                                             quote(to_string(entry->process)) + "; clean it up first");
+  }
+  table_.take_wires_of(action.definition.id);
+  return create(action, place, deadline);
+}
+
+Result<void> TaskActions::create(const model::ConfigAction& action, const ProcessEntry* process,
+                                 TimePoint deadline) {
+  auto entry = maker_.make(action.definition, process);
+  if (!entry) {
+    return std::move(entry.error());
+  }
+  entry->process = action.process;
+  entry->name = action.name;
+  const type::Value values =
+      values_for(entry->task->component(), action.definition.properties, type::ValueMap{});
+  if (auto set = entry->task->set_properties(values, deadline); !set) {
+    return set;
+  }
+  listen_to(*entry);
+  table_.put(std::move(*entry));
+  return {};
+}
+
+Result<void> TaskActions::reapply(TaskEntry entry, const model::ConfigAction& action,
+                                  const ProcessEntry* process, TimePoint deadline) {
+  const TaskState state = entry.state();
+  if (state == TaskState::Exception || state == TaskState::Fatal) {
+    return fail(ErrorCode::InvalidState, "is in " + state_text(entry) + "; recover it first");
+  }
+  const model::Task& wanted = action.definition;
+  const bool other_activity =
+      maker_.activity_for(wanted, process, entry.task->component(), entry.stand_in) != entry.task->activity();
+  const bool other_properties = !(wanted.properties == entry.definition.properties);
+  if (state == TaskState::PreOperational && (other_activity || (entry.stand_in && other_properties))) {
+    return make_anew(entry, action, process, deadline);
+  }
+  if (other_activity) {
+    return fail(ErrorCode::InvalidState,
+                "its activity can only change in 'pre_operational', and it is " + state_text(entry));
+  }
+  const type::Value values =
+      values_for(entry.task->component(), wanted.properties, entry.definition.properties);
+  if (!values.as_map().empty()) {
+    if (auto set = entry.task->set_properties(values, deadline); !set) {
+      return set;
+    }
+  }
+  entry.definition = wanted;
+  entry.name = action.name;
+  table_.put(std::move(entry));
+  return {};
+}
+
+/// What a task is made of (its thread; a stand-in's properties) changes only by making another one;
+/// connections that stay are laid again.
+Result<void> TaskActions::make_anew(const TaskEntry& old, const model::ConfigAction& action,
+                                    const ProcessEntry* process, TimePoint deadline) {
+  const model::TaskId& id = old.definition.id;
+  const auto connections = table_.wires_of(id);
+  if (auto made = create(action, process, deadline); !made) {
+    return made;
+  }
+  table_.take_wires_of(id);
+  for (const auto& connection : connections) {
+    if (auto connected = connect(connection, deadline); !connected) {
+      return fail(ErrorCode::Internal, "could not lay " + quote(to_string(connection)) + " again")
+          .because_of(std::move(connected.error()));
+    }
+  }
+  return {};
+}
+
+Result<void> TaskActions::check_connectable(const TaskEntry& entry) const {
+  if (!entry.stand_in || !maker_.behaviour_of(entry.definition).fails("connect")) {
+    return {};
+  }
+  return fail(ErrorCode::HookFailed,
+              "stand_in.fail of task " + quote(entry.definition.id.str()) + " names 'connect'");
+}
+
+Result<void> TaskActions::connect(const model::Connection& connection, TimePoint deadline) {
+  if (table_.has_wire(connection)) {
+    return fail(ErrorCode::AlreadyExists, "is already connected");
+  }
+  auto from = table_.find(connection.from.task);
+  if (!from) {
+    return std::move(from.error());
+  }
+  auto to = table_.find(connection.to.task);
+  if (!to) {
+    return std::move(to.error());
+  }
+  for (const TaskEntry* end : {&*from, &*to}) {
+    if (auto connectable = check_connectable(*end); !connectable) {
+      return connectable;
+    }
+  }
+  const std::shared_lock from_ports(*from->ports, deadline);
+  if (!from_ports) {
+    return busy(connection.from.task);
+  }
+  std::shared_lock<PortsMutex> to_ports;  // a task may be connected with itself
+  if (to->ports != from->ports) {
+    to_ports = std::shared_lock(*to->ports, deadline);
+    if (!to_ports) {
+      return busy(connection.to.task);
+    }
+  }
+  const WireEnd output{from->task->component(), from->stand_in, from->configured()};
+  const WireEnd input{to->task->component(), to->stand_in, to->configured()};
+  auto wire = lay_wire(output, input, connection);
+  if (!wire) {
+    return std::move(wire.error());
+  }
+  return table_.add_wire({connection, std::move(*wire)});
+}
+
+Result<void> TaskActions::disconnect(const model::Connection& connection) {
+  auto wire = table_.take_wire(connection);
+  if (!wire) {
+    return std::move(wire.error());
+  }
+  wire->wire.disconnect();
+  return {};
+}
+
+void TaskActions::conclude(const model::Transition& transition) {
+  for (const auto& id : transition.removes) {
+    const auto entry = table_.find(id);
+    if (entry && !entry->configured()) {
+      table_.take_wires_of(id);
+      table_.take(id);
+    }
+  }
+  for (const auto& task : transition.redefines) {
+    table_.redefine(task.id, [&](model::Task& definition) { definition = task; });
+  }
+}
+
+Result<void> TaskActions::set_property(const model::TaskId& id, std::string_view path,
+                                       const type::Value& value, TimePoint deadline) {
+  auto entry = table_.find(id);
+  if (!entry) {
+    return std::move(entry.error());
+  }
+  const type::Value values = nested(*entry->task, path, value);
+  if (auto set = entry->task->set_properties(values, deadline); !set) {
+    return set;
+  }
+  table_.redefine(
+      id, [&](model::Task& definition) { note(definition.properties, values, entry->task->component()); });
+  return {};
+}
+
+void TaskActions::listen_to(const TaskEntry& entry) {
+  const std::weak_ptr<task::Task> weak = entry.task;
+  const model::TaskId id = entry.definition.id;
+  auto last = std::make_shared<std::atomic<TaskState>>(entry.state());
+  entry.task->set_state_listener([this, weak, id, last](const task::Task& task, TaskState state) {
+    const bool changed = last->exchange(state) != state;
+    if (!changed || acting_on == &task) {
+      return;
+    }
+    notifier_.post([weak, id, state]() -> std::optional<TaskEvent> {
+      const auto alive = weak.lock();
+      if (!alive) {
+        return std::nullopt;
+      }
+      return TaskEvent{id, state, alive->error_message()};
+    });
+  });
+}
+
+}  // namespace segue::host::detail

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/notifier.hpp>
+#include <segue/host/task_maker.hpp>
+#include <segue/host/task_table.hpp>
+#include <segue/model/transition.hpp>
+
+namespace segue::host::detail {
+
+/// Carries out the eleven actions on the tasks of a table. Thread safe; hooks run without any lock of the
+/// table.
+class TaskActions {
+ public:
+  TaskActions(TaskTable& table, TaskMaker& maker, Notifier& notifier)
+      : table_(table), maker_(maker), notifier_(notifier) {}
+
+  Result<void> perform(const model::Action& action, TimePoint deadline);
+  void conclude(const model::Transition& transition);
+  Result<void> set_property(const model::TaskId& id, std::string_view path, const type::Value& value,
+                            TimePoint deadline);
+
+ private:
+  Result<void> perform_on_task(model::ActionKind kind, const model::TaskId& id, TimePoint deadline);
+  Result<void> deploy(const model::Deployment& deployment);
+  Result<void> undeploy(const model::DeploymentKey& key);
+  Result<void> apply_config(const model::ConfigAction& action, TimePoint deadline);
+  Result<void> create(const model::ConfigAction& action, const ProcessEntry* process, TimePoint deadline);
+  Result<void> reapply(TaskEntry entry, const model::ConfigAction& action, const ProcessEntry* process,
+                       TimePoint deadline);
+  Result<void> make_anew(const TaskEntry& old, const model::ConfigAction& action, const ProcessEntry* process,
+                         TimePoint deadline);
+  Result<void> connect(const model::Connection& connection, TimePoint deadline);
+  Result<void> disconnect(const model::Connection& connection);
+  Result<void> check_devices(const TaskEntry& entry) const;
+  Result<void> check_connectable(const TaskEntry& entry) const;
+  void listen_to(const TaskEntry& entry);
+
+  TaskTable& table_;
+  TaskMaker& maker_;
+  Notifier& notifier_;
+};
+
+}  // namespace segue::host::detail

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
+#include <segue/model/transition.hpp>
+#include <segue/model/validate.hpp>
+#include <segue/task/task.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Where tasks live: the tasks of this process, and later those of deployment processes and other computers.
+namespace segue::host {
+
+/// A task as it is seen from outside.
+struct TaskReport {
+  model::TaskId id;
+  model::ComponentName component;
+  model::DeploymentKey process;
+  int pid = 0;
+  TaskState state = TaskState::PreOperational;
+  std::string state_name;  ///< the named sub-state
+  std::string error;
+  bool stand_in = false;
+  Activity activity;
+  task::Timing timing;
+};
+
+/// Samples through one connection since it was made.
+struct ConnectionReport {
+  model::Connection connection;
+  std::uint64_t written = 0;
+  std::uint64_t read = 0;
+  std::uint64_t dropped = 0;
+};
+
+/// Something happened to a task by itself.
+struct TaskEvent {
+  model::TaskId task;
+  TaskState state = TaskState::Exception;
+  std::string message;
+};
+
+/// Reads the samples of an output port for a person or a tool. Destroying it removes the connection.
+class PortReader {
+ public:
+  virtual ~PortReader() = default;
+  /// What came since the last call, oldest first, at most `limit`. Does not block.
+  virtual std::vector<type::Value> read(std::size_t limit) = 0;
+  [[nodiscard]] virtual std::string type_name() const = 0;
+};
+
+/// Carries out actions on tasks and tells what they do. All functions may be called from any thread.
+class TaskHost {
+ public:
+  virtual ~TaskHost() = default;
+
+  /// How closely a network must be validated before it may run here: stand-ins take any component and port.
+  [[nodiscard]] virtual model::Depth validation_depth() const { return model::Depth::Full; }
+  /// Whether tasks of this component can be made here; NotFound with what to install where not.
+  virtual Result<void> can_make(const model::ComponentName& component) const;
+  /// Which network is about to be made. Told once before the first action of a transition; may prepare, does
+  /// not change what runs.
+  virtual void expect(const model::Network& target);
+  /// All actions of the transition are done: tasks that it removes are forgotten (destroyed, their processes
+  /// stay), kept tasks that it redefines get their new definitions.
+  virtual void conclude(const model::Transition& transition);
+
+  /// Carries out one action. CallOperation's result is dropped; use call() for one that is wanted. Deadline
+  /// passed: DeadlineExceeded, and the true state must be read again.
+  virtual Result<void> perform(const model::Action& action, TimePoint deadline) = 0;
+
+  /// What truly runs, as a network: every configured or named task with its true state, properties and seat,
+  /// every connection, every deployment.
+  [[nodiscard]] virtual model::Network observe() const = 0;
+
+  [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;
+  [[nodiscard]] virtual std::vector<ConnectionReport> connections() const = 0;
+  /// The interface of a task as it is now, dynamic ports included.
+  virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;
+  virtual Result<type::Value> properties(const model::TaskId& task) const = 0;
+  virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
+                                    const type::Value& value, TimePoint deadline) = 0;
+  virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                                   const type::Value& arguments, TimePoint deadline) = 0;
+  virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
+
+  /// Called from any thread when a task changes its state other than by an action; must not block. No call is
+  /// under way any more when set_listener returns.
+  using Listener = std::function<void(const TaskEvent&)>;
+  virtual void set_listener(Listener listener) = 0;
+};
+
+}  // namespace segue::host

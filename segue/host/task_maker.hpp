@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/component_library.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/host/stand_in.hpp>
+#include <segue/host/task_table.hpp>
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace segue::host::detail {
+
+/// Makes tasks from their definitions: components of libraries, or stand-ins, on the threads of their
+/// process. Thread safe.
+class TaskMaker {
+ public:
+  TaskMaker(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
+      : libraries_(libraries), catalog_(catalog), options_(std::move(options)) {}
+
+  [[nodiscard]] bool makes_stand_ins() const { return options_.stand_in || options_.only_stand_ins; }
+  Result<void> can_make(const model::ComponentName& component) const;
+  /// Stand-ins made from now on have the ports that `network` names.
+  void expect(const model::Network& network);
+
+  /// A task in PreOperational without its properties. `process` is nullptr for the runtime's own.
+  Result<TaskEntry> make(const model::Task& definition, const ProcessEntry* process) const;
+
+  /// What the task's thread is to be: of the network, else of the component; what neither says, of the
+  /// process.
+  [[nodiscard]] Activity activity_for(const model::Task& definition, const ProcessEntry* process,
+                                      const task::Component& component, bool stand_in) const;
+  /// How a task's stand-in behaves now.
+  [[nodiscard]] StandInBehaviour behaviour_of(const model::Task& definition) const;
+
+ private:
+  [[nodiscard]] bool wants_stand_in(const model::ComponentName& component) const;
+  Result<std::unique_ptr<task::Component>> make_component(const model::Task& definition, bool stand_in) const;
+  [[nodiscard]] std::unique_ptr<task::Component> make_stand_in_for(const model::Task& definition) const;
+
+  const LibrarySet& libraries_;
+  const model::ComponentCatalog& catalog_;
+  const LocalOptions options_;
+  mutable std::mutex mutex_;  ///< guards expected_
+  std::map<model::TaskId, std::vector<ExpectedPort>> expected_;
+};
+
+}  // namespace segue::host::detail

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/task_table.hpp>
+
+#include <segue/base/text.hpp>
+
+namespace segue::host::detail {
+
+namespace {
+
+bool ends_at(const model::Connection& connection, const model::TaskId& id) {
+  return connection.from.task == id || connection.to.task == id;
+}
+
+}  // namespace
+
+Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
+  const std::shared_lock lock(mutex_);
+  if (const auto found = tasks_.find(id); found != tasks_.end()) {
+    return found->second;
+  }
+  std::vector<std::string> known;
+  for (const auto& [name, entry] : tasks_) {
+    known.push_back(name.str());
+  }
+  return fail(ErrorCode::NotFound, "no task " + quote(id.str()) + " here" + did_you_mean(id.str(), known),
+              id.str());
+}
+
+std::vector<TaskEntry> TaskTable::all() const {
+  const std::shared_lock lock(mutex_);
+  std::vector<TaskEntry> entries;
+  entries.reserve(tasks_.size());
+  for (const auto& [id, entry] : tasks_) {
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+std::vector<TaskEntry> TaskTable::in_process(const model::DeploymentKey& process) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<TaskEntry> entries;
+  for (const auto& [id, entry] : tasks_) {
+    if (entry.process == process) {
+      entries.push_back(entry);
+    }
+  }
+  return entries;
+}
+
+std::shared_ptr<task::Task> TaskTable::put(TaskEntry entry) {
+  const std::unique_lock lock(mutex_);
+  auto& place = tasks_[entry.definition.id];
+  std::shared_ptr<task::Task> old = std::move(place.task);
+  place = std::move(entry);
+  return old;
+}
+
+std::shared_ptr<task::Task> TaskTable::take(const model::TaskId& id) {
+  const std::unique_lock lock(mutex_);
+  const auto found = tasks_.find(id);
+  if (found == tasks_.end()) {
+    return nullptr;
+  }
+  std::shared_ptr<task::Task> task = std::move(found->second.task);
+  tasks_.erase(found);
+  return task;
+}
+
+void TaskTable::redefine(const model::TaskId& id, const std::function<void(model::Task&)>& change) {
+  const std::unique_lock lock(mutex_);
+  if (const auto found = tasks_.find(id); found != tasks_.end()) {
+    change(found->second.definition);
+  }
+}
+
+Result<void> TaskTable::add_process(const model::Deployment& deployment) {
+  const std::unique_lock lock(mutex_);
+  ProcessEntry entry{deployment, std::make_shared<task::ExecutorSet>()};
+  entry.deployment.tasks.clear();
+  if (!processes_.try_emplace(deployment.key(), std::move(entry)).second) {
+    const std::string name = to_string(deployment.key());
+    return fail(ErrorCode::AlreadyExists, "process " + quote(name) + " is already deployed", name);
+  }
+  return {};
+}
+
+std::optional<ProcessEntry> TaskTable::find_process(const model::DeploymentKey& key) const {
+  const std::shared_lock lock(mutex_);
+  const auto found = processes_.find(key);
+  return found == processes_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void TaskTable::remove_process(const model::DeploymentKey& key) {
+  const std::unique_lock lock(mutex_);
+  processes_.erase(key);
+}
+
+std::vector<model::Deployment> TaskTable::processes() const {
+  const std::shared_lock lock(mutex_);
+  std::vector<model::Deployment> deployments;
+  for (const auto& [key, entry] : processes_) {
+    deployments.push_back(entry.deployment);
+  }
+  return deployments;
+}
+
+bool TaskTable::has_wire(const model::Connection& connection) const {
+  const std::shared_lock lock(mutex_);
+  const auto found = wires_.find(connection);
+  return found != wires_.end() && found->second.wire.stands();
+}
+
+Result<void> TaskTable::add_wire(WireEntry wire) {
+  const std::unique_lock lock(mutex_);
+  const model::Connection connection = wire.connection;
+  const auto found = wires_.find(connection);
+  if (found != wires_.end() && found->second.wire.stands()) {
+    const std::string name = to_string(connection);
+    return fail(ErrorCode::AlreadyExists, "is already connected", name);
+  }
+  wires_.insert_or_assign(connection, std::move(wire));
+  return {};
+}
+
+Result<WireEntry> TaskTable::take_wire(const model::Connection& connection) {
+  const std::unique_lock lock(mutex_);
+  const auto found = wires_.find(connection);
+  if (found == wires_.end() || !found->second.wire.stands()) {
+    const std::string name = to_string(connection);
+    return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected", name);
+  }
+  WireEntry wire = std::move(found->second);
+  wires_.erase(found);
+  return wire;
+}
+
+void TaskTable::drop_dead_wires() {
+  const std::unique_lock lock(mutex_);
+  std::erase_if(wires_, [](const auto& item) { return !item.second.wire.stands(); });
+}
+
+std::vector<WireEntry> TaskTable::take_wires_of(const model::TaskId& id) {
+  const std::unique_lock lock(mutex_);
+  std::vector<WireEntry> taken;
+  for (auto place = wires_.begin(); place != wires_.end();) {
+    if (!ends_at(place->first, id)) {
+      ++place;
+      continue;
+    }
+    taken.push_back(std::move(place->second));
+    place = wires_.erase(place);
+  }
+  return taken;
+}
+
+std::vector<model::Connection> TaskTable::wires_of(const model::TaskId& id) const {
+  const std::shared_lock lock(mutex_);
+  std::vector<model::Connection> connections;
+  for (const auto& [connection, wire] : wires_) {
+    if (ends_at(connection, id) && wire.wire.stands()) {
+      connections.push_back(connection);
+    }
+  }
+  return connections;
+}
+
+void TaskTable::for_each_wire(const std::function<void(const WireEntry&)>& see) const {
+  const std::shared_lock lock(mutex_);
+  for (const auto& [connection, wire] : wires_) {
+    if (wire.wire.stands()) {
+      see(wire);
+    }
+  }
+}
+
+void TaskTable::clear() {
+  std::map<model::TaskId, TaskEntry> tasks;
+  std::map<model::Connection, WireEntry, ByIdentity> wires;
+  const std::unique_lock lock(mutex_);
+  tasks.swap(tasks_);
+  wires.swap(wires_);
+  processes_.clear();
+}
+
+}  // namespace segue::host::detail

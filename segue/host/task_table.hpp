@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/stand_in.hpp>
+#include <segue/host/wire.hpp>
+#include <segue/model/network.hpp>
+#include <segue/task/executor_set.hpp>
+#include <segue/task/task.hpp>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <shared_mutex>
+#include <tuple>
+#include <vector>
+
+namespace segue::host::detail {
+
+/// Ports come and go with configure and cleanup: whoever walks over them holds this shared, those verbs hold
+/// it alone. With a deadline, since a hook may hang.
+using PortsMutex = std::shared_timed_mutex;
+
+/// A task with what the network says of it. A value: the table hands out copies, so that nothing is locked
+/// while a hook runs.
+struct TaskEntry {
+  std::shared_ptr<task::Task> task;
+  std::shared_ptr<PortsMutex> ports;
+  model::Task definition;  ///< as last applied, with properties that were changed from outside since
+  model::DeploymentKey process;
+  std::string name;  ///< inside the process
+  bool stand_in = false;
+
+  [[nodiscard]] TaskState state() const { return task->state(); }
+  [[nodiscard]] bool configured() const { return is_configured(task->state()); }
+};
+
+/// A process of which only the name is real, and the threads that its tasks share.
+struct ProcessEntry {
+  model::Deployment deployment;
+  std::shared_ptr<task::ExecutorSet> executors;
+};
+
+struct ByIdentity {
+  bool operator()(const model::Connection& a, const model::Connection& b) const {
+    return std::tie(a.from, a.to, a.policy) < std::tie(b.from, b.to, b.policy);
+  }
+};
+
+struct WireEntry {
+  model::Connection connection;
+  Wire wire;
+};
+
+/// What this process holds. Thread safe; every function is short and calls no hook.
+class TaskTable {
+ public:
+  [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
+  [[nodiscard]] std::vector<TaskEntry> all() const;
+  [[nodiscard]] std::vector<TaskEntry> in_process(const model::DeploymentKey& process) const;
+  /// Adds or replaces. What it replaces is given back, to be destroyed outside.
+  std::shared_ptr<task::Task> put(TaskEntry entry);
+  std::shared_ptr<task::Task> take(const model::TaskId& id);
+  /// Changes the definition of a task that is still there.
+  void redefine(const model::TaskId& id, const std::function<void(model::Task&)>& change);
+
+  Result<void> add_process(const model::Deployment& deployment);
+  [[nodiscard]] std::optional<ProcessEntry> find_process(const model::DeploymentKey& key) const;
+  void remove_process(const model::DeploymentKey& key);
+  [[nodiscard]] std::vector<model::Deployment> processes() const;
+
+  [[nodiscard]] bool has_wire(const model::Connection& connection) const;
+  Result<void> add_wire(WireEntry wire);
+  /// The wire, now the caller's.
+  Result<WireEntry> take_wire(const model::Connection& connection);
+  /// Forgets wires that ended by themselves: a port of theirs is gone.
+  void drop_dead_wires();
+  /// Wires at a task, out of the table.
+  std::vector<WireEntry> take_wires_of(const model::TaskId& id);
+  [[nodiscard]] std::vector<model::Connection> wires_of(const model::TaskId& id) const;
+  /// Calls `see` for each wire that stands, under the lock.
+  void for_each_wire(const std::function<void(const WireEntry&)>& see) const;
+
+  void clear();
+
+ private:
+  mutable std::shared_mutex mutex_;
+  std::map<model::TaskId, TaskEntry> tasks_;
+  std::map<model::DeploymentKey, ProcessEntry> processes_;
+  std::map<model::Connection, WireEntry, ByIdentity> wires_;
+};
+
+}  // namespace segue::host::detail

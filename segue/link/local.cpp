@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/link/local.hpp>
+#include <segue/link/sample_queue.hpp>
+#include <segue/task/channel.hpp>
+#include <segue/type/type.hpp>
+
+#include <atomic>
+#include <mutex>
+#include <string>
+
+namespace segue::link {
+
+namespace {
+
+using task::InputPortBase;
+using task::OutputPortBase;
+using task::SampleRef;
+using task::SampleSlot;
+
+constexpr std::size_t kReaderSlots = 2;  // the one it read last, and one that it takes meanwhile
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> number{0};
+  return number.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+class LocalConnection final : public Connection, public task::WriterEnd, public task::ReaderEnd {
+ public:
+  LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy)
+      : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size) {}
+
+  static Result<std::shared_ptr<Connection>> make(OutputPortBase& from, InputPortBase& to,
+                                                  const Policy& policy);
+
+  bool push(SampleSlot& sample) noexcept override;
+  SampleRef pull() noexcept override;
+  [[nodiscard]] bool pending() const noexcept override { return queue_.pending(); }
+  [[nodiscard]] std::uint64_t number() const noexcept override { return number_; }
+  [[nodiscard]] std::size_t capacity() const override { return policy_.size + kReaderSlots; }
+  [[nodiscard]] bool leads_to(const InputPortBase& reader, const Policy& policy) const override {
+    return &reader == &to_ && policy == policy_;
+  }
+
+  void disconnect() override;
+  [[nodiscard]] bool connected() const override {
+    const std::lock_guard lock(mutex_);
+    return attached_;
+  }
+  [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] const Policy& policy() const override { return policy_; }
+
+ private:
+  using Count = std::atomic<std::uint64_t>;
+  static void increment(Count& count) {  // of one writer
+    count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  }
+
+  OutputPortBase& from_;  ///< valid while attached
+  InputPortBase& to_;
+  const Policy policy_;
+  const std::uint64_t number_ = next_number();
+  SampleQueue queue_;
+  mutable std::mutex mutex_;
+  bool attached_ = true;
+  Count initial_{0};
+  alignas(64) Count written_{0};
+  Count dropped_{0};
+  Count overwritten_{0};
+  alignas(64) Count read_{0};
+};
+
+Result<std::shared_ptr<Connection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
+                                                          const Policy& policy) {
+  auto connection = std::make_shared<LocalConnection>(from, to, policy);
+  // The reader first: what the writer then passes on is seen at once.
+  to.attach(connection);
+  if (auto attached = from.attach(connection, to, policy); !attached) {
+    to.detach(*connection);
+    return std::move(attached.error());
+  }
+  if (policy.init) {
+    from.show_last([&](SampleSlot& last) {
+      if (!connection->queue_.offer_older(last)) return;
+      increment(connection->initial_);
+      to.notify();
+    });
+  }
+  return std::shared_ptr<Connection>(std::move(connection));
+}
+
+bool LocalConnection::push(SampleSlot& sample) noexcept {
+  increment(written_);
+  bool taken = true;
+  switch (queue_.push(sample)) {
+    case SampleQueue::Push::Refused:
+      increment(dropped_);
+      taken = false;
+      break;
+    case SampleQueue::Push::Replaced:
+      increment(policy_.kind == BufferKind::Data ? overwritten_ : dropped_);
+      break;
+    case SampleQueue::Push::Taken:
+      break;
+  }
+  // Also where it was refused: a reader that did not empty its buffer in its last turn gets another one.
+  to_.notify();
+  return taken;
+}
+
+SampleRef LocalConnection::pull() noexcept {
+  SampleRef sample = queue_.pull();
+  if (sample) increment(read_);
+  return sample;
+}
+
+void LocalConnection::disconnect() {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return;
+  from_.detach(*this);
+  to_.detach(*this);
+  attached_ = false;
+  // Neither side is inside any more.
+  queue_.clear();
+}
+
+Counters LocalConnection::counters() const {
+  return {written_.load(std::memory_order_relaxed) + initial_.load(std::memory_order_relaxed),
+          read_.load(std::memory_order_relaxed), dropped_.load(std::memory_order_relaxed),
+          overwritten_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Connection>> connect(OutputPortBase& from, InputPortBase& to, const Policy& policy) {
+  if (auto checked = check_policy(policy); !checked) return std::move(checked.error());
+  if (auto checked = check_types(from, to); !checked) return std::move(checked.error());
+  if (policy.transport != Transport::Automatic && policy.transport != Transport::Local) {
+    return fail(ErrorCode::Unsupported, "ports of one process are connected by the local link, not by " +
+                                            std::string(to_string(policy.transport)));
+  }
+  return LocalConnection::make(from, to, policy);
+}
+
+Result<void> check_types(const OutputPortBase& from, const InputPortBase& to) {
+  const type::TypeInfo* written = from.type();
+  const type::TypeInfo* wanted = to.type();
+  if (written == nullptr || wanted == nullptr || written == wanted) return {};
+  if (written->name() == wanted->name() && written->hash == wanted->hash) return {};
+  return fail(ErrorCode::TypeMismatch, from.full_name() + " writes\n" + type::definition(*written->type) +
+                                           "\nbut " + to.full_name() + " reads\n" +
+                                           type::definition(*wanted->type) +
+                                           "\nconnect ports of one type, or put a converter between them");
+}
+
+Result<void> check_policy(const Policy& policy) {
+  if (policy.size == 0) {
+    return fail(ErrorCode::InvalidArgument, "a connection needs room for at least one sample, not 0");
+  }
+  if (policy.kind == BufferKind::Data && policy.size != 1) {
+    return fail(ErrorCode::InvalidArgument, "policy data holds one sample, not " +
+                                                std::to_string(policy.size) +
+                                                "; use buffer or circular_buffer");
+  }
+  if (policy.init && policy.kind != BufferKind::Data) {
+    return fail(ErrorCode::InvalidArgument,
+                "init belongs to policy data, not to " + std::string(to_string(policy.kind)));
+  }
+  return {};
+}
+
+}  // namespace segue::link

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every allocation of this program passes through here, and none may come from a thread that is trapped.
+#include <segue/link/local.hpp>
+#include <segue/task/component.hpp>
+#include <segue/task/task.hpp>
+#include <segue/type/describe.hpp>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <latch>
+#include <memory>
+#include <string>
+#include <vector>
+
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
+}
+
+namespace {
+thread_local bool trapped = false;
+std::atomic<int> caught{0};
+void look() {
+  if (trapped) caught.fetch_add(1);
+}
+}  // namespace
+
+extern "C" {
+void* malloc(std::size_t size) {
+  look();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  look();
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  look();
+  return __libc_realloc(memory, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  look();
+  return __libc_memalign(alignment, size);
+}
+void free(void* memory) {
+  if (memory != nullptr) look();
+  __libc_free(memory);
+}
+}
+
+namespace segue::link {
+namespace {
+
+using namespace std::chrono_literals;
+using task::Component;
+using task::InputPort;
+using task::OutputPort;
+using task::Property;
+using task::PropertyOptions;
+using task::ReadStatus;
+using task::Task;
+
+constexpr int kUpdates = 300;
+using Scan = std::vector<double>;
+
+TimePoint soon() {
+  return RealClock::instance().now() + 120s;
+}
+
+/// From its first update until its last the whole thread is trapped: the component, the ports, the executor.
+class Trapped : public Component {
+ public:
+  explicit Trapped(std::latch& done) : done_(done) { declare_states({"EVEN", "ODD"}, {"BAD"}); }
+  InputPort<Scan> in{*this, "in"};
+  OutputPort<Scan> out{*this, "out"};
+  bool misbehave = false;
+
+ protected:
+  Result<void> on_start() override {
+    out.prime(Scan(100));
+    copy_.reserve(100);
+    count_ = 0;
+    return {};
+  }
+  void on_update() override {
+    if (count_ == 10) trapped = true;  // by then every slot has been filled once
+    if (misbehave) spare_ = std::make_unique<int>(count_);
+    work();
+    if (++count_ == kUpdates) {
+      trapped = false;
+      done_.count_down();
+    }
+  }
+  void on_error() override { recovered(); }
+
+ private:
+  void work() {
+    while (in.read(copy_) == ReadStatus::NewData) {
+    }
+    const auto sample = in.take();
+    set_state(count_ % 2 == 0 ? "EVEN" : "ODD");
+    log(LogLevel::Debug, "a line");
+    if (count_ % 7 == 3) error("BAD", "for one update");
+    copy_.assign(50, *gain_);
+    out.write(copy_);
+    auto loan = out.loan();
+    if (!loan) return;
+    loan->assign(20, *gain_);
+    out.publish(std::move(loan));
+  }
+
+  Property<double> gain_{*this, "gain", 1.0, PropertyOptions{.live = true}};
+  std::latch& done_;
+  Scan copy_;
+  std::unique_ptr<int> spare_;
+  int count_ = 0;
+};
+
+struct Made {
+  std::unique_ptr<Task> task;
+  Trapped* component = nullptr;
+};
+
+Made make(const std::string& id, const Activity& activity, std::latch& done) {
+  auto component = std::make_unique<Trapped>(done);
+  Made made{nullptr, component.get()};
+  auto task = Task::create(id, std::move(component), &activity);
+  EXPECT_TRUE(task);
+  made.task = std::move(*task);
+  EXPECT_TRUE(made.task->configure(soon()));
+  return made;
+}
+
+/// A periodic task feeds three port-driven ones through every policy; the last feeds the first.
+void run_ring(const std::string& group) {
+  caught = 0;
+  std::latch done(4);
+  const Activity periodic{.trigger = Trigger::Periodic, .period = 200us, .thread = group};
+  const Activity driven{.thread = group};
+  std::vector<Made> made;
+  made.push_back(make("first", periodic, done));
+  for (const char* id : {"second", "third", "fourth"})
+    made.push_back(make(id, driven, done));
+  const std::vector<Policy> policies = {{BufferKind::Data, 1},
+                                        {BufferKind::Buffer, 4},
+                                        {BufferKind::CircularBuffer, 4},
+                                        {BufferKind::Data, 1, Transport::Automatic, true}};
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    auto connected = connect(made[i].component->out, made[(i + 1) % made.size()].component->in, policies[i]);
+    ASSERT_TRUE(connected) << to_string(connected.error());
+  }
+  for (auto task = made.rbegin(); task != made.rend(); ++task)
+    ASSERT_TRUE(task->task->start(soon()));
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(made[0].task->set_properties(type::Value::map({{"gain", i}}), soon()));
+  }
+  done.wait();
+  for (Made& one : made)
+    EXPECT_TRUE(one.task->stop(soon()));
+}
+
+TEST(RealTime, NothingIsAllocatedOnOwnThreads) {
+  run_ring("");
+  EXPECT_EQ(caught, 0);
+}
+
+TEST(RealTime, NothingIsAllocatedInAThreadGroup) {
+  run_ring("ring");
+  EXPECT_EQ(caught, 0);
+}
+
+class Primed : public Component {
+ public:
+  OutputPort<Scan> out{*this, "out"};
+};
+
+class Listener : public Component {
+ public:
+  InputPort<Scan> in{*this, "in"};
+};
+
+TEST(RealTime, SlotsOfConnectionsThatComeAfterPrimingAllocateNothing) {
+  Primed writer;
+  Listener first;
+  Listener second;
+  writer.out.prime(Scan(100));
+  ASSERT_TRUE(connect(writer.out, first.in, {BufferKind::Buffer, 4}));
+  ASSERT_TRUE(connect(writer.out, second.in, {BufferKind::Buffer, 20}));
+  const Scan value(100, 1.0);
+  caught = 0;
+  trapped = true;
+  for (int i = 0; i < 20; ++i)
+    writer.out.write(value);
+  trapped = false;
+  EXPECT_EQ(caught, 0);
+  EXPECT_EQ(second.in.drain(), 20U);
+}
+
+TEST(RealTime, TrapCatchesADeliberateAllocation) {
+  caught = 0;
+  std::latch done(1);
+  Made made = make("bad", {.trigger = Trigger::Periodic, .period = 100us}, done);
+  made.component->misbehave = true;
+  ASSERT_TRUE(made.task->start(soon()));
+  done.wait();
+  ASSERT_TRUE(made.task->stop(soon()));
+  EXPECT_GT(caught, kUpdates / 2);
+}
+
+}  // namespace
+}  // namespace segue::link

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/component.hpp>
+#include <segue/model/reader.hpp>
+
+#include <string>
+
+/// The formats that hold component models. Internal.
+namespace segue::model::detail {
+
+void read_own_components(const type::Value& root, ComponentCatalog& catalog, const Source& source);
+
+/// An interface summary: `tasks` with input_ports, output_ports, dynamic_ports, properties, operations.
+bool is_rock_interface(const type::Value& root);
+void read_rock_interface(const type::Value& root, ComponentCatalog& catalog, const Source& source);
+
+/// What Rock's exporter writes: project, task, inputPorts, outputPorts.
+bool is_rock_export(const type::Value& root);
+void read_rock_export(const type::Value& root, ComponentCatalog& catalog, const Source& source);
+
+/// A type name of Rock in our spelling. A leading '?' (a guess) makes the model incomplete; what cannot be
+/// read becomes "" (fits everything) with a warning.
+std::string rock_type_name(const std::string& written, ComponentModel& model, const type::Value& at,
+                           const Source& source);
+/// A default as oroGen has it: ":SYMBOL", 0 for false, Ruby expressions.
+type::Value rock_default(const type::Value& written, const PropertyModel& property, const Source& source);
+/// A port family from an expression that Rock searches for in names.
+PortModel rock_family(const std::string& searched, Direction direction, std::string type);
+
+}  // namespace segue::model::detail

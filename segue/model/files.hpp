@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
+#include <segue/model/robot.hpp>
+#include <segue/model/transition.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Reading and writing the files of formats.md. Readers report every problem with file, line and column, and
+/// return nothing where there are errors; keys that are not known are warnings with a suggestion. Writers are
+/// exact inverses.
+namespace segue::model {
+
+/// A network file: Segue's YAML or a Rock CND file, told apart by content. A network without a name gets
+/// `file`'s stem.
+std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
+std::string write_network(const Network& network);
+/// One task as in a network file's `tasks` map; transition files hold these too.
+type::Value to_value(const Task& task);
+
+std::optional<Transition> read_transition(std::string_view text, const std::string& file,
+                                          Diagnostics& diagnostics);
+std::optional<Transition> load_transition(const std::filesystem::path& file, Diagnostics& diagnostics);
+std::string write_transition(const Transition& transition);
+/// The JSON of `segue diff`: from, to, order, actions, counts.
+type::Value to_value(const Transition& transition);
+/// One action as in a transition file.
+type::Value to_value(const Action& action);
+
+std::optional<Robot> read_robot(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+std::optional<Robot> load_robot(const std::filesystem::path& file, Diagnostics& diagnostics);
+
+/// Component models: Segue's own file, Rock's exported model, or a Rock interface summary, told apart by
+/// content; also typelib registries (.tlb). Adds to the catalog; true if the file had no errors.
+bool read_components(std::string_view text, const std::string& file, ComponentCatalog& catalog,
+                     Diagnostics& diagnostics);
+bool load_components(const std::filesystem::path& file, ComponentCatalog& catalog, Diagnostics& diagnostics);
+/// Copies ports, properties and the rest from parents (subclasses of Rock models) that may stand in other
+/// files; call once after all files are read.
+void resolve_inheritance(ComponentCatalog& catalog, Diagnostics& diagnostics);
+/// The models of `names` and the types they use, as a component model file.
+std::string write_components(const ComponentCatalog& catalog, const std::vector<ComponentName>& names);
+type::Value to_value(const ComponentModel& model);
+
+enum class FileKind { Network, Cnd, Transition, Robot, Components, Typelib, Unknown };
+/// By its content (top-level keys), then its name.
+FileKind kind_of_file(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace segue::model

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/files.hpp>
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+namespace segue::model {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using type::Value;
+namespace fs = std::filesystem;
+
+struct Read {
+  std::optional<Network> network;
+  Diagnostics diagnostics;
+};
+
+Read read(std::string_view text, const std::string& file = "net.yaml") {
+  Read result;
+  result.network = read_network(text, file, result.diagnostics);
+  return result;
+}
+
+TEST(NetworkFileTest, theExampleOfTheManual) {
+  const Read result = read(R"(network: goal_navigation
+tasks:
+  velodyne:
+    component: velodyne_lidar::LaserScanner
+    state: stopped
+    properties: {range: {max: 30.0}, rate: 10}
+    activity: {periodic: 100ms, scheduler: fifo, priority: 40, cpu: [1], thread: lidar}
+    exclusive: [/dev/velodyne]
+    takes_over: old_velodyne
+  filter: {component: demo::Filter, activity: port_driven}
+deployments:
+  drivers: {host: onboard, process: rover_drivers, tasks: [velodyne]}
+connections:
+  - velodyne.scans -> filter.input
+  - {from: velodyne.cloud, to: filter.cloud, policy: buffer, size: 10, link: shm}
+)");
+  ASSERT_TRUE(result.network) << to_string(result.diagnostics);
+  EXPECT_THAT(result.diagnostics.items(), IsEmpty());
+  const Network& network = *result.network;
+  EXPECT_EQ(network.name, NetworkName("goal_navigation"));
+  const Task& task = network.tasks[0];
+  EXPECT_EQ(task.component, ComponentName("velodyne_lidar::LaserScanner"));
+  EXPECT_EQ(task.state, TaskState::Stopped);
+  EXPECT_EQ(task.properties, Value::map({{"range", Value::map({{"max", 30.0}})}, {"rate", 10}}));
+  const Activity expected{
+      Trigger::Periodic, std::chrono::milliseconds(100), Scheduler::Fifo, 40, {1}, "lidar", false};
+  EXPECT_EQ(task.activity, expected);
+  EXPECT_THAT(task.exclusive, ElementsAre("/dev/velodyne"));
+  EXPECT_EQ(task.takes_over, TaskId("old_velodyne"));
+  EXPECT_EQ(task.where.line, 4);
+  EXPECT_EQ(network.tasks[1].state, TaskState::Running);
+  EXPECT_EQ(network.deployments[0].key(), (DeploymentKey{HostName("onboard"), ProcessName("rover_drivers")}));
+  EXPECT_THAT(network.deployments[0].tasks, ElementsAre(Placement{TaskId("velodyne"), "velodyne"}));
+  EXPECT_EQ(network.connections[0].to, (PortRef{TaskId("filter"), "input"}));
+  EXPECT_EQ(network.connections[1].policy, (Policy{BufferKind::Buffer, 10, Transport::SharedMemory, false}));
+}
+
+TEST(NetworkFileTest, withoutANameItIsCalledLikeItsFile) {
+  EXPECT_EQ(read("tasks: {}", "controllers/safe_stop.yaml").network->name, NetworkName("safe_stop"));
+  EXPECT_EQ(read("tasks:\n", "shutdown.cnd.yml").network->name, NetworkName("shutdown"));
+}
+
+TEST(NetworkFileTest, emptyMapsAndNullsAreTheEmptyNetwork) {
+  for (const char* text : {"", "tasks:\ndeployments:\nconnections:\n",
+                           "{tasks: {}, deployments: {}, connections: {}}", "network: empty"}) {
+    const Read result = read(text);
+    ASSERT_TRUE(result.network) << text << to_string(result.diagnostics);
+    EXPECT_TRUE(result.network->empty());
+  }
+}
+
+TEST(NetworkFileTest, thePortIsWhatFollowsTheLastDot) {
+  const Read result = read("network: n\nconnections: [arm.left.out -> b-1.in_2]\n");
+  ASSERT_TRUE(result.network) << to_string(result.diagnostics);
+  EXPECT_EQ(result.network->connections[0].from, (PortRef{TaskId("arm.left"), "out"}));
+  EXPECT_EQ(result.network->connections[0].to, (PortRef{TaskId("b-1"), "in_2"}));
+}
+
+TEST(NetworkFileTest, aPortWithADotIsWrittenAsAMap) {
+  const Read result =
+      read("network: n\nconnections: [{from: camera.frame, to: {task: logger, port: camera.frame}}]\n");
+  ASSERT_TRUE(result.network) << to_string(result.diagnostics);
+  EXPECT_EQ(result.network->connections[0].to, (PortRef{TaskId("logger"), "camera.frame"}));
+  const Read again = read(write_network(*result.network));
+  EXPECT_EQ(again.network, result.network);
+}
+
+TEST(NetworkFileTest, reportsEveryProblemAtOnce) {
+  const Read result =
+      read("network: n\ntasks:\n  a: {component: x, state: flying}\n  b: {activity: often}\n");
+  EXPECT_FALSE(result.network);
+  EXPECT_EQ(result.diagnostics.error_count(), 3U) << to_string(result.diagnostics);
+}
+
+TEST(NetworkFileTest, aFileThatIsNotThereIsADiagnostic) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(load_network("/does/not/exist.yaml", diagnostics));
+  EXPECT_TRUE(diagnostics.has_errors());
+}
+
+TEST(CndTest, readsTasksDeploymentsAndConnections) {
+  const Read result = read(R"(tasks:
+  camera-1:
+    type: camera::Task
+    state: PRE_OPERATIONAL
+    config_names: [default, outdoor]
+    config: {gain: {auto: true}}
+    properties: [{Name: rate, Type: /double, Value: 2.5}]
+    activity: {type: PERIODIC, period: 0.1, priority: 60, realtime: true}
+  viewer: {type: viewer::Task, activity: {type: NONE}}
+deployments:
+  7: {deployer: orogen, hostID: local, process_name: io, taskList: {camera-1: cam}}
+connections:
+  42:
+    from: {task_id: camera-1, port_name: frame}
+    to: {task_id: viewer, port_name: image}
+    type: BUFFER
+    size: 5
+    transport: CORBA
+)",
+                           "x.cnd");
+  ASSERT_TRUE(result.network) << to_string(result.diagnostics);
+  EXPECT_THAT(result.diagnostics.items(), IsEmpty()) << to_string(result.diagnostics);
+  const Task& task = result.network->tasks[0];
+  EXPECT_EQ(task.state, TaskState::PreOperational);
+  EXPECT_THAT(task.config_names, ElementsAre("default", "outdoor"));
+  EXPECT_EQ(task.properties, Value::map({{"gain", Value::map({{"auto", true}})}, {"rate", 2.5}}));
+  EXPECT_EQ(task.activity->period, std::chrono::milliseconds(100));
+  EXPECT_EQ(task.activity->scheduler, Scheduler::Fifo);
+  EXPECT_FALSE(result.network->tasks[1].activity);
+  const Deployment& deployment = result.network->deployments[0];
+  EXPECT_EQ(deployment.host, kLocalHost);
+  EXPECT_EQ(deployment.deployer, "orogen");
+  EXPECT_THAT(deployment.tasks, ElementsAre(Placement{TaskId("camera-1"), "cam"}));
+  EXPECT_EQ(result.network->connections[0].policy,
+            (Policy{BufferKind::Buffer, 5, Transport::Automatic, false}));
+}
+
+TEST(TransitionFileTest, handWrittenListsRead) {
+  Diagnostics diagnostics;
+  const auto transition = read_transition(R"(transition:
+  from: search_explore
+  to: goal_navigation
+  actions:
+    - {id: 10, kind: stop, task: area_explorer}
+    - {id: 20, kind: disconnect, from: slam.mls, to: area_explorer.map, policy: data, after: [10]}
+    - {kind: call_operation, task: slam, operation: reset, arguments: {}, after: [20]}
+)",
+                                          "t.yaml", diagnostics);
+  ASSERT_TRUE(transition) << to_string(diagnostics);
+  EXPECT_EQ(transition->actions[1].id, 2);
+  EXPECT_THAT(transition->actions[1].after, ElementsAre(1));
+  EXPECT_THAT(transition->actions[2].after, ElementsAre(2));
+  EXPECT_EQ(transition->actions[0].label(), "stop area_explorer");
+  EXPECT_EQ(transition->actions[1].label(), "disconnect slam.mls -> area_explorer.map");
+  EXPECT_EQ(transition->counts().state_changes(), 1);
+  EXPECT_EQ(transition->counts().total(), 3);
+}
+
+TEST(TransitionFileTest, applyConfigWithoutDefinitionSaysSo) {
+  Diagnostics diagnostics;
+  const auto transition =
+      read_transition("transition: {actions: [{kind: apply_config, task: a}]}", "t.yaml", diagnostics);
+  EXPECT_FALSE(transition);
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("'definition'"));
+}
+
+TEST(TransitionFileTest, afterMustNameEarlierActions) {
+  Diagnostics diagnostics;
+  const auto transition = read_transition(
+      "transition: {actions: [{id: 1, kind: stop, task: a, after: [2]}, {id: 2, kind: stop, task: b}]}",
+      "t.yaml", diagnostics);
+  EXPECT_FALSE(transition);
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("earlier"));
+}
+
+TEST(RobotFileTest, theExampleOfTheManual) {
+  Diagnostics diagnostics;
+  const auto robot = read_robot(R"(robot: artemis
+hosts:
+  onboard: local
+  base: {address: "tcp://10.0.0.2:7447", ca: certs/ca.pem}
+libraries: [segue_components_demo]
+models: ["models/*.yaml"]
+controllers: [controllers/*.yaml]
+missions: [missions/*.yaml]
+fallback: safe_stop
+policies: {restart: {max: 5, backoff: 200ms}}
+)",
+                                "/robots/artemis/robot.yaml", diagnostics);
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  EXPECT_THAT(diagnostics.items(), IsEmpty());
+  EXPECT_THAT(robot->hosts, ElementsAre(Host{HostName("onboard"), "local", ""},
+                                        Host{HostName("base"), "tcp://10.0.0.2:7447", "certs/ca.pem"}));
+  EXPECT_EQ(robot->restart, (RestartPolicy{5, std::chrono::milliseconds(200)}));
+  EXPECT_EQ(robot->folder, "/robots/artemis");
+  EXPECT_EQ(robot->fallback, NetworkName("safe_stop"));
+}
+
+TEST(RobotFileTest, librariesAreNamesNeverPaths) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_robot("robot: r\nlibraries: [../evil.so]\n", "r.yaml", diagnostics));
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("never paths"));
+}
+
+TEST(KindOfFileTest, byContentThenByName) {
+  EXPECT_EQ(kind_of_file("a.yaml", "network: n"), FileKind::Network);
+  EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a: {component: x}}"), FileKind::Network);
+  EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a: {type: x}}"), FileKind::Cnd);
+  EXPECT_EQ(kind_of_file("shutdown.cnd", "tasks:\ndeployments:\nconnections:\n"), FileKind::Cnd);
+  EXPECT_EQ(kind_of_file("a.yaml", "robot: r"), FileKind::Robot);
+  EXPECT_EQ(kind_of_file("a.yaml", "transition: {}"), FileKind::Transition);
+  EXPECT_EQ(kind_of_file("a.json", R"({"from": "a", "to": "b", "actions": []})"), FileKind::Transition);
+  EXPECT_EQ(kind_of_file("a.yaml", "components: {}"), FileKind::Components);
+  EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a::T: {input_ports: []}}"), FileKind::Components);
+  EXPECT_EQ(kind_of_file("a.yaml", "gps: {Task: {inputPorts: []}}"), FileKind::Components);
+  EXPECT_EQ(kind_of_file("a.xml", "<?xml version='1.0'?>\n<typelib/>"), FileKind::Typelib);
+  EXPECT_EQ(kind_of_file("a.yaml", "name: x\nnodes: []\n"), FileKind::Unknown);
+  EXPECT_EQ(kind_of_file("a.yaml", "network: n\ntasks: [\n"), FileKind::Network);
+}
+
+fs::path real_inputs() {
+  return fs::path(SEGUE_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+TEST(RealFilesTest, everyCndFileReads) {
+  if (!fs::exists(real_inputs())) GTEST_SKIP() << "no real inputs here";
+  int files = 0;
+  for (const char* folder : {"rock/cnd", "artemis"}) {
+    for (const auto& entry : fs::directory_iterator(real_inputs() / folder)) {
+      if (entry.path().string().find(".cnd") == std::string::npos) continue;
+      Diagnostics diagnostics;
+      const auto network = load_network(entry.path(), diagnostics);
+      ASSERT_TRUE(network) << to_string(diagnostics);
+      EXPECT_THAT(diagnostics.items(), IsEmpty()) << to_string(diagnostics);
+      EXPECT_FALSE(network->tasks.empty());
+      Diagnostics again;
+      EXPECT_EQ(read_network(write_network(*network), "x.yaml", again), network) << to_string(again);
+      ++files;
+    }
+  }
+  EXPECT_EQ(files, 7);
+}
+
+TEST(RealFilesTest, theArtemisControllersHaveThePapersSizes) {
+  if (!fs::exists(real_inputs())) GTEST_SKIP() << "no real inputs here";
+  Diagnostics diagnostics;
+  const auto network = load_network(real_inputs() / "artemis" / "goal_navigation.cnd", diagnostics);
+  ASSERT_TRUE(network) << to_string(diagnostics);
+  EXPECT_EQ(network->name, NetworkName("goal_navigation"));
+  EXPECT_EQ(network->tasks.size(), 41U);
+  EXPECT_EQ(network->deployments.size(), 17U);
+  EXPECT_EQ(network->connections.size(), 58U);
+}
+
+TEST(TransitionFileTest, aTransitionWithoutNamesIsReadBack) {
+  Diagnostics diagnostics;
+  const auto transition =
+      read_transition("transition: {actions: [{id: 1, kind: stop, task: a}]}", "t.yaml", diagnostics);
+  ASSERT_TRUE(transition) << to_string(diagnostics);
+  const auto again = read_transition(write_transition(*transition), "t.yaml", diagnostics);
+  ASSERT_TRUE(again) << to_string(diagnostics);
+  EXPECT_EQ(*again, *transition);
+}
+
+}  // namespace
+}  // namespace segue::model

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/cnd.hpp>
+#include <segue/model/component_parts.hpp>
+#include <segue/model/files.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <algorithm>
+
+namespace segue::model {
+namespace {
+
+using type::Value;
+
+FileKind kind_of_name(const std::string& name) {
+  if (name.ends_with(".tlb")) return FileKind::Typelib;
+  if (name.find(".cnd") != std::string::npos) return FileKind::Cnd;
+  return FileKind::Unknown;
+}
+
+FileKind kind_of_networks(const Value& root, const std::string& name) {
+  return detail::is_cnd(root, name) ? FileKind::Cnd : FileKind::Network;
+}
+
+FileKind kind_of_map(const Value& root, const std::string& name) {
+  auto has = [&](std::string_view key) { return root.find(key) != nullptr; };
+  if (has("robot")) return FileKind::Robot;
+  if (has("transition") || (has("actions") && has("from") && has("to"))) return FileKind::Transition;
+  if (has("components") || has("component") || detail::is_rock_interface(root)) return FileKind::Components;
+  if (has("network") || has("tasks") || has("connections") || has("deployments")) {
+    return kind_of_networks(root, name);
+  }
+  if (detail::is_rock_export(root)) return FileKind::Components;
+  const Value* types = root.find("types");
+  if (types != nullptr && types->is_map()) return FileKind::Components;
+  return kind_of_name(name);
+}
+
+/// For text that does not parse: by its first top-level key that tells, so that the right reader reports what
+/// is wrong.
+FileKind kind_of_broken(std::string_view text, const std::string& name) {
+  constexpr std::pair<std::string_view, FileKind> kKeys[] = {
+      {"network:", FileKind::Network},       {"robot:", FileKind::Robot},
+      {"transition:", FileKind::Transition}, {"components:", FileKind::Components},
+      {"component:", FileKind::Components},  {"tasks:", FileKind::Network},
+      {"connections:", FileKind::Network},   {"deployments:", FileKind::Network}};
+  if (kind_of_name(name) != FileKind::Unknown) return kind_of_name(name);
+  for (std::size_t start = 0; start < text.size();) {
+    const std::string_view line = text.substr(start, text.find('\n', start) - start);
+    for (const auto& [key, kind] : kKeys) {
+      if (line.starts_with(key)) return kind;
+    }
+    start += line.size() + 1;
+  }
+  return FileKind::Unknown;
+}
+
+}  // namespace
+
+FileKind kind_of_file(const std::filesystem::path& file, std::string_view text) {
+  const std::string name = file.filename().string();
+  const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (first != std::string_view::npos && text[first] == '<') {
+    return text.find("<typelib") == std::string_view::npos ? FileKind::Unknown : FileKind::Typelib;
+  }
+  const auto root = type::parse_yaml(text, name);
+  if (!root) return kind_of_broken(text, name);
+  return root->is_map() ? kind_of_map(*root, name) : kind_of_name(name);
+}
+
+}  // namespace segue::model

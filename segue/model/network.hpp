@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/activity.hpp>
+#include <segue/base/error.hpp>
+#include <segue/base/life_cycle.hpp>
+#include <segue/base/policy.hpp>
+#include <segue/model/ids.hpp>
+#include <segue/type/value.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace segue::model {
+
+/// An instance of a component. `where` (its place in a file) takes no part in comparison, here and below.
+struct Task {
+  TaskId id;
+  ComponentName component;
+  /// As a target: PreOperational, Stopped or Running. As belief: any state.
+  TaskState state = TaskState::Running;
+  std::vector<std::string> config_names;     ///< Rock's configuration sections, in order; later wins
+  type::Value properties{type::ValueMap{}};  ///< a map; entries override the sections
+  std::optional<Activity> activity;          ///< nothing: the component's default
+  std::vector<std::string> exclusive;        ///< devices that only one configured task may hold
+  std::optional<TaskId> takes_over;          ///< whose state this task continues when it replaces it
+  SourceLocation where;
+
+  friend bool operator==(const Task& a, const Task& b);
+  /// Equal in everything that needs the task to be configured anew: properties, sections, activity, devices.
+  [[nodiscard]] bool same_configuration(const Task& other) const;
+};
+
+/// Output port to input port. Its identity is (from, to, policy); a file's key for it means nothing.
+struct Connection {
+  PortRef from;
+  PortRef to;
+  Policy policy;
+  SourceLocation where;
+
+  friend bool operator==(const Connection& a, const Connection& b) {
+    return a.from == b.from && a.to == b.to && a.policy == b.policy;
+  }
+};
+std::string to_string(
+    const Connection& connection);  ///< "a.out -> b.in" and the policy where it is not plain data
+
+/// A task's seat in a deployment.
+struct Placement {
+  TaskId task;
+  std::string name;  ///< its name inside the process; usually the task's id
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
+/// A process on a host that holds tasks. Identity: key().
+struct Deployment {
+  HostName host = kLocalHost;
+  ProcessName process;
+  std::vector<Placement> tasks;    ///< may name tasks that the network lacks (seen in real files)
+  std::string deployer = "segue";  ///< who starts the process; "orogen" for Rock's
+  Scheduler scheduler = Scheduler::Normal;
+  int priority = 0;
+  std::vector<int> cpus;
+  std::vector<std::pair<std::string, std::string>> environment;
+  SourceLocation where;
+
+  [[nodiscard]] DeploymentKey key() const { return {host, process}; }
+  friend bool operator==(const Deployment& a, const Deployment& b);
+  /// Equal in all that only a new process can change; the list of tasks is none of it.
+  [[nodiscard]] bool same_process(const Deployment& other) const;
+};
+
+/// A controller: tasks, connections, deployments. Lists keep the order of the file.
+struct Network {
+  NetworkName name;
+  std::vector<Task> tasks;
+  std::vector<Deployment> deployments;
+  std::vector<Connection> connections;
+  std::string file;  ///< where it was read from; not compared
+
+  /// Linear search; algorithms over whole networks build their own index.
+  [[nodiscard]] const Task* find_task(const TaskId& id) const;
+  [[nodiscard]] Task* find_task(const TaskId& id);
+  [[nodiscard]] bool empty() const { return tasks.empty() && deployments.empty() && connections.empty(); }
+
+  friend bool operator==(const Network& a, const Network& b);
+};
+
+/// Whether both describe the same controller: names of networks, order of lists, and seats of tasks that the
+/// network lacks do not count. Linear in the size of the networks.
+bool equivalent(const Network& a, const Network& b);
+
+/// The first few differences as sentences, for messages and tests; empty if equivalent().
+std::vector<std::string> differences(const Network& a, const Network& b, std::size_t limit = 10);
+
+}  // namespace segue::model

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+/// What validation looks up, each in constant time. Internal; refers to its network and catalog.
+namespace segue::model::detail {
+
+/// One component's ports and properties by name.
+class ComponentIndex {
+ public:
+  explicit ComponentIndex(const ComponentModel& model);
+  [[nodiscard]] const ComponentModel& model() const { return *model_; }
+  /// As ComponentModel::find_ports.
+  [[nodiscard]] std::vector<const PortModel*> find_ports(const std::string& name, Direction direction) const;
+  [[nodiscard]] const PropertyModel* find_property(const std::string& name) const;
+  /// Names for suggestions.
+  [[nodiscard]] std::vector<std::string> port_names(Direction direction) const;
+  [[nodiscard]] std::vector<std::string> property_names() const;
+
+ private:
+  const ComponentModel* model_;
+  std::array<std::unordered_map<std::string_view, const PortModel*>, 2> ports_;
+  std::array<std::vector<const PortModel*>, 2> families_;
+  std::unordered_map<std::string_view, const PropertyModel*> properties_;
+};
+
+class NetworkIndex {
+ public:
+  NetworkIndex(const Network& network, const ComponentCatalog& catalog);
+
+  [[nodiscard]] const Task* task(const TaskId& id) const;
+  /// The deployment that holds the task, or nullptr: the runtime's own process.
+  [[nodiscard]] const Deployment* deployment(const TaskId& id) const;
+  [[nodiscard]] const HostName& host(const TaskId& id) const;
+  /// nullptr if the component is not known.
+  [[nodiscard]] const ComponentIndex* component(const ComponentName& name) const;
+  /// ", did you mean 'x'?" for a name of a task; "" after some, since it is costly.
+  [[nodiscard]] std::string task_suggestion(const std::string& name) const;
+
+ private:
+  const Network& network_;
+  std::unordered_map<std::string_view, const Task*> tasks_;  // by id
+  std::unordered_map<std::string_view, const Deployment*> deployments_;
+  std::unordered_map<ComponentName, ComponentIndex> components_;
+  mutable int suggestions_left_ = 20;
+};
+
+/// Where something of the network was written; its file where the place is not known.
+SourceLocation place(const SourceLocation& where, const Network& network);
+
+}  // namespace segue::model::detail

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/network.hpp>
+#include <support/random_networks.hpp>
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+
+namespace segue::model {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using type::Value;
+
+Network two_tasks() {
+  Network network;
+  network.name = NetworkName("pair");
+  network.tasks.resize(2);
+  network.tasks[0].id = TaskId("a");
+  network.tasks[0].component = ComponentName("demo::Producer");
+  network.tasks[1].id = TaskId("b");
+  network.tasks[1].component = ComponentName("demo::Consumer");
+  network.connections.resize(1);
+  network.connections[0].from = {TaskId("a"), "out"};
+  network.connections[0].to = {TaskId("b"), "in"};
+  return network;
+}
+
+TEST(NetworkTest, placeInTheFileDoesNotCount) {
+  const Network one = two_tasks();
+  Network other = one;
+  other.tasks[0].where = {"x.yaml", 3, 1};
+  other.file = "x.yaml";
+  EXPECT_EQ(one, other);
+}
+
+TEST(NetworkTest, takesOverIsNoConfiguration) {
+  Task task = two_tasks().tasks[0];
+  Task heir = task;
+  heir.takes_over = TaskId("old");
+  EXPECT_TRUE(task.same_configuration(heir));
+  EXPECT_FALSE(task == heir);
+  heir.exclusive = {"/dev/video0"};
+  EXPECT_FALSE(task.same_configuration(heir));
+}
+
+TEST(NetworkTest, listOfTasksIsNotPartOfTheProcess) {
+  Deployment one;
+  one.process = ProcessName("drivers");
+  Deployment other = one;
+  other.tasks.push_back({TaskId("a"), "a"});
+  EXPECT_TRUE(one.same_process(other));
+  EXPECT_FALSE(one == other);
+  other.cpus = {1};
+  EXPECT_FALSE(one.same_process(other));
+}
+
+TEST(NetworkTest, connectionTellsOnlyWhatIsNotPlain) {
+  Connection connection = two_tasks().connections[0];
+  EXPECT_EQ(to_string(connection), "a.out -> b.in");
+  connection.policy = {BufferKind::Buffer, 10, Transport::SharedMemory, false};
+  EXPECT_EQ(to_string(connection), "a.out -> b.in (buffer of 10, shm)");
+}
+
+TEST(EquivalenceTest, seatOfATaskThatTheNetworkLacksDoesNotCount) {
+  Network one = two_tasks();
+  one.deployments.resize(1);
+  one.deployments[0].process = ProcessName("p");
+  Network other = one;
+  other.deployments[0].tasks.push_back({TaskId("absent"), "absent"});
+  EXPECT_TRUE(equivalent(one, other));
+  other.deployments[0].tasks.push_back({TaskId("a"), "a"});
+  EXPECT_FALSE(equivalent(one, other));
+}
+
+TEST(EquivalenceTest, differencesAreSentences) {
+  const Network one = two_tasks();
+  Network other = one;
+  other.tasks[0].state = TaskState::Stopped;
+  other.connections[0].policy.init = true;
+  EXPECT_THAT(differences(one, other), ElementsAre("task 'a': state running against stopped",
+                                                   HasSubstr("a.out -> b.in"), HasSubstr("a.out -> b.in")));
+  EXPECT_EQ(differences(one, other, 1).size(), 1U);
+}
+
+TEST(EquivalenceTest, aSecondWireCounts) {
+  const Network one = two_tasks();
+  Network other = one;
+  other.connections.push_back(other.connections[0]);
+  EXPECT_FALSE(equivalent(one, other));
+  EXPECT_FALSE(equivalent(other, one));
+}
+
+TEST(EquivalenceTest, aTaskTwiceCounts) {
+  const Network one = two_tasks();
+  Network other = one;
+  other.tasks.push_back(other.tasks[0]);
+  EXPECT_FALSE(equivalent(one, other));
+}
+
+RC_GTEST_PROP(EquivalenceTest, orderOfListsDoesNotCount, (std::uint64_t seed)) {
+  testing::Random random(seed);
+  const Network one = testing::random_network(random);
+  Network other = one;
+  other.name = NetworkName("another");
+  std::shuffle(other.tasks.begin(), other.tasks.end(), random);
+  std::shuffle(other.deployments.begin(), other.deployments.end(), random);
+  std::shuffle(other.connections.begin(), other.connections.end(), random);
+  RC_ASSERT(differences(one, other).empty());
+  RC_ASSERT(equivalent(other, one));
+}
+
+RC_GTEST_PROP(EquivalenceTest, whatVariesIsSeen, (std::uint64_t seed)) {
+  testing::Random random(seed);
+  const Network one = testing::random_network(random);
+  Network other = testing::random_variation(random, one);
+  RC_ASSERT(equivalent(one, other) == equivalent(other, one));
+  RC_ASSERT(equivalent(one, other) == differences(one, other).empty());
+  if (one.tasks.size() != other.tasks.size()) RC_ASSERT(!equivalent(one, other));
+}
+
+}  // namespace
+}  // namespace segue::model

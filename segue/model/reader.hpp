@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/base/text.hpp>
+#include <segue/type/value.hpp>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What the readers of this folder share. Internal; not thread safe.
+namespace segue::model::detail {
+
+/// The file being read and where its problems go.
+class Source {
+ public:
+  Source(std::string file, Diagnostics& diagnostics) : file_(std::move(file)), diagnostics_(diagnostics) {}
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] Diagnostics& diagnostics() const { return diagnostics_; }
+  [[nodiscard]] SourceLocation at(const type::Value& value) const;
+  void error(std::string code, std::string message, const type::Value& value) const;
+  void warning(std::string code, std::string message, const type::Value& value) const;
+
+  /// The text as one YAML document (or JSON, where it is that); its error becomes a diagnostic.
+  [[nodiscard]] std::optional<type::Value> parse(std::string_view text) const;
+
+ private:
+  std::string file_;
+  Diagnostics& diagnostics_;
+};
+
+/// The content of a file; where it cannot be read, nothing, and why as `unreadable-file`.
+std::optional<std::string> read_text(const std::filesystem::path& file, Diagnostics& diagnostics);
+
+/// A scalar as it was written; nothing for null, lists and maps.
+std::optional<std::string> scalar_text(const type::Value& value);
+
+/// The entries of one map: typed access that reports what is wrong, and remembers which keys it was asked
+/// for. A null counts as an empty map, a null entry as absent.
+class Fields {
+ public:
+  /// `what` names the map in messages: "task 'velodyne'". `value` and `source` must outlive this.
+  Fields(const type::Value& value, std::string what, const Source& source);
+
+  [[nodiscard]] bool is_map() const { return map_ != nullptr; }
+  [[nodiscard]] const std::string& what() const { return what_; }
+  [[nodiscard]] const type::Value& value() const { return value_; }
+
+  const type::Value* find(std::string_view key);
+  const type::Value* require(std::string_view key, std::string_view hint = {});
+  /// The entry if it has that kind; another kind is an error.
+  const type::Value* find(std::string_view key, type::Value::Kind kind);
+
+  std::string text(std::string_view key);
+  /// An identifier, or "" with an error where it is none.
+  std::string name(std::string_view key);
+  std::string required_name(std::string_view key, std::string_view hint = {});
+  bool boolean(std::string_view key, bool fallback);
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most,
+                                      std::string_view code);
+  std::optional<Duration> duration(std::string_view key);
+  /// A list of texts, or one text as a list of one.
+  std::vector<std::string> texts(std::string_view key);
+  std::vector<int> integers(std::string_view key, int least, int most);
+  /// The position of the entry in `names`.
+  template <class Names>
+  std::optional<std::size_t> choice(std::string_view key, const Names& names, std::string_view code) {
+    const type::Value* value = find(key);
+    if (value == nullptr) return std::nullopt;
+    return choose(*value, key, {names.begin(), names.end()}, code);
+  }
+
+  /// Keys that are fine but mean nothing here.
+  void ignore(std::string_view key) { known_.push_back(key); }
+  /// Warns about every key that nobody asked for.
+  void finish();
+
+ private:
+  std::optional<std::size_t> choose(const type::Value& value, std::string_view key,
+                                    const std::vector<std::string>& names, std::string_view code);
+  void wrong_kind(std::string_view key, std::string_view wanted, const type::Value& value);
+
+  const type::Value& value_;
+  const type::ValueMap* map_ = nullptr;
+  std::string what_;
+  const Source& source_;
+  std::vector<std::string_view> known_;
+};
+
+/// Reports and returns false where `name` is no identifier.
+bool check_name(std::string_view name, std::string_view what, const type::Value& at, const Source& source);
+
+}  // namespace segue::model::detail

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/files.hpp>
+#include <segue/model/parts.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+namespace segue::model {
+
+using detail::Fields;
+using detail::Source;
+using type::Value;
+
+namespace {
+
+/// "local", "tcp://10.0.0.2:7447" or "tcp://[fe80::1]:7447".
+bool is_address(std::string_view address) {
+  constexpr std::string_view kScheme = "tcp://";
+  if (address == "local") return true;
+  if (!address.starts_with(kScheme)) return false;
+  address.remove_prefix(kScheme.size());
+  const auto colon = address.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const std::string_view digits = address.substr(colon + 1);
+  int port = 0;
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  return status == std::errc{} && end == digits.data() + digits.size() && port >= 1 && port <= 65535 &&
+         address.find('/') == std::string_view::npos;
+}
+
+Host read_host(const std::string& name, const Value& value, const Source& source) {
+  const std::string what = "host " + quote(name);
+  detail::check_name(name, what, value, source);
+  Host host;
+  host.name = HostName(name);
+  if (value.is_string()) {
+    host.address = value.as_string();
+  } else {
+    Fields fields(value, what, source);
+    fields.require("address", "'local' or an address such as 'tcp://10.0.0.2:7447'");
+    host.address = fields.text("address");
+    host.ca = fields.text("ca");
+    fields.finish();
+    if (host.address.empty()) return host;
+  }
+  if (!is_address(host.address)) {
+    source.error(
+        "bad-address",
+        what + ": expected 'local' or an address such as 'tcp://10.0.0.2:7447', got " + quote(host.address),
+        value);
+  }
+  return host;
+}
+
+RestartPolicy read_restart(const Value& value, const Source& source) {
+  Fields fields(value, "the restart policy", source);
+  RestartPolicy policy;
+  policy.max = static_cast<int>(fields.integer("max", 0, 1'000'000, "bad-value").value_or(policy.max));
+  policy.backoff = fields.duration("backoff").value_or(policy.backoff);
+  if (policy.backoff < Duration::zero()) {
+    source.error("bad-duration", "the restart policy: 'backoff' must not be negative", value);
+  }
+  fields.finish();
+  return policy;
+}
+
+void read_policies(Fields& robot, Robot& result, const Source& source) {
+  const Value* policies = robot.find("policies", Value::Kind::Map);
+  if (policies == nullptr) return;
+  Fields fields(*policies, "the policies", source);
+  if (const Value* restart = fields.find("restart", Value::Kind::Map)) {
+    result.restart = read_restart(*restart, source);
+  }
+  fields.finish();
+}
+
+/// Names, never paths: what is loaded comes from the folders that a host is configured with.
+void check_libraries(const Robot& robot, Fields& fields, const Source& source) {
+  for (const std::string& library : robot.libraries) {
+    detail::check_name(library, "the robot: 'libraries' (names, never paths)", *fields.find("libraries"),
+                       source);
+  }
+}
+
+Robot read_body(const Value& root, const Source& source) {
+  Fields fields(root, "the robot", source);
+  Robot robot;
+  robot.where = source.at(root);
+  robot.name = fields.required_name("robot", "give it a name");
+  if (const Value* hosts = fields.find("hosts", Value::Kind::Map)) {
+    for (const auto& [name, value] : hosts->as_map())
+      robot.hosts.push_back(read_host(name, value, source));
+  }
+  robot.libraries = fields.texts("libraries");
+  check_libraries(robot, fields, source);
+  robot.models = fields.texts("models");
+  robot.controllers = fields.texts("controllers");
+  robot.missions = fields.texts("missions");
+  if (const std::string fallback = fields.name("fallback"); !fallback.empty()) {
+    robot.fallback = NetworkName(fallback);
+  }
+  read_policies(fields, robot, source);
+  fields.finish();
+  return robot;
+}
+
+}  // namespace
+
+std::optional<Robot> read_robot(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
+  const Source source(file, diagnostics);
+  const std::size_t errors_before = diagnostics.error_count();
+  const auto root = source.parse(text);
+  if (!root) return std::nullopt;
+  Robot robot = read_body(*root, source);
+  robot.folder = std::filesystem::path(file).parent_path();
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  return robot;
+}
+
+std::optional<Robot> load_robot(const std::filesystem::path& file, Diagnostics& diagnostics) {
+  const auto text = detail::read_text(file, diagnostics);
+  return text ? read_robot(*text, file.string(), diagnostics) : std::nullopt;
+}
+
+}  // namespace segue::model

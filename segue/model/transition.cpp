@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/transition.hpp>
+
+#include <numeric>
+
+namespace segue::model {
+namespace {
+
+std::string subject(const TaskAction& action) {
+  return action.task.str();
+}
+std::string subject(const ConnectionAction& action) {
+  return to_string(action.connection);
+}
+std::string subject(const DeploymentAction& action) {
+  return to_string(action.deployment.key());
+}
+std::string subject(const ConfigAction& action) {
+  return action.definition.id.str();
+}
+std::string subject(const CallAction& action) {
+  return action.task.str() + "." + action.operation;
+}
+
+}  // namespace
+
+const TaskId* Action::task() const {
+  if (const auto* action = std::get_if<TaskAction>(&what)) return &action->task;
+  if (const auto* action = std::get_if<ConfigAction>(&what)) return &action->definition.id;
+  if (const auto* action = std::get_if<CallAction>(&what)) return &action->task;
+  return nullptr;
+}
+
+std::string Action::label() const {
+  return std::string(to_string(kind)) + " " +
+         std::visit([](const auto& action) { return subject(action); }, what);
+}
+
+int ActionCounts::state_changes() const {
+  return of(ActionKind::Recover) + of(ActionKind::Stop) + of(ActionKind::Cleanup) +
+         of(ActionKind::Configure) + of(ActionKind::Start);
+}
+
+int ActionCounts::total() const {
+  return std::accumulate(by_kind.begin(), by_kind.end(), 0);
+}
+
+ActionCounts Transition::counts() const {
+  ActionCounts counts;
+  for (const Action& action : actions)
+    ++counts.by_kind.at(static_cast<std::size_t>(action.kind));
+  return counts;
+}
+
+}  // namespace segue::model

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/model/validate.hpp>
+#include <segue/model/validate_checks.hpp>
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+namespace segue::model {
+namespace {
+
+std::vector<std::string> host_names(const Robot& robot) {
+  std::vector<std::string> names{kLocalHost.str()};
+  for (const Host& host : robot.hosts)
+    names.push_back(host.name.str());
+  return names;
+}
+
+void check_hosts(const Robot& robot, Diagnostics& diagnostics) {
+  std::set<HostName> seen;
+  for (const Host& host : robot.hosts) {
+    if (!seen.insert(host.name).second) {
+      diagnostics.error("duplicate-host", "host " + quote(host.name.str()) + " is there twice", robot.where);
+    }
+    if (!host.is_local() && host.ca.empty()) {
+      diagnostics.warning("missing-ca",
+                          "host " + quote(host.name.str()) +
+                              " names no certificate authority ('ca'); it can only be reached with TLS",
+                          robot.where);
+    }
+  }
+}
+
+void check_fallback(const Robot& robot, const std::vector<Network>& networks, Diagnostics& diagnostics) {
+  if (!robot.fallback) return;
+  std::vector<std::string> names;
+  names.reserve(networks.size());
+  for (const Network& network : networks)
+    names.push_back(network.name.str());
+  if (std::ranges::find(names, robot.fallback->str()) != names.end()) return;
+  diagnostics.error("unknown-controller",
+                    "the fallback " + quote(robot.fallback->str()) + " is none of the robot's controllers" +
+                        did_you_mean(robot.fallback->str(), names),
+                    robot.where);
+}
+
+void check_network_hosts(const Robot& robot, const Network& network, Diagnostics& diagnostics) {
+  const std::vector<std::string> names = host_names(robot);
+  for (const Deployment& deployment : network.deployments) {
+    if (std::ranges::find(names, deployment.host.str()) != names.end()) continue;
+    diagnostics.error("unknown-host",
+                      "process " + to_string(deployment.key()) + ": the robot has no host " +
+                          quote(deployment.host.str()) + did_you_mean(deployment.host.str(), names),
+                      detail::place(deployment.where, network));
+  }
+}
+
+}  // namespace
+
+Diagnostics validate(const Network& network, const ComponentCatalog& catalog, Depth depth) {
+  Diagnostics diagnostics;
+  const detail::NetworkIndex index(network, catalog);
+  detail::check_structure(network, index, diagnostics);
+  if (depth == Depth::Full) detail::check_components(network, index, catalog, diagnostics);
+  diagnostics.sort();
+  return diagnostics;
+}
+
+Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
+  Diagnostics diagnostics;
+  check_hosts(robot, diagnostics);
+  check_fallback(robot, networks, diagnostics);
+  std::unordered_map<NetworkName, const Network*> seen;
+  for (const Network& network : networks) {
+    const auto [first, fresh] = seen.try_emplace(network.name, &network);
+    if (!fresh) {
+      diagnostics.error("duplicate-controller",
+                        "two controllers are named " + quote(network.name.str()) + "; the other is in " +
+                            quote(first->second->file),
+                        {network.file, 0, 0});
+    }
+    check_network_hosts(robot, network, diagnostics);
+  }
+  diagnostics.sort();
+  return diagnostics;
+}
+
+}  // namespace segue::model

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/host/stand_in.hpp>
+#include <segue/model/files.hpp>
+#include <segue/model/validate.hpp>
+#include <segue/task/realtime_log.hpp>
+
+#include <functional>
+
+namespace segue::runtime {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files of the robot that match a pattern. One that matches nothing is worth a word.
+std::vector<fs::path> files_of(const model::Robot& robot, const std::string& pattern, std::string_view what,
+                               Diagnostics& diagnostics) {
+  auto files = glob_files(robot.folder / pattern);
+  if (files.empty()) {
+    diagnostics.warning("no-such-file", "no file matches " + quote(pattern) + " (" + std::string(what) + ")",
+                        robot.where);
+  }
+  return files;
+}
+
+}  // namespace
+
+struct EmbeddedRobot::Implementation {
+  bool load(const fs::path& file, const EmbeddedOptions& options, Diagnostics& diagnostics);
+  void load_libraries(Diagnostics& diagnostics, bool required);
+  void add_components_of(const std::string& library, const std::function<void(const Error&)>& report);
+  void load_models(Diagnostics& diagnostics);
+  std::vector<model::Network> load_controllers(Diagnostics& diagnostics) const;
+  void start(const std::vector<model::Network>& networks, host::LocalOptions options,
+             Diagnostics& diagnostics);
+
+  model::Robot robot;
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  task::RealtimeLogDrain log_drain;  ///< goes after the tasks, with their last lines
+  std::unique_ptr<host::LocalTaskHost> host;
+  std::unique_ptr<Runtime> runtime;
+};
+
+bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOptions& options,
+                                         Diagnostics& diagnostics) {
+  auto read = model::load_robot(file, diagnostics);
+  if (!read) {
+    return false;
+  }
+  robot = std::move(*read);
+  host::LocalOptions local{options.stand_in, options.only_stand_ins, {}};
+  if (!options.stand_ins.empty()) {
+    if (auto table = host::StandInTable::load(options.stand_ins, diagnostics)) {
+      local.stand_ins = std::move(*table);
+    }
+  }
+  load_libraries(diagnostics, !options.stand_in && !options.only_stand_ins);
+  load_models(diagnostics);
+  const auto networks = load_controllers(diagnostics);
+  diagnostics.append(model::validate(robot, networks));
+  if (diagnostics.has_errors()) {
+    return false;
+  }
+  start(networks, std::move(local), diagnostics);
+  return !diagnostics.has_errors();
+}
+
+/// Components are asked for their interfaces themselves: what runs cannot differ from what is checked.
+void EmbeddedRobot::Implementation::load_libraries(Diagnostics& diagnostics, bool required) {
+  const auto report = [&](const Error& error) {
+    if (required) {
+      diagnostics.error("library", to_string(error), robot.where);
+    } else {
+      diagnostics.warning("library", to_string(error) + "; stand-ins take its place", robot.where);
+    }
+  };
+  for (const auto& library : robot.libraries) {
+    if (auto loaded = libraries.load(library); !loaded) {
+      report(loaded.error());
+      continue;
+    }
+    add_components_of(library, report);
+  }
+  // Components of this program need no library.
+  add_components_of("", report);
+}
+
+void EmbeddedRobot::Implementation::add_components_of(const std::string& library,
+                                                      const std::function<void(const Error&)>& report) {
+  auto models = libraries.export_models(library, catalog.types());
+  if (!models) {
+    report(models.error());
+    return;
+  }
+  for (auto& model : *models) {
+    catalog.add(std::move(model));
+  }
+}
+
+void EmbeddedRobot::Implementation::load_models(Diagnostics& diagnostics) {
+  for (const auto& pattern : robot.models) {
+    for (const auto& file : files_of(robot, pattern, "models", diagnostics)) {
+      model::load_components(file, catalog, diagnostics);
+    }
+  }
+  model::resolve_inheritance(catalog, diagnostics);
+}
+
+std::vector<model::Network> EmbeddedRobot::Implementation::load_controllers(Diagnostics& diagnostics) const {
+  std::vector<model::Network> networks;
+  for (const auto& pattern : robot.controllers) {
+    for (const auto& file : files_of(robot, pattern, "controllers", diagnostics)) {
+      if (auto network = model::load_network(file, diagnostics)) {
+        networks.push_back(std::move(*network));
+      }
+    }
+  }
+  return networks;
+}
+
+void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& networks,
+                                          host::LocalOptions options, Diagnostics& diagnostics) {
+  host = std::make_unique<host::LocalTaskHost>(libraries, catalog, std::move(options));
+  for (const auto& network : networks) {
+    host->expect(network);
+  }
+  runtime = std::make_unique<Runtime>(robot.name, *host, catalog);
+  for (const auto& network : networks) {
+    diagnostics.append(runtime->add_controller(network));
+  }
+}
+
+EmbeddedRobot::EmbeddedRobot(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+EmbeddedRobot::~EmbeddedRobot() = default;
+
+std::unique_ptr<EmbeddedRobot> EmbeddedRobot::open(const fs::path& file, Diagnostics& diagnostics,
+                                                   const EmbeddedOptions& options) {
+  auto made = std::make_unique<Implementation>();
+  if (!made->load(file, options, diagnostics)) {
+    return nullptr;
+  }
+  return std::unique_ptr<EmbeddedRobot>(new EmbeddedRobot(std::move(made)));
+}
+
+Result<std::unique_ptr<EmbeddedRobot>> EmbeddedRobot::open(const fs::path& file,
+                                                           const EmbeddedOptions& options) {
+  Diagnostics diagnostics;
+  auto robot = open(file, diagnostics, options);
+  if (!robot) {
+    return diagnostics.to_error();
+  }
+  for (const auto& warning : diagnostics.items()) {
+    log(LogLevel::Warning, robot->robot().name, to_string(warning));
+  }
+  return robot;
+}
+
+const model::Robot& EmbeddedRobot::robot() const {
+  return implementation_->robot;
+}
+
+const model::ComponentCatalog& EmbeddedRobot::catalog() const {
+  return implementation_->catalog;
+}
+
+host::LocalTaskHost& EmbeddedRobot::host() {
+  return *implementation_->host;
+}
+
+Runtime& EmbeddedRobot::runtime() {
+  return *implementation_->runtime;
+}
+
+SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOptions options) {
+  return implementation_->runtime->switch_to(model::NetworkName(controller), options);
+}
+
+SwitchResult EmbeddedRobot::shut_down() {
+  return implementation_->runtime->switch_to(model::Network{});
+}
+
+}  // namespace segue::runtime

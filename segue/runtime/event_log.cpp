@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/event_log.hpp>
+
+#include <algorithm>
+
+namespace segue::runtime::detail {
+
+namespace {
+constexpr std::size_t kKeptEvents = 4096;
+/// Waiting longer than this is waiting for ever; beyond it arithmetic on time points would overflow.
+constexpr Duration kLongestWait = std::chrono::hours(24);
+}  // namespace
+
+void EventLog::add(EventKind kind, std::string subject, std::string message) {
+  {
+    const std::lock_guard lock(mutex_);
+    events_.push_back(
+        {++last_, std::chrono::system_clock::now(), kind, std::move(subject), std::move(message)});
+    if (events_.size() > kKeptEvents) {
+      events_.pop_front();
+    }
+  }
+  added_.notify_all();
+}
+
+std::vector<Event> EventLog::after(std::uint64_t number, Duration wait) const {
+  std::unique_lock lock(mutex_);
+  if (!has_after(number) && wait > Duration::zero()) {
+    added_.wait_for(lock, std::min(wait, kLongestWait), [&] { return has_after(number) || closed_; });
+  }
+  const auto first =
+      std::find_if(events_.begin(), events_.end(), [&](const Event& event) { return event.number > number; });
+  return {first, events_.end()};
+}
+
+void EventLog::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  added_.notify_all();
+}
+
+}  // namespace segue::runtime::detail

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/runtime/runtime.hpp>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace segue::runtime::detail {
+
+/// The last few thousand events, numbered from 1. Thread safe.
+class EventLog {
+ public:
+  void add(EventKind kind, std::string subject, std::string message);
+  /// Those after `number`; waits up to `wait` for the first, or until close().
+  [[nodiscard]] std::vector<Event> after(std::uint64_t number, Duration wait) const;
+  /// Wakes everybody who waits; nobody waits from now on.
+  void close();
+
+ private:
+  [[nodiscard]] bool has_after(std::uint64_t number) const { return last_ > number; }
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable added_;
+  std::deque<Event> events_;
+  std::uint64_t last_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace segue::runtime::detail

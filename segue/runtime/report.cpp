@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/report.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+
+namespace segue::runtime {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+double microseconds(Duration duration) {
+  return std::chrono::duration<double, std::micro>(duration).count();
+}
+
+std::string iso_time(std::chrono::system_clock::time_point time) {
+  const auto since_epoch = time.time_since_epoch();
+  const auto whole = std::chrono::floor<std::chrono::seconds>(since_epoch);
+  const auto millis = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch - whole).count();
+  const std::time_t stamp = whole.count();
+  std::tm parts{};
+  gmtime_r(&stamp, &parts);
+  std::array<char, 32> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
+  const std::string fraction = std::to_string(1000 + millis).substr(1);
+  return std::string(text.data(), length) + '.' + fraction + 'Z';
+}
+
+std::string_view outcome_of(const ActionRecord& record) {
+  if (!record.executed) {
+    return "skipped";
+  }
+  return record.error ? "failed" : "done";
+}
+
+Value action_value(const ActionRecord& record) {
+  Value value = model::to_value(record.action);
+  if (!value.is_map()) {
+    value = ValueMap{};
+  }
+  ValueMap& map = value.as_map();
+  map.set("started_s", seconds(record.started));
+  map.set("duration_s", seconds(record.duration));
+  map.set("outcome", outcome_of(record));
+  if (record.error) {
+    map.set("error", to_string(*record.error));
+  }
+  return value;
+}
+
+Value diagnostic_value(const Diagnostic& diagnostic) {
+  return Value::map({{"severity", to_string(diagnostic.severity)},
+                     {"code", diagnostic.code},
+                     {"message", diagnostic.message},
+                     {"file", diagnostic.where.file},
+                     {"line", diagnostic.where.line},
+                     {"column", diagnostic.where.column}});
+}
+
+template <class Items, class Convert>
+Value list_of(const Items& items, Convert convert) {
+  Value::List list;
+  list.reserve(items.size());
+  for (const auto& item : items) {
+    list.push_back(convert(item));
+  }
+  return list;
+}
+
+Value timing_value(const task::Timing& timing) {
+  return Value::map({{"cycles", timing.cycles},
+                     {"missed", timing.missed},
+                     {"last_us", microseconds(timing.last)},
+                     {"mean_us", microseconds(timing.mean)},
+                     {"worst_us", microseconds(timing.worst)},
+                     {"latency_mean_us", microseconds(timing.latency_mean)},
+                     {"latency_worst_us", microseconds(timing.latency_worst)},
+                     {"jitter_us", microseconds(timing.jitter)},
+                     {"cpu_us", microseconds(timing.cpu)}});
+}
+
+Value port_value(const model::PortModel& port) {
+  return Value::map({{"name", port.name},
+                     {"direction", model::to_string(port.direction)},
+                     {"type", port.type},
+                     {"dynamic", port.dynamic},
+                     {"pattern", port.pattern},
+                     {"doc", port.doc}});
+}
+
+Value operation_value(const model::OperationModel& operation) {
+  return Value::map(
+      {{"name", operation.name},
+       {"arguments",
+        list_of(
+            operation.arguments,
+            [](const model::ArgumentModel& argument) {
+              return Value::map({{"name", argument.name}, {"type", argument.type}, {"doc", argument.doc}});
+            })},
+       {"result", operation.result},
+       {"doc", operation.doc}});
+}
+
+}  // namespace
+
+Value to_value(const SwitchResult& result) {
+  Value value = Value::map({{"outcome", to_string(result.outcome)},
+                            {"request", result.request},
+                            {"from", result.from.str()},
+                            {"to", result.to.str()},
+                            {"solve_s", seconds(result.solve_time)},
+                            {"duration_s", seconds(result.duration)},
+                            {"commit_s", seconds(result.commit)},
+                            {"actions", list_of(result.actions, action_value)}});
+  if (result.error) {
+    value.as_map().set("error", to_string(*result.error));
+  }
+  if (!result.diagnostics.empty()) {
+    value.as_map().set("diagnostics", list_of(result.diagnostics.items(), diagnostic_value));
+  }
+  return value;
+}
+
+Value to_value(const Event& event) {
+  return Value::map({{"number", event.number},
+                     {"time", iso_time(event.time)},
+                     {"kind", to_string(event.kind)},
+                     {"subject", event.subject},
+                     {"message", event.message}});
+}
+
+Value to_value(const host::TaskReport& report) {
+  return Value::map({{"id", report.id.str()},
+                     {"component", report.component.str()},
+                     {"state", to_string(report.state)},
+                     {"state_name", report.state_name},
+                     {"host", report.process.host.str()},
+                     {"process", report.process.process.str()},
+                     {"pid", report.pid},
+                     {"stand_in", report.stand_in},
+                     {"cycle_us", microseconds(report.timing.mean)},
+                     {"worst_us", microseconds(report.timing.worst)},
+                     {"latency_us", microseconds(report.timing.latency_mean)},
+                     {"cpu_us", microseconds(report.timing.cpu)},
+                     {"cycles", report.timing.cycles},
+                     {"missed", report.timing.missed},
+                     {"error", report.error}});
+}
+
+Value to_value(const host::ConnectionReport& report) {
+  return Value::map({{"from", to_string(report.connection.from)},
+                     {"to", to_string(report.connection.to)},
+                     {"policy", to_string(report.connection.policy.kind)},
+                     {"size", static_cast<std::uint64_t>(report.connection.policy.size)},
+                     {"written", report.written},
+                     {"read", report.read},
+                     {"dropped", report.dropped}});
+}
+
+Value status_of(Runtime& runtime) {
+  return Value::map(
+      {{"robot", runtime.name()},
+       {"controller", runtime.belief().name.str()},
+       {"state", to_string(runtime.state())},
+       {"controllers",
+        list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
+       {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
+       {"connections",
+        list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},
+       {"differences",
+        list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })}});
+}
+
+Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
+  const auto reports = runtime.host().tasks();
+  const auto report =
+      std::find_if(reports.begin(), reports.end(), [&](const auto& item) { return item.id == task; });
+  if (report == reports.end()) {
+    std::vector<std::string> names;
+    for (const auto& item : reports) {
+      names.push_back(item.id.str());
+    }
+    return fail(ErrorCode::NotFound,
+                "no task " + quote(task.str()) + " runs" + did_you_mean(task.str(), names));
+  }
+  auto model = runtime.host().describe(task);
+  if (!model) {
+    return std::move(model.error());
+  }
+  auto properties = runtime.host().properties(task);
+  if (!properties) {
+    return std::move(properties.error());
+  }
+  Value value = to_value(*report);
+  ValueMap& map = value.as_map();
+  map.set("doc", model->doc);
+  map.set("ports", list_of(model->ports, port_value));
+  map.set("properties", std::move(*properties));
+  map.set("operations", list_of(model->operations, operation_value));
+  map.set("timing", timing_value(report->timing));
+  return value;
+}
+
+}  // namespace segue::runtime

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/task_host.hpp>
+#include <segue/runtime/runtime.hpp>
+#include <segue/type/value.hpp>
+
+/// What the runtime tells people and tools, as Values with the fields of the JSON that tools may rely on.
+namespace segue::runtime {
+
+/// {"outcome", "request", "from", "to", "solve_s", "duration_s", "commit_s", "actions", and where it did not
+/// go well "error" and "diagnostics"}; each action with "started_s", "duration_s", "outcome" (done, failed,
+/// skipped).
+type::Value to_value(const SwitchResult& result);
+
+/// {"number", "time", "kind", "subject", "message"}; the time in ISO 8601, UTC.
+type::Value to_value(const Event& event);
+
+/// {"id", "component", "state", "state_name", "host", "process", "pid", "stand_in", "cycle_us", "worst_us",
+/// "latency_us", "cpu_us", "cycles", "missed", "error"}; cycle_us is the mean duration of an update, cpu_us
+/// the processor time of all since the task started.
+type::Value to_value(const host::TaskReport& report);
+
+/// {"from", "to", "policy", "size", "written", "read", "dropped"}
+type::Value to_value(const host::ConnectionReport& report);
+
+/// {"robot", "controller", "state", "controllers", "tasks", "connections", "differences"}: a robot at a
+/// glance.
+type::Value status_of(Runtime& runtime);
+
+/// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound where there is
+/// none.
+Result<type::Value> task_report(Runtime& runtime, const model::TaskId& task);
+
+}  // namespace segue::runtime

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/robot_service.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
+#include <segue/runtime/report.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace segue::runtime {
+
+namespace {
+
+/// An output port's samples for a client elsewhere.
+class ReaderStream final : public control::SampleStream {
+ public:
+  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
+  Result<std::vector<type::Value>> read(std::size_t limit) override { return reader_->read(limit); }
+  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
+
+ private:
+  std::unique_ptr<host::PortReader> reader_;
+};
+
+Result<RequestOptions> options_for(std::string_view order) {
+  RequestOptions options;
+  if (order.empty()) {
+    return options;
+  }
+  const auto found = std::find(model::kOrderNames.begin(), model::kOrderNames.end(), order);
+  if (found == model::kOrderNames.end()) {
+    return fail(ErrorCode::InvalidArgument, "no order " + quote(order) + "; use 'paper' or 'seamless'");
+  }
+  options.order = static_cast<model::Order>(found - model::kOrderNames.begin());
+  return options;
+}
+
+Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, TimePoint deadline) {
+  if (future.wait_until(deadline) != std::future_status::ready) {
+    return fail(ErrorCode::DeadlineExceeded,
+                "the switch to " + quote(target) + " is still under way; watch it with 'segue events'",
+                std::string(target));
+  }
+  return to_value(future.get());
+}
+
+}  // namespace
+
+RuntimeService::RuntimeService(Runtime& runtime, std::function<void()> on_shut_down)
+    : runtime_(runtime), on_shut_down_(std::move(on_shut_down)) {}
+
+Result<type::Value> RuntimeService::status() {
+  type::Value status = status_of(runtime_);
+  status.as_map().set("pid", static_cast<std::int64_t>(::getpid()));
+  const Duration uptime = RealClock::instance().now() - started_;
+  status.as_map().set("uptime_s", std::chrono::duration<double>(uptime).count());
+  return status;
+}
+
+Result<type::Value> RuntimeService::task(std::string_view id) {
+  return task_report(runtime_, model::TaskId(id));
+}
+
+Result<type::Value> RuntimeService::switch_to(std::string_view controller, bool dry_run,
+                                              std::string_view order, TimePoint deadline) {
+  const auto options = options_for(order);
+  if (!options) {
+    return options.error();
+  }
+  const model::NetworkName name(controller);
+  if (!dry_run) {
+    return answer_of(runtime_.request(name, *options), controller, deadline);
+  }
+  auto transition = runtime_.plan(name, *options);
+  if (!transition) {
+    return std::move(transition.error());
+  }
+  return model::to_value(*transition);
+}
+
+Result<type::Value> RuntimeService::apply_transition(std::string_view text, std::string_view file,
+                                                     TimePoint deadline) {
+  Diagnostics diagnostics;
+  auto transition = model::read_transition(text, std::string(file), diagnostics);
+  if (!transition) {
+    return diagnostics.to_error(ErrorCode::ParseError);
+  }
+  const std::string target = transition->to.str();
+  return answer_of(runtime_.request(std::move(*transition)), target, deadline);
+}
+
+Result<void> RuntimeService::reset_belief() {
+  runtime_.reset_belief();
+  return {};
+}
+
+Result<void> RuntimeService::set_property(std::string_view task, std::string_view property,
+                                          const type::Value& value, TimePoint deadline) {
+  return runtime_.host().set_property(model::TaskId(task), property, value, deadline);
+}
+
+Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,
+                                         const type::Value& arguments, TimePoint deadline) {
+  return runtime_.host().call(model::TaskId(task), operation, arguments, deadline);
+}
+
+Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,
+                                                                         std::string_view port,
+                                                                         std::size_t buffer) {
+  auto reader = runtime_.host().open_reader({model::TaskId(task), std::string(port)}, buffer);
+  if (!reader) {
+    return std::move(reader.error());
+  }
+  return std::unique_ptr<control::SampleStream>(std::make_unique<ReaderStream>(std::move(*reader)));
+}
+
+Result<type::Value> RuntimeService::events(std::uint64_t after, Duration wait) {
+  type::Value::List list;
+  for (const auto& event : runtime_.events(after, wait)) {
+    list.push_back(to_value(event));
+  }
+  return type::Value(std::move(list));
+}
+
+Result<type::Value> RuntimeService::history() {
+  type::Value::List list;
+  for (const auto& result : runtime_.history()) {
+    list.push_back(to_value(result));
+  }
+  return type::Value(std::move(list));
+}
+
+Result<void> RuntimeService::shut_down() {
+  on_shut_down_();
+  return {};
+}
+
+}  // namespace segue::runtime

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/robot_service.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <functional>
+
+namespace segue::runtime {
+
+/// A Runtime as a service for other processes. Functions may be called from any thread.
+class RuntimeService final : public control::RobotService {
+ public:
+  /// `runtime` must outlive this. `on_shut_down` is called (in the caller's thread) when a client asks the
+  /// robot to end; it should return at once.
+  RuntimeService(Runtime& runtime, std::function<void()> on_shut_down);
+
+  Result<type::Value> status() override;
+  Result<type::Value> task(std::string_view id) override;
+  Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+                                TimePoint deadline) override;
+  Result<type::Value> apply_transition(std::string_view text, std::string_view file,
+                                       TimePoint deadline) override;
+  Result<void> reset_belief() override;
+  Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,
+                           TimePoint deadline) override;
+  Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
+                                                           std::size_t buffer) override;
+  Result<type::Value> events(std::uint64_t after, Duration wait) override;
+  Result<type::Value> history() override;
+  Result<void> shut_down() override;
+
+ private:
+  Runtime& runtime_;
+  std::function<void()> on_shut_down_;
+  TimePoint started_ = RealClock::instance().now();
+};
+
+}  // namespace segue::runtime

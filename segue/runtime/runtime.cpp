@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/runtime.hpp>
+
+#include <segue/runtime/runtime_implementation.hpp>
+
+#include <array>
+
+namespace segue::runtime {
+
+std::string_view to_string(Outcome outcome) {
+  static constexpr std::array<std::string_view, 4> kNames = {"done", "superseded", "refused", "failed"};
+  return kNames.at(static_cast<std::size_t>(outcome));
+}
+
+std::string_view to_string(RuntimeState state) {
+  static constexpr std::array<std::string_view, 3> kNames = {"idle", "executing", "failed"};
+  return kNames.at(static_cast<std::size_t>(state));
+}
+
+std::string_view to_string(EventKind kind) {
+  static constexpr std::array<std::string_view, 11> kNames = {
+      "request_accepted", "transition_started", "action_done",     "action_failed",
+      "transition_done",  "transition_failed",  "request_refused", "request_superseded",
+      "task_state",       "difference",         "belief_reset"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+Runtime::Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog)
+    : implementation_(std::make_unique<Implementation>(std::move(name), host, catalog)) {}
+
+Runtime::~Runtime() = default;
+
+const std::string& Runtime::name() const {
+  return implementation_->name;
+}
+
+Diagnostics Runtime::add_controller(model::Network network) {
+  return implementation_->add(std::move(network));
+}
+
+std::vector<model::NetworkName> Runtime::controllers() const {
+  const std::lock_guard lock(implementation_->mutex);
+  std::vector<model::NetworkName> names;
+  for (const auto& [name, network] : implementation_->controllers) {
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::optional<model::Network> Runtime::controller(const model::NetworkName& name) const {
+  const std::lock_guard lock(implementation_->mutex);
+  const auto found = implementation_->controllers.find(name);
+  return found == implementation_->controllers.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
+  return implementation_->accept(std::move(request), options);
+}
+
+SwitchResult Runtime::switch_to(Request request, RequestOptions options) {
+  return this->request(std::move(request), options).get();
+}
+
+Result<model::Transition> Runtime::plan(const Request& request, RequestOptions options) const {
+  auto plan = implementation_->plan(implementation_->starting_point(), request, options);
+  if (!plan) {
+    return std::move(plan.error().error);
+  }
+  return std::move(plan->transition);
+}
+
+RuntimeState Runtime::state() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->state;
+}
+
+model::Network Runtime::belief() const {
+  return implementation_->held();
+}
+
+void Runtime::reset_belief(std::optional<model::Network> network) {
+  implementation_->reset(std::move(network));
+}
+
+std::vector<std::string> Runtime::observed_differences() const {
+  if (state() == RuntimeState::Executing) {
+    return {};
+  }
+  return differences(implementation_->held(), implementation_->host.observe());
+}
+
+std::vector<SwitchResult> Runtime::history() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return {implementation_->history.begin(), implementation_->history.end()};
+}
+
+std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
+  return implementation_->log.after(after, wait);
+}
+
+host::TaskHost& Runtime::host() {
+  return implementation_->host;
+}
+
+}  // namespace segue::runtime

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/runtime/event_log.hpp>
+#include <segue/runtime/execution.hpp>
+#include <segue/runtime/planning.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <condition_variable>
+#include <deque>
+#include <list>
+#include <map>
+#include <mutex>
+#include <thread>
+
+namespace segue::runtime {
+
+namespace detail {
+
+/// A request and whom to answer.
+struct Job {
+  std::uint64_t number = 0;
+  Request request;
+  RequestOptions options;
+  std::promise<SwitchResult> promise;
+};
+
+}  // namespace detail
+
+struct Runtime::Implementation {
+  Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components)
+      : name(std::move(robot)), host(task_host), catalog(components), belief(host.observe()) {
+    host.set_listener([this](const host::TaskEvent& event) { on_task_event(event); });
+    worker = std::thread([this] { work(); });
+  }
+
+  ~Implementation() {
+    host.set_listener({});
+    std::optional<detail::Job> left;
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+      left.swap(waiting);
+      if (execution) {
+        execution->cancel();
+      }
+    }
+    wake.notify_all();
+    log.close();
+    if (left) {
+      answer(*left, ended_before(*left));
+    }
+    worker.join();
+  }
+
+  std::future<SwitchResult> accept(Request request, RequestOptions options);
+  /// The controller of a name; the empty name is the empty network.
+  Result<model::Network> resolve(const model::NetworkName& wanted) const;
+  tl::expected<detail::Plan, detail::Refusal> plan(const model::Network& current, const Request& request,
+                                                   const RequestOptions& options) const;
+  model::Network held() const {
+    const std::lock_guard lock(mutex);
+    return belief;
+  }
+  /// What a new request starts from: what runs, unless the belief was given.
+  model::Network starting_point() const;
+
+  void work();
+  SwitchResult serve(const detail::Job& job);
+  void execute(const detail::Job& job, detail::Plan plan, SwitchResult& result);
+  void run_actions(const detail::Job& job, const model::Transition& transition, SwitchResult& result);
+  void conclude(detail::Plan plan, SwitchResult& result);
+  void conclude_failed(const detail::Plan& plan, SwitchResult& result);
+  void adopt(model::Network network, bool given = false);
+  void report_differences(const model::Network& expected, const model::Network& observed);
+  model::NetworkName true_name(const model::Network& observed, const model::Network& first,
+                               const model::Network& second) const;
+  void settle(RuntimeState next);
+  void answer(detail::Job& job, SwitchResult result);
+  SwitchResult superseded(const detail::Job& job) const;
+  SwitchResult ended_before(const detail::Job& job) const;
+  SwitchResult refused(const detail::Job& job, SwitchResult result, detail::Refusal refusal);
+  void on_task_event(const host::TaskEvent& event);
+  void on_action(const ActionRecord& record);
+  void reset(std::optional<model::Network> network);
+  Diagnostics add(model::Network network);
+
+  const std::string name;
+  host::TaskHost& host;
+  const model::ComponentCatalog& catalog;
+  detail::EventLog log;
+
+  mutable std::mutex mutex;  ///< guards all below; never held while the host is called
+  std::condition_variable wake;
+  bool stopping = false;
+  std::uint64_t requests = 0;
+  std::map<model::NetworkName, model::Network> controllers;
+  std::optional<detail::Job> waiting;
+  RuntimeState state = RuntimeState::Idle;
+  model::Network belief;
+  bool belief_given = false;  ///< by reset_belief: the next request starts from it, whatever is observed
+  std::optional<std::optional<model::Network>> reset_wanted;  ///< during a transition
+  std::deque<SwitchResult> history;
+  std::shared_ptr<detail::Execution> execution;
+
+  std::list<std::shared_ptr<detail::Execution>> hanging;  ///< given up; the worker's alone
+  std::thread worker;
+};
+
+}  // namespace segue::runtime

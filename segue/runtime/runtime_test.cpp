@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/runtime.hpp>
+
+#include <segue/runtime/report.hpp>
+#include <segue/runtime/test_support.hpp>
+#include <segue/task/component.hpp>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <future>
+#include <thread>
+
+namespace runtime_test {
+
+/// Configures when it is let.
+class Hanging final : public segue::task::Component {
+ public:
+  static std::shared_future<void> gate;
+
+ private:
+  segue::Result<void> on_configure() override {
+    gate.wait();
+    return {};
+  }
+};
+std::shared_future<void> Hanging::gate;
+
+}  // namespace runtime_test
+
+SEGUE_COMPONENT(runtime_test::Hanging)
+
+namespace segue::runtime {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::network_of;
+using testing::why;
+
+constexpr const char* kFirst = R"(
+network: first
+tasks:
+  kept: {component: a::Kept}
+  changed: {component: a::Changed, properties: {gain: 1}}
+  gone: {component: a::Gone}
+deployments:
+  d1: {host: localhost, process: old, tasks: [gone]}
+  d2: {host: localhost, process: shared, tasks: [changed]}
+connections:
+  - kept.out -> changed.in
+  - changed.out -> gone.in
+)";
+
+constexpr const char* kSecond = R"(
+network: second
+tasks:
+  kept: {component: a::Kept}
+  changed: {component: a::Changed, properties: {gain: 2}}
+  added: {component: a::Added}
+deployments:
+  d1: {host: localhost, process: new, tasks: [added]}
+  d2: {host: localhost, process: shared, tasks: [changed]}
+connections:
+  - kept.out -> changed.in
+  - {from: changed.out, to: added.in, policy: buffer, size: 5}
+)";
+
+class RuntimeTest : public ::testing::Test {
+ protected:
+  RuntimeTest() {
+    EXPECT_FALSE(runtime_.add_controller(first_).has_errors());
+    EXPECT_FALSE(runtime_.add_controller(second_).has_errors());
+  }
+  SwitchResult switch_to(const char* name) { return runtime_.switch_to(model::NetworkName(name)); }
+  void expect_truth(const model::Network& expected) {
+    EXPECT_THAT(differences(expected, runtime_.belief()), ::testing::IsEmpty());
+    EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty());
+  }
+
+  const model::Network first_ = network_of(kFirst);
+  const model::Network second_ = network_of(kSecond);
+  testing::StandInRobot robot_;
+  Runtime& runtime_ = robot_.runtime;
+};
+
+TEST_F(RuntimeTest, switches_between_controllers_and_to_nothing) {
+  for (const auto* target : {&first_, &second_, &first_}) {
+    const auto result = runtime_.switch_to(target->name);
+    ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
+    EXPECT_EQ(result.to, target->name);
+    EXPECT_FALSE(result.actions.empty());
+    EXPECT_GE(result.duration, result.commit);
+    expect_truth(*target);
+  }
+  const auto same = switch_to("first");
+  EXPECT_EQ(same.outcome, Outcome::Done);
+  EXPECT_TRUE(same.actions.empty()) << "nothing to do";
+  const auto nothing = runtime_.switch_to(model::Network{});
+  ASSERT_EQ(nothing.outcome, Outcome::Done) << why(nothing);
+  EXPECT_TRUE(robot_.host.observe().empty());
+  EXPECT_EQ(runtime_.state(), RuntimeState::Idle);
+  EXPECT_EQ(runtime_.history().size(), 5U);
+}
+
+TEST_F(RuntimeTest, keeps_tasks_that_the_transition_does_not_name_running) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  const auto result = switch_to("second");
+  for (const auto& record : result.actions) {
+    const auto* task = record.action.task();
+    EXPECT_FALSE(task != nullptr && task->str() == "kept") << record.action.label();
+  }
+}
+
+TEST_F(RuntimeTest, refuses_what_it_does_not_know_before_any_action) {
+  const auto unknown = switch_to("frist");
+  EXPECT_EQ(unknown.outcome, Outcome::Refused);
+  EXPECT_THAT(why(unknown), HasSubstr("did you mean 'first'"));
+  model::Network broken = first_;
+  broken.connections.front().to.task = model::TaskId("nobody");
+  broken.tasks.push_back(broken.tasks.front());
+  const auto refused = runtime_.switch_to(broken);
+  EXPECT_EQ(refused.outcome, Outcome::Refused);
+  EXPECT_GE(refused.diagnostics.error_count(), 2U) << "all problems at once";
+  EXPECT_TRUE(runtime_.add_controller(broken).has_errors());
+  RequestOptions hasty;
+  hasty.action_deadline = Duration(0);
+  EXPECT_EQ(runtime_.switch_to(first_, hasty).outcome, Outcome::Refused);
+  EXPECT_TRUE(robot_.host.observe().empty());
+  EXPECT_EQ(runtime_.state(), RuntimeState::Idle);
+}
+
+TEST_F(RuntimeTest, executes_a_given_transition_and_refuses_one_that_does_not_fit) {
+  auto there = runtime_.plan(model::NetworkName("first"));
+  ASSERT_TRUE(there) << to_string(there.error());
+  const auto done = runtime_.switch_to(*there);
+  ASSERT_EQ(done.outcome, Outcome::Done) << why(done);
+  expect_truth(first_);
+  const auto again = runtime_.switch_to(*there);
+  EXPECT_EQ(again.outcome, Outcome::Refused);
+  EXPECT_TRUE(again.actions.empty());
+  expect_truth(first_);
+}
+
+TEST_F(RuntimeTest, a_waiting_request_gives_way_to_a_newer_one) {
+  std::promise<void> entered;
+  std::promise<void> go;
+  std::atomic<bool> first_action{true};
+  robot_.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
+    if (first_action.exchange(false)) {
+      entered.set_value();
+      gate.wait();
+    }
+    return {};
+  });
+  auto first = runtime_.request(model::NetworkName("first"));
+  entered.get_future().wait();
+  EXPECT_EQ(runtime_.state(), RuntimeState::Executing);
+  auto superseded = runtime_.request(model::NetworkName("first"));
+  auto second = runtime_.request(model::NetworkName("second"));
+  EXPECT_EQ(superseded.get().outcome, Outcome::Superseded);
+  runtime_.reset_belief();
+  go.set_value();
+  EXPECT_EQ(first.get().outcome, Outcome::Done);
+  const auto result = second.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.from, model::NetworkName("first"));
+  expect_truth(second_);
+}
+
+/// The transition from `from` to `to` with each of its actions failing in turn.
+void fail_each_action(const model::Network& from, const model::Network& to) {
+  testing::StandInRobot robot;
+  Runtime& runtime = robot.runtime;
+  ASSERT_EQ(runtime.switch_to(from).outcome, Outcome::Done);
+  const auto plan = runtime.plan(to);
+  ASSERT_TRUE(plan);
+  for (const auto& action : plan->actions) {
+    robot.asking.ask([&](const model::Action& asked) -> Result<void> {
+      return asked.id == action.id ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
+    });
+    const auto failed = runtime.switch_to(to);
+    robot.asking.ask(nullptr);
+    ASSERT_EQ(failed.outcome, Outcome::Failed) << action.label();
+    EXPECT_EQ(failed.error->code, ErrorCode::IoError);
+    EXPECT_EQ(failed.error->subject, action.label());
+    EXPECT_EQ(runtime.state(), RuntimeState::Failed);
+    EXPECT_THAT(runtime.observed_differences(), ::testing::IsEmpty()) << action.label();
+    const auto done = std::count_if(failed.actions.begin(), failed.actions.end(),
+                                    [](const auto& record) { return record.executed && !record.error; });
+    EXPECT_EQ(done, action.id - 1);
+    EXPECT_EQ(failed.actions.size(), plan->actions.size());
+    const auto retried = runtime.switch_to(to);
+    ASSERT_EQ(retried.outcome, Outcome::Done) << action.label() << ": " << why(retried);
+    EXPECT_THAT(differences(to, robot.host.observe()), ::testing::IsEmpty());
+    ASSERT_EQ(runtime.switch_to(from).outcome, Outcome::Done);
+  }
+}
+
+TEST_F(RuntimeTest, a_fault_at_any_action_is_named_and_the_next_request_recovers) {
+  fail_each_action(first_, second_);
+  fail_each_action(model::Network{}, first_);
+  fail_each_action(second_, model::Network{});
+}
+
+TEST_F(RuntimeTest, hooks_that_fail_leave_the_truth_as_belief) {
+  for (const char* what : {"configure", "start", "connect"}) {
+    auto broken = second_;
+    broken.find_task(model::TaskId("added"))
+        ->properties.as_map()
+        .set("stand_in", type::Value::map({{"fail", what}}));
+    ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+    const auto failed = runtime_.switch_to(broken);
+    ASSERT_EQ(failed.outcome, Outcome::Failed) << what;
+    EXPECT_THAT(failed.error->subject, HasSubstr("added")) << what;
+    EXPECT_THAT(why(failed), HasSubstr("the robot now runs")) << what;
+    EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty());
+    const auto result = switch_to("second");
+    ASSERT_EQ(result.outcome, Outcome::Done) << what << ": " << why(result);
+    expect_truth(second_);
+  }
+}
+
+TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_recovered_by_the_next_request) {
+  auto stubborn = first_;
+  stubborn.find_task(model::TaskId("gone"))
+      ->properties.as_map()
+      .set("stand_in", type::Value::map({{"fail", "stop"}}));
+  ASSERT_EQ(runtime_.switch_to(stubborn).outcome, Outcome::Done);
+  const auto failed = switch_to("second");
+  ASSERT_EQ(failed.outcome, Outcome::Failed);
+  EXPECT_EQ(failed.error->subject, "stop gone");
+  EXPECT_EQ(runtime_.belief().find_task(model::TaskId("gone"))->state, TaskState::Exception);
+  const auto result = switch_to("second");
+  ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
+  expect_truth(second_);
+}
+
+TEST_F(RuntimeTest, a_hook_that_hangs_costs_its_deadline_and_nothing_else) {
+  std::promise<void> go;
+  robot_.asking.ask([gate = go.get_future().share()](const model::Action& action) -> Result<void> {
+    if (action.kind == model::ActionKind::Configure) {
+      gate.wait();
+      return fail(ErrorCode::Cancelled, "came too late");
+    }
+    return {};
+  });
+  RequestOptions hasty;
+  hasty.action_deadline = std::chrono::milliseconds(20);
+  const auto result = runtime_.switch_to(model::NetworkName("first"), hasty);
+  EXPECT_EQ(result.outcome, Outcome::Failed);
+  EXPECT_EQ(result.error->code, ErrorCode::DeadlineExceeded);
+  EXPECT_THAT(result.error->subject, HasSubstr("configure"));
+  EXPECT_EQ(status_of(runtime_).find("state")->as_string(), "failed");
+  robot_.asking.ask(nullptr);
+  const auto retried = switch_to("first");
+  EXPECT_EQ(retried.outcome, Outcome::Done) << why(retried);
+  expect_truth(first_);
+  go.set_value();
+}
+
+TEST_F(RuntimeTest, questions_are_answered_while_a_component_hangs) {
+  std::promise<void> go;
+  runtime_test::Hanging::gate = go.get_future().share();
+  const auto network = network_of("network: hanging\ntasks: {stuck: {component: runtime_test::Hanging}}\n");
+  RequestOptions hasty;
+  hasty.action_deadline = std::chrono::milliseconds(20);
+  const auto result = runtime_.switch_to(network, hasty);
+  EXPECT_EQ(result.outcome, Outcome::Failed);
+  EXPECT_EQ(result.error->code, ErrorCode::DeadlineExceeded);
+  const model::TaskId stuck("stuck");
+  EXPECT_EQ(robot_.host.tasks().size(), 1U);
+  EXPECT_EQ(robot_.host.observe().tasks.front().state, TaskState::PreOperational);
+  EXPECT_TRUE(robot_.host.properties(stuck));
+  EXPECT_EQ(robot_.host.describe(stuck).error().code, ErrorCode::DeadlineExceeded);
+  const auto again = runtime_.switch_to(network, hasty);
+  EXPECT_EQ(again.outcome, Outcome::Failed) << "it hangs still";
+  go.set_value();
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
+  while (robot_.host.observe().tasks.front().state != TaskState::Stopped &&
+         RealClock::instance().now() < deadline) {
+    std::this_thread::yield();
+  }
+  const auto done = runtime_.switch_to(network);
+  EXPECT_EQ(done.outcome, Outcome::Done) << why(done);
+  expect_truth(network);
+}
+
+TEST_F(RuntimeTest, a_task_that_fails_by_itself_is_an_event_and_changes_the_belief) {
+  auto failing = first_;
+  failing.find_task(model::TaskId("kept"))
+      ->properties.as_map()
+      .set("stand_in", type::Value::map({{"fail", "update"}, {"rate", 1000}}));
+  ASSERT_EQ(runtime_.switch_to(failing).outcome, Outcome::Done);
+  const auto is_failed = [&] {
+    return runtime_.belief().find_task(model::TaskId("kept"))->state == TaskState::Exception;
+  };
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
+  std::uint64_t last = 0;
+  while (!is_failed() && RealClock::instance().now() < deadline) {
+    for (const auto& event : runtime_.events(last, std::chrono::seconds(1))) {
+      last = event.number;
+    }
+  }
+  ASSERT_TRUE(is_failed());
+  const auto result = switch_to("first");
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  expect_truth(first_);
+}
+
+TEST_F(RuntimeTest, belief_can_be_given_and_taken_back) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  runtime_.reset_belief(second_);
+  EXPECT_FALSE(runtime_.observed_differences().empty());
+  EXPECT_TRUE(runtime_.plan(model::NetworkName("second"))->actions.empty()) << "the belief counts";
+  runtime_.reset_belief();
+  EXPECT_EQ(runtime_.belief().name, model::NetworkName("first"));
+  expect_truth(first_);
+}
+
+TEST_F(RuntimeTest, a_property_changed_from_outside_is_a_difference_and_undone_by_the_next_request) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
+  ASSERT_TRUE(robot_.host.set_property(model::TaskId("changed"), "gain", 7, deadline));
+  EXPECT_EQ(runtime_.observed_differences().size(), 1U);
+  const auto result = switch_to("first");
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_FALSE(result.actions.empty());
+  expect_truth(first_);
+}
+
+TEST_F(RuntimeTest, events_are_numbered_without_gaps) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  const auto events = runtime_.events();
+  ASSERT_FALSE(events.empty());
+  for (std::size_t index = 0; index < events.size(); ++index) {
+    EXPECT_EQ(events[index].number, index + 1);
+  }
+  EXPECT_TRUE(runtime_.events(events.back().number).empty());
+  EXPECT_EQ(runtime_.events(events.back().number - 1).size(), 1U);
+}
+
+TEST(RuntimeEnd, requests_that_wait_are_answered) {
+  std::future<SwitchResult> running;
+  std::future<SwitchResult> waiting;
+  std::promise<void> entered;
+  std::promise<void> go;
+  std::thread release;
+  {
+    testing::StandInRobot robot;
+    std::atomic<bool> first_action{true};
+    robot.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
+      if (first_action.exchange(false)) {
+        entered.set_value();
+        gate.wait();
+      }
+      return {};
+    });
+    running = robot.runtime.request(network_of(kFirst));
+    entered.get_future().wait();
+    waiting = robot.runtime.request(network_of(kSecond));
+    // The destructor answers the waiting request before it waits for the action.
+    release = std::thread([&] {
+      waiting.wait();
+      go.set_value();
+    });
+  }
+  release.join();
+  EXPECT_EQ(waiting.get().error->code, ErrorCode::Cancelled);
+  EXPECT_EQ(running.get().outcome, Outcome::Failed);
+}
+
+}  // namespace
+}  // namespace segue::runtime

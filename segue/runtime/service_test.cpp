@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/robot_service.hpp>
+
+#include <segue/runtime/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+namespace segue::runtime {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Service : public ::testing::Test {
+ protected:
+  Service() {
+    EXPECT_FALSE(
+        robot_.runtime
+            .add_controller(testing::network_of("network: only\ntasks: {a: {component: x::A}, b: {component: "
+                                                "x::B}}\nconnections: [a.out -> b.in]\n"))
+            .has_errors());
+  }
+  static TimePoint soon() { return RealClock::instance().now() + std::chrono::seconds(30); }
+
+  testing::StandInRobot robot_;
+  int shut_downs_ = 0;
+  RuntimeService service_{robot_.runtime, [this] { ++shut_downs_; }};
+};
+
+TEST_F(Service, tells_the_status_that_tools_rely_on) {
+  ASSERT_TRUE(service_.switch_to("only", false, "", soon()));
+  const auto status = service_.status();
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status->find("controller")->as_string(), "only");
+  EXPECT_EQ(status->find("state")->as_string(), "idle");
+  ASSERT_EQ(status->find("tasks")->as_list().size(), 2U);
+  const type::Value& task = status->find("tasks")->as_list().front();
+  for (const char* field :
+       {"id", "component", "state", "host", "process", "pid", "cycle_us", "cpu_us", "missed"}) {
+    EXPECT_NE(task.find(field), nullptr) << field;
+  }
+  EXPECT_EQ(task.find("state")->as_string(), "running");
+  EXPECT_EQ(status->find("connections")->as_list().front().find("from")->as_string(), "a.out");
+  EXPECT_TRUE(status->find("differences")->as_list().empty());
+}
+
+TEST_F(Service, answers_switches_with_their_outcome) {
+  const auto planned = service_.switch_to("only", true, "seamless", soon());
+  ASSERT_TRUE(planned);
+  EXPECT_NE(planned->find("counts"), nullptr);
+  const auto done = service_.switch_to("only", false, "paper", soon());
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->find("outcome")->as_string(), "done");
+  EXPECT_EQ(done->find("actions")->as_list().front().find("outcome")->as_string(), "done");
+  const auto refused = service_.switch_to("onyl", false, "", soon());
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->find("outcome")->as_string(), "refused");
+  EXPECT_THAT(refused->find("error")->as_string(), HasSubstr("did you mean 'only'"));
+  EXPECT_FALSE(service_.switch_to("only", false, "sideways", soon()));
+  EXPECT_FALSE(service_.apply_transition("actions: 3", "t.yaml", soon()));
+  EXPECT_EQ(service_.history()->as_list().size(), 2U);
+  EXPECT_FALSE(service_.events(0, {})->as_list().empty());
+}
+
+TEST_F(Service, reaches_single_tasks) {
+  ASSERT_TRUE(service_.switch_to("only", false, "", soon()));
+  const auto task = service_.task("a");
+  ASSERT_TRUE(task) << to_string(task.error());
+  EXPECT_NE(task->find("timing"), nullptr);
+  EXPECT_EQ(task->find("ports")->as_list().size(), 2U) << "state and out";
+  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, soon()));
+  EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, soon()));
+  EXPECT_FALSE(service_.call("a", "nothing", {}, soon()));
+  const auto stream = service_.open_port("a", "state", 5);
+  ASSERT_TRUE(stream);
+  EXPECT_EQ((*stream)->type_name(), "/int32_t");
+  EXPECT_FALSE(service_.task("c"));
+  EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by hand";
+  ASSERT_TRUE(service_.shut_down());
+  EXPECT_EQ(shut_downs_, 1);
+}
+
+}  // namespace
+}  // namespace segue::runtime

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Many switches in one process: the Artemis controllers, and random networks.
+#include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <support/random_networks.hpp>
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+namespace segue::runtime {
+namespace {
+
+using testing::entries;
+using testing::why;
+
+constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
+
+TEST(Artemis, all_twelve_transitions_reach_their_targets) {
+  Diagnostics diagnostics;
+  auto robot = EmbeddedRobot::open(kArtemis, diagnostics,
+                                   {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  Runtime& runtime = robot->runtime();
+  const auto names = runtime.controllers();
+  ASSERT_EQ(names.size(), 4U);
+  for (const auto& from : names) {
+    for (const auto& to : names) {
+      ASSERT_EQ(runtime.switch_to(from).outcome, Outcome::Done);
+      const auto result = runtime.switch_to(to);
+      ASSERT_EQ(result.outcome, Outcome::Done) << from.str() << " to " << to.str() << ": " << why(result);
+      EXPECT_THAT(differences(*runtime.controller(to), runtime.belief()), ::testing::IsEmpty());
+      EXPECT_THAT(runtime.observed_differences(), ::testing::IsEmpty());
+    }
+  }
+  EXPECT_EQ(robot->shut_down().outcome, Outcome::Done);
+  EXPECT_TRUE(robot->host().observe().empty());
+}
+
+/// A random network that can run here: one process carries every connection, and no thread needs a privilege.
+model::Network runnable(model::Network network) {
+  for (auto& connection : network.connections) {
+    connection.policy.transport = Transport::Automatic;
+  }
+  return network;
+}
+
+/// Threads that have ended leave /proc a moment after they are joined.
+std::size_t settled(const char* folder, std::size_t expected) {
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
+  while (entries(folder) != expected && RealClock::instance().now() < deadline) {
+    std::this_thread::yield();
+  }
+  return entries(folder);
+}
+
+TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) {
+  segue::testing::NetworkShape shape;
+  shape.attributes = false;
+  testing::StandInRobot robot;
+  ASSERT_EQ(robot.runtime.switch_to(model::Network{}).outcome, Outcome::Done);
+  const std::size_t threads = entries("/proc/self/task");
+  const std::size_t descriptors = entries("/proc/self/fd");
+  segue::testing::Random random(20261121);
+  model::Network network;
+  for (int round = 0; round < 400; ++round) {
+    network = runnable(round % 2 == 0 ? segue::testing::random_network(random, shape)
+                                      : segue::testing::random_variation(random, network, shape));
+    network.name = model::NetworkName("round" + std::to_string(round));
+    const auto result = robot.runtime.switch_to(network);
+    ASSERT_EQ(result.outcome, Outcome::Done) << round << ": " << why(result);
+    ASSERT_THAT(differences(network, robot.runtime.belief()), ::testing::IsEmpty()) << round;
+    ASSERT_THAT(robot.runtime.observed_differences(), ::testing::IsEmpty()) << round;
+  }
+  ASSERT_EQ(robot.runtime.switch_to(model::Network{}).outcome, Outcome::Done);
+  EXPECT_EQ(settled("/proc/self/task", threads), threads);
+  EXPECT_EQ(entries("/proc/self/fd"), descriptors);
+}
+
+TEST(EmbeddedRobotFile, tells_all_problems_of_all_files) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(EmbeddedRobot::open("no_such_robot.yaml", diagnostics));
+  EXPECT_TRUE(diagnostics.has_errors());
+  const auto refused = EmbeddedRobot::open(kArtemis);
+  ASSERT_FALSE(refused) << "its components are not installed";
+  EXPECT_FALSE(refused.error().where.file.empty());
+}
+
+}  // namespace
+}  // namespace segue::runtime

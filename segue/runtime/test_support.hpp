@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/local_task_host.hpp>
+#include <segue/model/files.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace segue::runtime::testing {
+
+/// A host that asks before every action: to fail it, or to hold it up.
+class AskingHost final : public host::TaskHost {
+ public:
+  using Ask = std::function<Result<void>(const model::Action& action)>;
+
+  explicit AskingHost(host::TaskHost& inner) : inner_(inner) {}
+  void ask(Ask ask) {
+    const std::lock_guard lock(mutex_);
+    ask_ = std::move(ask);
+  }
+
+  Result<void> perform(const model::Action& action, TimePoint deadline) override {
+    Ask ask;
+    {
+      const std::lock_guard lock(mutex_);
+      ask = ask_;
+    }
+    if (ask) {
+      if (auto allowed = ask(action); !allowed) {
+        return allowed;
+      }
+    }
+    return inner_.perform(action, deadline);
+  }
+
+  [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
+  Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
+  void expect(const model::Network& target) override { inner_.expect(target); }
+  void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
+  [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
+  [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
+  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+    return inner_.connections();
+  }
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
+    return inner_.describe(task);
+  }
+  Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override {
+    return inner_.set_property(task, path, value, deadline);
+  }
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override {
+    return inner_.call(task, operation, arguments, deadline);
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    return inner_.open_reader(port, buffer);
+  }
+  void set_listener(Listener listener) override { inner_.set_listener(std::move(listener)); }
+
+ private:
+  host::TaskHost& inner_;
+  std::mutex mutex_;
+  Ask ask_;
+};
+
+inline model::Network network_of(std::string_view text, const std::string& file = "test.yaml") {
+  Diagnostics diagnostics;
+  auto network = model::read_network(text, file, diagnostics);
+  EXPECT_TRUE(network) << to_string(diagnostics);
+  return network.value_or(model::Network{});
+}
+
+inline std::string why(const SwitchResult& result) {
+  return result.error ? to_string(*result.error) : std::string(to_string(result.outcome));
+}
+
+/// How many entries a folder of /proc/self has.
+inline std::size_t entries(const char* folder) {
+  const std::filesystem::directory_iterator all(folder);
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+/// A runtime whose tasks are all stand-ins.
+struct StandInRobot {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  AskingHost asking{host};
+  Runtime runtime{"robot", asking, catalog};
+};
+
+}  // namespace segue::runtime::testing

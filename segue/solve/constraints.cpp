@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/order.hpp>
+
+#include <algorithm>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <unordered_map>
+
+namespace segue::solve::detail {
+
+namespace {
+
+using model::ActionKind;
+
+/// Who lets go of an exclusive device, and who wants it.
+struct Device {
+  std::vector<int> releases;
+  std::vector<int> claims;
+};
+
+class Finder {
+ public:
+  Finder(const Index& index, const Plan& plan, const Nodes& nodes)
+      : index_(index), plan_(plan), nodes_(nodes) {}
+
+  Constraints find() {
+    found_.edges = nodes_.start_and_stop;
+    found_.in_place.resize(index_.tasks.size());
+    takers_.assign(index_.tasks.size(), kNone);
+    find_places();
+    for (int task = 0; as_index(task) < index_.tasks.size(); ++task)
+      add_task(task);
+    for (std::size_t i = 0; i < index_.processes.size(); ++i)
+      add(nodes_.undeploy[i], nodes_.deploy[i]);
+    for (std::size_t i = 0; i < nodes_.disconnect.size(); ++i)
+      add_disconnect(i);
+    for (std::size_t i = 0; i < nodes_.connect.size(); ++i)
+      add_connect(i);
+    add_devices();
+    return std::move(found_);
+  }
+
+ private:
+  void add(int before, int after) {
+    if (before != kNone && after != kNone) found_.edges.push_back({before, after});
+  }
+
+  [[nodiscard]] int node(int task, ActionKind kind) const { return nodes_.of(task, kind); }
+
+  /// Each of these actions of one task after the one before it.
+  void chain(int task, std::initializer_list<ActionKind> kinds) {
+    int last = kNone;
+    for (const ActionKind kind : kinds) {
+      const int next = node(task, kind);
+      if (next == kNone) continue;
+      add(last, next);
+      last = next;
+    }
+  }
+
+  /// New incarnations that cannot exist beside an old one: of the same id in the same process, or on a seat
+  /// that another task leaves.
+  void find_places() {
+    std::optional<SeatIndex> seats;
+    if (index_.seats_renamed) seats.emplace(index_, kCurrent);
+    for (const int task : index_.target_order) {
+      if (!has_new(plan_.task(task).fate)) continue;
+      const Incarnation& target = index_.task(task).target();
+      if (plan_.process(target.process) != ProcessFate::Kept) continue;
+      if (is_in_place(task)) found_.in_place[as_index(task)] = true;
+      const int occupant = seats ? seats->find(target.process, target.name) : kNone;
+      if (occupant == kNone || occupant == task) continue;
+      found_.in_place[as_index(task)] = true;
+      takers_[as_index(occupant)] = task;
+    }
+  }
+
+  [[nodiscard]] bool is_in_place(int task) const {
+    return plan_.task(task).fate == TaskFate::Replaced &&
+           index_.task(task).current().process == index_.task(task).target().process &&
+           plan_.process(index_.task(task).target().process) == ProcessFate::Kept;
+  }
+
+  void add_task(int task) {
+    const TaskPlan& plan = plan_.task(task);
+    if (plan.fate == TaskFate::Kept) {
+      add_kept(task, plan.live);
+      return;
+    }
+    if (has_old(plan.fate)) add_old(task);
+    if (has_new(plan.fate)) add_new(task);
+  }
+
+  /// A live configuration fits any configured state, but a task must not start with the old one.
+  void add_kept(int task, bool live) {
+    using enum ActionKind;
+    if (live) {
+      chain(task, {ApplyConfig, Start});
+    } else {
+      chain(task, {Recover, Stop, Cleanup, ApplyConfig, Configure, Start});
+    }
+  }
+
+  void add_old(int task) {
+    using enum ActionKind;
+    chain(task, {Stop, Cleanup});
+    before_it_vanishes(task, node(task, Cleanup));
+    before_it_vanishes(task, node(task, Recover));
+  }
+
+  /// The old incarnation is gone with its process, or when another takes its place.
+  void before_it_vanishes(int task, int action) {
+    add(action, nodes_.undeploy[as_index(index_.task(task).current().process)]);
+    if (is_in_place(task)) add(action, node(task, ActionKind::ApplyConfig));
+    const int taker = takers_[as_index(task)];
+    if (taker != kNone) add(action, node(taker, ActionKind::ApplyConfig));
+  }
+
+  /// Two incarnations of a task, or a task and the one whose state it continues, never run at a time.
+  void add_new(int task) {
+    using enum ActionKind;
+    chain(task, {ApplyConfig, Configure, Start});
+    const TaskEntry& entry = index_.task(task);
+    add(nodes_.deploy[as_index(entry.target().process)], node(task, ApplyConfig));
+    if (plan_.task(task).fate == TaskFate::Replaced && entry.current().process != entry.target().process) {
+      add(node(task, Stop), node(task, Start));
+    }
+    if (entry.takes_over != kNone) add(node(entry.takes_over, Stop), node(task, Start));
+  }
+
+  void add_disconnect(std::size_t number) {
+    const int disconnect = nodes_.disconnect[number];
+    if (disconnect == kNone) return;
+    const Wire& wire = index_.wires[kCurrent][number];
+    before_its_end_goes(disconnect, wire.from, wire.from_dynamic);
+    before_its_end_goes(disconnect, wire.to, wire.to_dynamic);
+    if (wire.partner == kNone || !(is_kept(wire.from) || is_kept(wire.to))) return;
+    add(disconnect, nodes_.connect[as_index(wire.partner)]);
+  }
+
+  [[nodiscard]] bool is_kept(int task) const { return plan_.task(task).fate == TaskFate::Kept; }
+
+  void before_its_end_goes(int disconnect, int task, bool dynamic) {
+    const int cleanup = node(task, ActionKind::Cleanup);
+    if (is_kept(task)) {
+      if (dynamic) add(disconnect, cleanup);
+    } else if (cleanup != kNone) {
+      add(disconnect, cleanup);
+    } else {
+      before_it_vanishes(task, disconnect);
+    }
+  }
+
+  void add_connect(std::size_t number) {
+    const int connect = nodes_.connect[number];
+    if (connect == kNone) return;
+    const Wire& wire = index_.wires[kTarget][number];
+    after_its_end_comes(connect, wire.from, wire.from_dynamic);
+    after_its_end_comes(connect, wire.to, wire.to_dynamic);
+  }
+
+  void after_its_end_comes(int connect, int task, bool dynamic) {
+    if (dynamic) {
+      add(node(task, ActionKind::Configure), connect);
+    } else if (!is_kept(task)) {
+      add(node(task, ActionKind::ApplyConfig), connect);
+    }
+    add(connect, node(task, ActionKind::Start));
+  }
+
+  void add_devices() {
+    for (int task = 0; as_index(task) < index_.tasks.size(); ++task) {
+      const TaskEntry& entry = index_.task(task);
+      if (entry.current().task) for_each_device(kCurrent, task, [&](Device& d) { release(d, task); });
+      if (entry.target().task) for_each_device(kTarget, task, [&](Device& d) { claim(d, task); });
+    }
+    for (Device& device : devices_)
+      add_device(device);
+  }
+
+  template <class Action>
+  void for_each_device(Side side, int task, const Action& action) {
+    const Incarnation& incarnation = index_.task(task).on[side];
+    const model::Deployment* process = index_.process(incarnation.process).on[side];
+    const model::HostName& host = process == nullptr ? model::kLocalHost : process->host;
+    for (const std::string& name : incarnation.task->exclusive)
+      action(device(host, name));
+    if (incarnation.component.model == nullptr) return;
+    for (const std::string& name : incarnation.component.model->exclusive)
+      action(device(host, name));
+  }
+
+  Device& device(const model::HostName& host, const std::string& name) {
+    const std::size_t number = devices_.size();
+    const auto [found, is_new] = device_numbers_.emplace(device_key(host, name), number);
+    if (is_new) devices_.emplace_back();
+    return devices_[found->second];
+  }
+
+  /// A task in Fatal may hold its devices until its process is gone.
+  void release(Device& device, int task) {
+    const Incarnation& incarnation = index_.task(task).current();
+    const bool fatal = incarnation.task->state == TaskState::Fatal;
+    const int action =
+        fatal ? nodes_.undeploy[as_index(incarnation.process)] : node(task, ActionKind::Cleanup);
+    if (action != kNone) device.releases.push_back(action);
+  }
+
+  void claim(Device& device, int task) {
+    const int action = node(task, ActionKind::Configure);
+    if (action != kNone) device.claims.push_back(action);
+  }
+
+  /// All releases before every claim, with as many edges as there are of both.
+  void add_device(Device& device) {
+    if (device.releases.empty() || device.claims.empty()) return;
+    std::sort(device.releases.begin(), device.releases.end());
+    const auto last = std::unique(device.releases.begin(), device.releases.end());
+    for (auto release = device.releases.begin() + 1; release < last; ++release)
+      add(*(release - 1), *release);
+    for (const int claim : device.claims)
+      add(*(last - 1), claim);
+  }
+
+  const Index& index_;
+  const Plan& plan_;
+  const Nodes& nodes_;
+  std::vector<int> takers_;  ///< per task: who takes its seat
+  std::unordered_map<std::string, std::size_t> device_numbers_;
+  std::vector<Device> devices_;
+  Constraints found_;
+};
+
+}  // namespace
+
+Constraints find_constraints(const Index& index, const Plan& plan, const Nodes& nodes) {
+  return Finder(index, plan, nodes).find();
+}
+
+}  // namespace segue::solve::detail

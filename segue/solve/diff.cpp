@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/index.hpp>
+#include <segue/solve/order.hpp>
+#include <segue/solve/plan.hpp>
+#include <segue/solve/solve.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::solve {
+
+namespace {
+
+using namespace detail;
+using model::Action;
+using model::ActionKind;
+using model::Phase;
+
+model::DeploymentKey key_of(const Index& index, int process) {
+  if (process == kRuntime) return {};
+  const ProcessEntry& entry = index.process(process);
+  return (entry.target() ? entry.target() : entry.current())->key();
+}
+
+/// All attributes that count, and no tasks: apply_config places these.
+model::DeploymentAction deployment_action(const Index& index, const Node& node) {
+  const ProcessEntry& entry = index.process(node.subject);
+  const model::Deployment& from = node.kind == ActionKind::Deploy ? *entry.target() : *entry.current();
+  model::Deployment process;
+  process.host = from.host;
+  process.process = from.process;
+  process.deployer = from.deployer;
+  process.scheduler = from.scheduler;
+  process.priority = from.priority;
+  process.cpus = from.cpus;
+  process.environment = from.environment;
+  process.where = from.where;
+  return {std::move(process)};
+}
+
+/// Fills in what the action acts on.
+void fill(Action& action, const Index& index, const Node& node) {
+  const auto wire = [&](Side side) -> const model::Connection& {
+    return *index.wires[side][as_index(node.subject)].connection;
+  };
+  switch (node.kind) {
+    case ActionKind::Disconnect:
+      action.what.emplace<model::ConnectionAction>().connection = wire(kCurrent);
+      return;
+    case ActionKind::Connect:
+      action.what.emplace<model::ConnectionAction>().connection = wire(kTarget);
+      return;
+    case ActionKind::Undeploy:
+    case ActionKind::Deploy:
+      action.what = deployment_action(index, node);
+      return;
+    case ActionKind::ApplyConfig: {
+      const Incarnation& task = index.task(node.subject).target();
+      auto& what = action.what.emplace<model::ConfigAction>();
+      what.definition = *task.task;
+      what.process = key_of(index, task.process);
+      what.name = task.name;
+      return;
+    }
+    default: {
+      const TaskEntry& entry = index.task(node.subject);
+      const model::Task& task = *(entry.target().task ? entry.target() : entry.current()).task;
+      action.what.emplace<model::TaskAction>().task = task.id;
+    }
+  }
+}
+
+/// Appends the action: one at a time, since they are large and many, and memory is what they cost.
+Action& add_action(model::Transition& transition, const Index& index, const Node& node) {
+  Action& action = transition.actions.emplace_back();
+  action.id = static_cast<int>(transition.actions.size());
+  action.kind = node.kind;
+  fill(action, index, node);
+  return action;
+}
+
+/// Positions of nodes in the order of their phases, otherwise as they are.
+std::vector<int> by_phase(const std::vector<Node>& nodes) {
+  std::vector<int> order;
+  order.reserve(nodes.size());
+  for (const Phase phase : {Phase::Prepare, Phase::Commit, Phase::Retire}) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (nodes[i].phase == phase) order.push_back(static_cast<int>(i));
+    }
+  }
+  return order;
+}
+
+std::vector<int> ids_before(const Predecessors& before, int node, const std::vector<int>& id_of) {
+  std::vector<int> ids;
+  ids.reserve(static_cast<std::size_t>(before.end(node) - before.begin(node)));
+  for (const int* other = before.begin(node); other != before.end(node); ++other) {
+    ids.push_back(id_of[as_index(*other)]);
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+void order_seamlessly(model::Transition& transition, const Index& index, const Plan& plan, Nodes& nodes) {
+  const Constraints constraints = find_constraints(index, plan, nodes);
+  const Predecessors before(static_cast<int>(nodes.list.size()), constraints.edges);
+  assign_phases(nodes, plan, index, constraints, before);
+  const std::vector<int> order = by_phase(nodes.list);
+  std::vector<int> id_of(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    id_of[as_index(order[i])] = static_cast<int>(i) + 1;
+  transition.actions.reserve(order.size());
+  for (const int number : order) {
+    const Node& node = nodes.list[as_index(number)];
+    Action& action = add_action(transition, index, node);
+    action.phase = node.phase;
+    action.after = ids_before(before, number, id_of);
+  }
+}
+
+/// The paper's sequential execution: one after the other, the whole of it a commit.
+void order_as_paper(model::Transition& transition, const Index& index, const Nodes& nodes) {
+  transition.actions.reserve(nodes.list.size());
+  for (const Node& node : nodes.list) {
+    Action& action = add_action(transition, index, node);
+    if (action.id > 1) action.after.push_back(action.id - 1);
+  }
+}
+
+void list_silent_changes(model::Transition& transition, const Index& index, const Plan& plan) {
+  for (std::size_t i = 0; i < index.current_tasks; ++i) {
+    if (plan.tasks[i].fate == TaskFate::Removed) {
+      transition.removes.push_back(index.tasks[i].current().task->id);
+    }
+  }
+  for (const int number : index.target_order) {
+    const TaskEntry& entry = index.task(number);
+    if (plan.task(number).fate != TaskFate::Kept) continue;
+    if (plan.task(number).steps.has(ActionKind::ApplyConfig)) continue;
+    if (entry.current().task->takes_over == entry.target().task->takes_over) continue;
+    transition.redefines.push_back(*entry.target().task);
+  }
+}
+
+}  // namespace
+
+Result<model::Transition> diff(const model::Network& current, const model::Network& target,
+                               const model::ComponentCatalog& catalog, const Options& options) {
+  auto index = build_index(current, target, catalog);
+  if (!index) return index.error();
+  auto plan = make_plan(*index);
+  if (!plan) return plan.error();
+  Nodes nodes = make_nodes(*index, *plan);
+  model::Transition transition;
+  transition.from = current.name;
+  transition.to = target.name;
+  transition.order = options.order;
+  if (options.order == model::Order::Paper) {
+    order_as_paper(transition, *index, nodes);
+  } else {
+    order_seamlessly(transition, *index, *plan, nodes);
+  }
+  list_silent_changes(transition, *index, *plan);
+  return transition;
+}
+
+}  // namespace segue::solve

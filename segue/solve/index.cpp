@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/solve/index.hpp>
+
+#include <string>
+
+namespace segue::solve::detail {
+
+namespace {
+
+std::string_view side_name(Side side) {
+  return side == kCurrent ? "current network" : "target";
+}
+
+std::string of(Side side) {
+  return " of the " + std::string(side_name(side));
+}
+
+std::size_t hash_of_ends(const Wire& wire) {
+  const std::hash<std::string> hash;
+  const std::size_t tasks = model::combine_hashes(as_index(wire.from), as_index(wire.to));
+  const std::size_t ports =
+      model::combine_hashes(hash(wire.connection->from.port), hash(wire.connection->to.port));
+  return model::combine_hashes(tasks * 0x9e3779b97f4a7c15ULL, ports);
+}
+
+bool same_ends(const Wire& a, const Wire& b) {
+  return a.from == b.from && a.to == b.to && a.connection->from.port == b.connection->from.port &&
+         a.connection->to.port == b.connection->to.port;
+}
+
+class Builder {
+ public:
+  Builder(const model::Network& current, const model::Network& target, const model::ComponentCatalog& catalog)
+      : networks_{&current, &target},
+        components_(catalog),
+        ids_(current.tasks.size() + target.tasks.size()),
+        processes_(current.deployments.size() + target.deployments.size()),
+        ends_(current.connections.size() + target.connections.size()) {
+    index_.tasks.reserve(current.tasks.size() + target.tasks.size() / 8);
+    index_.processes.emplace_back();
+    index_.current_tasks = current.tasks.size();
+  }
+
+  Result<Index> build() {
+    for (const Side side : {kCurrent, kTarget}) {
+      if (auto done = add_tasks(side); !done) return done.error();
+      if (auto done = add_deployments(side); !done) return done.error();
+      if (auto done = add_wires(side); !done) return done.error();
+    }
+    if (auto done = check_seats(); !done) return done.error();
+    index_.ids = std::move(ids_);
+    return std::move(index_);
+  }
+
+ private:
+  Result<> add_tasks(Side side) {
+    if (side == kTarget) index_.target_order.reserve(networks_[side]->tasks.size());
+    for (const model::Task& task : networks_[side]->tasks) {
+      if (auto done = add_task(side, task); !done) return done;
+    }
+    return {};
+  }
+
+  Result<> add_task(Side side, const model::Task& task) {
+    if (side == kTarget && is_error(task.state)) {
+      return fail(ErrorCode::InvalidArgument,
+                  "task " + quote(task.id.str()) + of(side) + " is to be in state " +
+                      std::string(to_string(task.state)) +
+                      ", which is an error; ask for pre_operational, stopped or running",
+                  task.id.str(), task.where);
+    }
+    const int number = ids_.intern(task.id.str());
+    if (as_index(number) == index_.tasks.size()) index_.tasks.emplace_back();
+    Incarnation& incarnation = index_.tasks[as_index(number)].on[side];
+    if (incarnation.task != nullptr) {
+      return fail(ErrorCode::InvalidArgument,
+                  "the " + std::string(side_name(side)) + " has two tasks " + quote(task.id.str()) +
+                      "; give one of them another id",
+                  task.id.str(), task.where);
+    }
+    incarnation = {&task, components_.of(task.component), kRuntime, task.id.str()};
+    if (side == kTarget) {
+      index_.target_order.push_back(number);
+      if (task.takes_over) index_.tasks[as_index(number)].takes_over = ids_.find(task.takes_over->str());
+    }
+    return {};
+  }
+
+  Result<> add_deployments(Side side) {
+    for (const model::Deployment& deployment : networks_[side]->deployments) {
+      if (auto done = add_deployment(side, deployment); !done) return done;
+    }
+    return {};
+  }
+
+  Result<> add_deployment(Side side, const model::Deployment& deployment) {
+    if (deployment.process.empty()) {
+      return fail(ErrorCode::InvalidArgument,
+                  "a deployment" + of(side) + " on host " + quote(deployment.host.str()) +
+                      " has no process name; name it, or leave its tasks out of every deployment",
+                  deployment.host.str(), deployment.where);
+    }
+    const int number = process_number(deployment);
+    if (index_.processes[as_index(number)].on[side] != nullptr) {
+      return fail(ErrorCode::InvalidArgument,
+                  "process " + quote(to_string(deployment.key())) + of(side) +
+                      " is deployed twice; join the two deployments or name one differently",
+                  to_string(deployment.key()), deployment.where);
+    }
+    index_.processes[as_index(number)].on[side] = &deployment;
+    index_.process_order[side].push_back(number);
+    for (const model::Placement& placement : deployment.tasks) {
+      if (auto done = seat(side, number, placement, deployment.where); !done) return done;
+    }
+    return {};
+  }
+
+  int process_number(const model::Deployment& deployment) {
+    const std::size_t hash = std::hash<model::DeploymentKey>{}(deployment.key());
+    const int known = processes_.find(hash, [&](int number) {
+      const ProcessEntry& entry = index_.processes[as_index(number)];
+      const model::Deployment& other = entry.on[kCurrent] ? *entry.on[kCurrent] : *entry.on[kTarget];
+      return other.process == deployment.process && other.host == deployment.host;
+    });
+    if (known != kNone) return known;
+    const int number = static_cast<int>(index_.processes.size());
+    index_.processes.emplace_back();
+    processes_.insert(hash, number);
+    return number;
+  }
+
+  /// Deployments may name tasks that the network lacks: such seats are empty.
+  Result<> seat(Side side, int process, const model::Placement& placement, const SourceLocation& where) {
+    const int number = ids_.find(placement.task.str());
+    if (number == kNone) return {};
+    Incarnation& incarnation = index_.tasks[as_index(number)].on[side];
+    if (incarnation.task == nullptr) return {};
+    if (incarnation.process != kRuntime) {
+      return fail(ErrorCode::InvalidArgument,
+                  "task " + quote(placement.task.str()) + of(side) +
+                      " has a place in two deployments; leave it in one",
+                  placement.task.str(), where);
+    }
+    incarnation.process = process;
+    if (placement.name.empty() || placement.name == placement.task.str()) return {};
+    incarnation.name = placement.name;
+    index_.seats_renamed = true;
+    return {};
+  }
+
+  /// Ids are unique, so two tasks can only meet on a seat where names inside processes differ from ids.
+  Result<> check_seats() const {
+    if (!index_.seats_renamed) return {};
+    const SeatIndex seats(index_, kTarget);
+    for (const int number : index_.target_order) {
+      const Incarnation& task = index_.task(number).target();
+      const int first = seats.find(task.process, task.name);
+      if (first == number) continue;
+      return fail(ErrorCode::InvalidArgument,
+                  "tasks " + quote(index_.task(first).target().task->id.str()) + " and " +
+                      quote(task.task->id.str()) + " of the target have the same name " + quote(task.name) +
+                      " in one process; give one of them another name there",
+                  task.task->id.str(), task.task->where);
+    }
+    return {};
+  }
+
+  Result<> add_wires(Side side) {
+    index_.wires[side].reserve(networks_[side]->connections.size());
+    for (const model::Connection& connection : networks_[side]->connections) {
+      if (auto done = add_wire(side, connection); !done) return done;
+    }
+    return {};
+  }
+
+  Result<> add_wire(Side side, const model::Connection& connection) {
+    Wire wire{&connection, end(side, connection.from), end(side, connection.to)};
+    if (wire.from == kNone || wire.to == kNone) return unknown_end(side, wire);
+    const Incarnation& from = index_.tasks[as_index(wire.from)].on[side];
+    const Incarnation& to = index_.tasks[as_index(wire.to)].on[side];
+    wire.from_dynamic = is_dynamic(from.component, connection.from.port, model::Direction::Output);
+    wire.to_dynamic = is_dynamic(to.component, connection.to.port, model::Direction::Input);
+    if (side == kTarget) {
+      if (wire.from_dynamic && !is_configured(from)) return no_port(connection, connection.from);
+      if (wire.to_dynamic && !is_configured(to)) return no_port(connection, connection.to);
+    }
+    return match(side, wire);
+  }
+
+  [[nodiscard]] int end(Side side, const model::PortRef& ref) const {
+    const int number = ids_.find(ref.task.str());
+    return number != kNone && index_.tasks[as_index(number)].on[side].task != nullptr ? number : kNone;
+  }
+
+  /// Wires are numbered through: those of the current network first.
+  Result<> match(Side side, Wire& wire) {
+    std::vector<Wire>& current = index_.wires[kCurrent];
+    std::vector<Wire>& own = index_.wires[side];
+    const std::size_t hash = hash_of_ends(wire);
+    const int found = ends_.find(hash, [&](int number) { return same_ends(numbered(number), wire); });
+    const bool is_current = found != kNone && as_index(found) < current.size();
+    if (found != kNone && (side == kCurrent || !is_current || current[as_index(found)].partner != kNone)) {
+      return fail(ErrorCode::InvalidArgument,
+                  "two connections" + of(side) + " join the same ports, one is " +
+                      quote(to_string(*wire.connection)) + "; keep one of them",
+                  to_string(*wire.connection), wire.connection->where);
+    }
+    if (found == kNone) {
+      const std::size_t before = side == kTarget ? current.size() : 0;
+      ends_.insert(hash, static_cast<int>(before + own.size()));
+    } else {
+      wire.partner = found;
+      current[as_index(found)].partner = static_cast<int>(own.size());
+    }
+    own.push_back(wire);
+    return {};
+  }
+
+  [[nodiscard]] const Wire& numbered(int number) const {
+    const std::vector<Wire>& current = index_.wires[kCurrent];
+    if (as_index(number) < current.size()) return current[as_index(number)];
+    return index_.wires[kTarget][as_index(number) - current.size()];
+  }
+
+  static Result<> unknown_end(Side side, const Wire& wire) {
+    const model::Connection& connection = *wire.connection;
+    const model::TaskId& missing = wire.from == kNone ? connection.from.task : connection.to.task;
+    return fail(ErrorCode::InvalidArgument,
+                "connection " + quote(to_string(connection)) + of(side) + " names task " +
+                    quote(missing.str()) + ", which is not there; add the task or remove the connection",
+                missing.str(), connection.where);
+  }
+
+  static Result<> no_port(const model::Connection& connection, const model::PortRef& ref) {
+    return fail(ErrorCode::InvalidArgument,
+                "connection " + quote(to_string(connection)) + " of the target needs port " +
+                    quote(to_string(ref)) + ", which exists only while its task is configured; ask for the " +
+                    "task to be stopped or running, or remove the connection",
+                ref.task.str(), connection.where);
+  }
+
+  std::array<const model::Network*, 2> networks_;
+  KnownComponents components_;
+  Interner ids_;
+  HashIndex processes_;
+  HashIndex ends_;
+  Index index_;
+};
+
+}  // namespace
+
+bool is_configured(const Incarnation& incarnation) {
+  return segue::is_configured(incarnation.task->state);
+}
+
+SeatIndex::SeatIndex(const Index& index, Side side) : index_(index), side_(side), seats_(index.tasks.size()) {
+  for (std::size_t i = 0; i < index.tasks.size(); ++i) {
+    const Incarnation& task = index.tasks[i].on[side];
+    if (task.task != nullptr) seats_.insert(hash(task.process, task.name), static_cast<int>(i));
+  }
+}
+
+int SeatIndex::find(int process, std::string_view name) const {
+  return seats_.find(hash(process, name), [&](int number) {
+    const Incarnation& task = index_.task(number).on[side_];
+    return task.process == process && task.name == name;
+  });
+}
+
+std::size_t SeatIndex::hash(int process, std::string_view name) {
+  return model::combine_hashes(std::hash<std::string_view>{}(name), as_index(process));
+}
+
+Result<Index> build_index(const model::Network& current, const model::Network& target,
+                          const model::ComponentCatalog& catalog) {
+  return Builder(current, target, catalog).build();
+}
+
+}  // namespace segue::solve::detail

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/order.hpp>
+
+#include <numeric>
+
+namespace segue::solve::detail {
+
+namespace {
+
+using model::ActionKind;
+
+class Lister {
+ public:
+  Lister(const Index& index, const Plan& plan) : index_(index), plan_(plan) {
+    std::array<int, 10> none;
+    none.fill(kNone);
+    nodes_.of_task.assign(index.tasks.size(), none);
+    nodes_.undeploy.assign(index.processes.size(), kNone);
+    nodes_.deploy.assign(index.processes.size(), kNone);
+    nodes_.disconnect.assign(index.wires[kCurrent].size(), kNone);
+    nodes_.connect.assign(index.wires[kTarget].size(), kNone);
+    current_order_.resize(index.current_tasks);
+    std::iota(current_order_.begin(), current_order_.end(), 0);
+  }
+
+  /// The kinds in their order; see ActionKind.
+  Nodes list() {
+    add_tasks(ActionKind::Recover, current_order_);
+    add_sequence(ActionKind::Stop, current_order_);
+    add_wires(ActionKind::Disconnect, plan_.disconnect, nodes_.disconnect);
+    add_tasks(ActionKind::Cleanup, current_order_);
+    add_processes(ActionKind::Undeploy, index_.process_order[kCurrent], is_undeployed, nodes_.undeploy);
+    add_processes(ActionKind::Deploy, index_.process_order[kTarget], is_deployed, nodes_.deploy);
+    add_tasks(ActionKind::ApplyConfig, index_.target_order);
+    add_tasks(ActionKind::Configure, index_.target_order);
+    add_wires(ActionKind::Connect, plan_.connect, nodes_.connect);
+    add_sequence(ActionKind::Start, index_.target_order);
+    return std::move(nodes_);
+  }
+
+ private:
+  int add(ActionKind kind, int subject) {
+    nodes_.list.push_back({kind, model::Phase::Commit, subject});
+    return static_cast<int>(nodes_.list.size()) - 1;
+  }
+
+  int& slot(int task, ActionKind kind) {
+    return nodes_.of_task[as_index(task)][static_cast<std::size_t>(kind)];
+  }
+
+  void add_tasks(ActionKind kind, const std::vector<int>& order) {
+    for (const int task : order) {
+      if (plan_.task(task).steps.has(kind)) slot(task, kind) = add(kind, task);
+    }
+  }
+
+  void add_wires(ActionKind kind, const std::vector<bool>& wanted, std::vector<int>& nodes) {
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      if (wanted[i]) nodes[i] = add(kind, static_cast<int>(i));
+    }
+  }
+
+  void add_processes(ActionKind kind, const std::vector<int>& order, bool (*wanted)(ProcessFate),
+                     std::vector<int>& nodes) {
+    for (const int process : order) {
+      if (wanted(plan_.process(process))) nodes[as_index(process)] = add(kind, process);
+    }
+  }
+
+  /// Stop: producers before their consumers. Start: consumers before their producers.
+  void add_sequence(ActionKind kind, const std::vector<int>& order) {
+    std::vector<int> members;
+    for (const int task : order) {
+      if (!plan_.task(task).steps.has(kind)) continue;
+      slot(task, kind) = static_cast<int>(members.size());
+      members.push_back(task);
+    }
+    const std::vector<Edge> flow = flow_between(kind);
+    const Sequence found = sequence(static_cast<int>(members.size()), flow);
+    const int first = static_cast<int>(nodes_.list.size());
+    for (const int member : found.nodes) {
+      const int task = members[as_index(member)];
+      slot(task, kind) = add(kind, task);
+    }
+    const auto node_of = [&](int member) { return slot(members[as_index(member)], kind); };
+    for (const Edge& edge : flow) {
+      if (found.group_of[as_index(edge.before)] == found.group_of[as_index(edge.after)]) continue;
+      nodes_.start_and_stop.push_back({node_of(edge.before), node_of(edge.after)});
+    }
+    chain_groups(found, first);
+  }
+
+  /// Tasks that a cycle joins follow each other as declared.
+  void chain_groups(const Sequence& found, int first) {
+    for (std::size_t i = 1; i < found.nodes.size(); ++i) {
+      const bool same_group =
+          found.group_of[as_index(found.nodes[i])] == found.group_of[as_index(found.nodes[i - 1])];
+      const int node = first + static_cast<int>(i);
+      if (same_group) nodes_.start_and_stop.push_back({node - 1, node});
+    }
+  }
+
+  /// The wires between members, whose numbers stand in their slots.
+  std::vector<Edge> flow_between(ActionKind kind) {
+    const bool stop = kind == ActionKind::Stop;
+    std::vector<Edge> flow;
+    for (const Wire& wire : index_.wires[stop ? kCurrent : kTarget]) {
+      const int from = slot(wire.from, kind);
+      const int to = slot(wire.to, kind);
+      if (from == kNone || to == kNone || from == to || (stop && !exists(index_, wire))) continue;
+      flow.push_back(stop ? Edge{from, to} : Edge{to, from});
+    }
+    return flow;
+  }
+
+  const Index& index_;
+  const Plan& plan_;
+  std::vector<int> current_order_;
+  Nodes nodes_;
+};
+
+}  // namespace
+
+Nodes make_nodes(const Index& index, const Plan& plan) {
+  return Lister(index, plan).list();
+}
+
+}  // namespace segue::solve::detail

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/solve/live.hpp>
+#include <segue/solve/plan.hpp>
+
+namespace segue::solve::detail {
+
+namespace {
+
+using model::ActionKind;
+
+/// Down to pre-operational, from a state that a life cycle can leave.
+Steps steps_down(TaskState now) {
+  switch (now) {
+    case TaskState::Running:
+    case TaskState::RunTimeError:
+      return {ActionKind::Stop, ActionKind::Cleanup};
+    case TaskState::Stopped:
+      return {ActionKind::Cleanup};
+    case TaskState::Exception:
+      return {ActionKind::Recover};
+    case TaskState::PreOperational:
+    case TaskState::Fatal:
+      break;
+  }
+  return {};
+}
+
+/// Up from pre-operational.
+Steps steps_up(TaskState target) {
+  if (target == TaskState::Running) return {ActionKind::Configure, ActionKind::Start};
+  if (target == TaskState::Stopped) return {ActionKind::Configure};
+  return {};
+}
+
+/// Between two states without a new configuration.
+Steps steps_between(TaskState now, TaskState target) {
+  if (!is_configured(now) || !is_configured(target)) return steps_down(now) + steps_up(target);
+  if (now == target) return {};
+  if (target == TaskState::Stopped) return {ActionKind::Stop};
+  return now == TaskState::RunTimeError ? Steps{ActionKind::Recover} : Steps{ActionKind::Start};
+}
+
+/// The old incarnation's way out. A task in Exception needs no recovery if its process goes.
+Steps steps_of_old(TaskState now, bool process_stays) {
+  if (now == TaskState::Exception && !process_stays) return {};
+  return steps_down(now);
+}
+
+Steps steps_of_new(TaskState target) {
+  return Steps{ActionKind::ApplyConfig} + steps_up(target);
+}
+
+class Planner {
+ public:
+  explicit Planner(const Index& index) : index_(index) {}
+
+  Result<Plan> plan() {
+    plan_processes();
+    if (auto done = redeploy_fatal(); !done) return done.error();
+    redeploy_full_processes();
+    plan_.tasks.reserve(index_.tasks.size());
+    for (const TaskEntry& task : index_.tasks)
+      plan_.tasks.push_back(plan_task(task));
+    plan_wires();
+    return std::move(plan_);
+  }
+
+ private:
+  void plan_processes() {
+    plan_.processes.reserve(index_.processes.size());
+    for (const ProcessEntry& process : index_.processes)
+      plan_.processes.push_back(fate_of(process));
+  }
+
+  static ProcessFate fate_of(const ProcessEntry& process) {
+    const model::Deployment* now = process.current();
+    const model::Deployment* then = process.target();
+    if (now == nullptr) return then == nullptr ? ProcessFate::Kept : ProcessFate::Deployed;
+    if (then == nullptr) return ProcessFate::Undeployed;
+    return now->same_process(*then) ? ProcessFate::Kept : ProcessFate::Redeployed;
+  }
+
+  void redeploy(int process) {
+    ProcessFate& fate = plan_.processes[as_index(process)];
+    if (fate == ProcessFate::Kept) fate = ProcessFate::Redeployed;
+  }
+
+  /// No action leads out of Fatal: only the process can go, wanted or not.
+  Result<> redeploy_fatal() {
+    for (std::size_t i = 0; i < index_.current_tasks; ++i) {
+      const Incarnation& task = index_.tasks[i].current();
+      if (task.task->state != TaskState::Fatal) continue;
+      if (task.process == kRuntime) {
+        return fail(
+            ErrorCode::Unsupported,
+            "task " + quote(task.task->id.str()) + " is in a fatal error inside the runtime's own " +
+                "process, which no transition can restart; restart the runtime, and give the task a " +
+                "deployment of its own",
+            task.task->id.str(), task.task->where);
+      }
+      redeploy(task.process);
+    }
+    return {};
+  }
+
+  /// A process that another deployer starts holds the tasks it was built with: another component under a name
+  /// that it has needs a new process.
+  void redeploy_full_processes() {
+    if (index_.seats_renamed) {
+      redeploy_by_seat();
+      return;
+    }
+    for (const TaskEntry& task : index_.tasks) {
+      if (task.in_both()) redeploy_if_other(task.current(), task.target());
+    }
+  }
+
+  void redeploy_by_seat() {
+    const SeatIndex seats(index_, kCurrent);
+    for (const int number : index_.target_order) {
+      const Incarnation& task = index_.task(number).target();
+      const int occupant = seats.find(task.process, task.name);
+      if (occupant != kNone) redeploy_if_other(index_.task(occupant).current(), task);
+    }
+  }
+
+  void redeploy_if_other(const Incarnation& now, const Incarnation& then) {
+    if (now.process != then.process || now.process == kRuntime) return;
+    if (now.task->component == then.task->component) return;
+    const model::Deployment* deployment = index_.process(now.process).current();
+    if (!holds_any_component(*deployment)) redeploy(now.process);
+  }
+
+  [[nodiscard]] TaskPlan plan_task(const TaskEntry& entry) const {
+    if (entry.target().task == nullptr) return {TaskFate::Removed, false, old_steps(entry)};
+    const TaskState target = entry.target().task->state;
+    if (entry.current().task == nullptr) return {TaskFate::Added, false, steps_of_new(target)};
+    if (!is_same_incarnation(entry)) {
+      return {TaskFate::Replaced, false, old_steps(entry) + steps_of_new(target)};
+    }
+    const model::Task& now = *entry.current().task;
+    const model::Task& then = *entry.target().task;
+    if (now.same_configuration(then)) return {TaskFate::Kept, false, steps_between(now.state, target)};
+    if (can_apply_live(entry)) {
+      return {TaskFate::Kept, true, steps_between(now.state, target) + Steps{ActionKind::ApplyConfig}};
+    }
+    return {TaskFate::Kept, false, steps_down(now.state) + steps_of_new(target)};
+  }
+
+  static bool can_apply_live(const TaskEntry& entry) {
+    return is_configured(entry.current()) && is_configured(entry.target()) &&
+           differ_only_live(*entry.current().task, *entry.target().task, entry.target().component.model);
+  }
+
+  [[nodiscard]] Steps old_steps(const TaskEntry& entry) const {
+    const bool stays = !is_undeployed(plan_.process(entry.current().process));
+    return steps_of_old(entry.current().task->state, stays);
+  }
+
+  [[nodiscard]] bool is_same_incarnation(const TaskEntry& entry) const {
+    const Incarnation& now = entry.current();
+    const Incarnation& then = entry.target();
+    return now.process == then.process && !is_undeployed(plan_.process(now.process)) &&
+           now.name == then.name && now.task->component == then.task->component;
+  }
+
+  void plan_wires() {
+    const std::vector<Wire>& current = index_.wires[kCurrent];
+    const std::vector<Wire>& target = index_.wires[kTarget];
+    plan_.disconnect.resize(current.size());
+    plan_.connect.assign(target.size(), true);
+    for (std::size_t i = 0; i < current.size(); ++i) {
+      const Wire& wire = current[i];
+      if (!exists(index_, wire)) continue;
+      const bool kept = stays(wire);
+      plan_.disconnect[i] = !kept;
+      if (kept) plan_.connect[as_index(wire.partner)] = false;
+    }
+  }
+
+  [[nodiscard]] bool stays(const Wire& wire) const {
+    if (wire.partner == kNone) return false;
+    const Wire& partner = index_.wires[kTarget][as_index(wire.partner)];
+    return wire.connection->policy == partner.connection->policy && keeps(wire.from, wire.from_dynamic) &&
+           keeps(wire.to, wire.to_dynamic);
+  }
+
+  /// Whether the port at this end outlives the transition.
+  [[nodiscard]] bool keeps(int number, bool dynamic) const {
+    const TaskPlan& plan = plan_.task(number);
+    return plan.fate == TaskFate::Kept && !(dynamic && plan.steps.has(ActionKind::Cleanup));
+  }
+
+  const Index& index_;
+  Plan plan_;
+};
+
+}  // namespace
+
+bool exists(const Index& index, const Wire& wire) {
+  return !(wire.from_dynamic && !is_configured(index.task(wire.from).current())) &&
+         !(wire.to_dynamic && !is_configured(index.task(wire.to).current()));
+}
+
+bool holds_any_component(const model::Deployment& deployment) {
+  return deployment.deployer == "segue";
+}
+
+Result<Plan> make_plan(const Index& index) {
+  return Planner(index).plan();
+}
+
+}  // namespace segue::solve::detail

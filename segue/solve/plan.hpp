@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/model/transition.hpp>
+#include <segue/solve/index.hpp>
+
+#include <cstdint>
+#include <vector>
+
+/// What has to be done to each task, process and wire, before any thought of order.
+namespace segue::solve::detail {
+
+/// The actions that a task needs, at most one of each kind.
+class Steps {
+ public:
+  Steps() = default;
+  Steps(std::initializer_list<model::ActionKind> kinds) {
+    for (const model::ActionKind kind : kinds)
+      add(kind);
+  }
+  void add(model::ActionKind kind) { bits_ = static_cast<std::uint16_t>(bits_ | bit(kind)); }
+  [[nodiscard]] bool has(model::ActionKind kind) const { return (bits_ & bit(kind)) != 0; }
+  [[nodiscard]] bool empty() const { return bits_ == 0; }
+  friend Steps operator+(Steps a, Steps b) {
+    a.bits_ = static_cast<std::uint16_t>(a.bits_ | b.bits_);
+    return a;
+  }
+  friend bool operator==(const Steps&, const Steps&) = default;
+
+ private:
+  static unsigned bit(model::ActionKind kind) { return 1U << static_cast<unsigned>(kind); }
+  std::uint16_t bits_ = 0;
+};
+
+enum class TaskFate : std::uint8_t {
+  Kept,     ///< the same incarnation in both networks
+  Added,    ///< only in the target
+  Removed,  ///< only in the current network
+  Replaced  ///< the old incarnation goes, a new one of the same id comes
+};
+
+struct TaskPlan {
+  TaskFate fate = TaskFate::Kept;
+  bool live = false;  ///< its configuration is applied without a change of state
+  Steps steps;
+};
+
+enum class ProcessFate : std::uint8_t { Kept, Deployed, Undeployed, Redeployed };
+
+inline bool is_undeployed(ProcessFate fate) {
+  return fate == ProcessFate::Undeployed || fate == ProcessFate::Redeployed;
+}
+inline bool is_deployed(ProcessFate fate) {
+  return fate == ProcessFate::Deployed || fate == ProcessFate::Redeployed;
+}
+inline bool has_old(TaskFate fate) {
+  return fate == TaskFate::Removed || fate == TaskFate::Replaced;
+}
+inline bool has_new(TaskFate fate) {
+  return fate == TaskFate::Added || fate == TaskFate::Replaced;
+}
+
+struct Plan {
+  std::vector<TaskPlan> tasks;         ///< as in Index::tasks
+  std::vector<ProcessFate> processes;  ///< as in Index::processes
+  std::vector<bool> disconnect;        ///< the current network's wires
+  std::vector<bool> connect;           ///< the target's wires
+  [[nodiscard]] const TaskPlan& task(int number) const { return tasks[as_index(number)]; }
+  [[nodiscard]] ProcessFate process(int number) const { return processes[as_index(number)]; }
+};
+
+/// Whether the current network's wire is really there: one at a dynamic port of a task that is not configured
+/// went with the port.
+bool exists(const Index& index, const Wire& wire);
+
+/// Whether a running process of this deployer can be given any component; others hold what they were built
+/// with.
+bool holds_any_component(const model::Deployment& deployment);
+
+/// Fails (Unsupported) where a task in Fatal lives in the runtime's own process, which cannot be restarted.
+Result<Plan> make_plan(const Index& index);
+
+}  // namespace segue::solve::detail

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/simulation.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/solve/index.hpp>
+#include <segue/solve/live.hpp>
+#include <segue/solve/plan.hpp>
+
+#include <algorithm>
+
+namespace segue::solve::detail {
+
+namespace {
+
+using model::ActionKind;
+
+Error refuse(std::string message) {
+  return fail(ErrorCode::InvalidState, std::move(message));
+}
+
+std::string state_of(const model::TaskId& id, TaskState state) {
+  return "task " + quote(id.str()) + " is in state " + std::string(to_string(state));
+}
+
+}  // namespace
+
+Result<Simulation> Simulation::create(const model::Network& current, const model::ComponentCatalog& catalog) {
+  auto index = build_index(current, {}, catalog);
+  if (!index) return index.error();
+  Simulation simulation(catalog, std::move(index->ids));
+  for (const int process : index->process_order[kCurrent]) {
+    if (auto done = simulation.deploy(*index->process(process).current()); !done) return done.error();
+  }
+  simulation.tasks_.reserve(index->tasks.size());
+  for (const TaskEntry& entry : index->tasks) {
+    const auto& incarnation = entry.current();
+    const int number = simulation.add_task(*incarnation.task, incarnation.process, incarnation.name);
+    simulation.task(number).state = incarnation.task->state;
+    if (!is_configured(incarnation) && incarnation.task->state != TaskState::Fatal) continue;
+    for (const std::string& device : simulation.devices_of(number))
+      simulation.holders_[device] = number;
+  }
+  simulation.wires_.reserve(index->wires[kCurrent].size());
+  for (const auto& wire : index->wires[kCurrent]) {
+    if (exists(*index, wire)) simulation.add_wire(*wire.connection, wire.from, wire.to);
+  }
+  return simulation;
+}
+
+Result<> Simulation::execute(const model::Action& action) {
+  switch (action.kind) {
+    case ActionKind::Disconnect:
+      if (const auto* what = std::get_if<model::ConnectionAction>(&action.what))
+        return disconnect(what->connection);
+      break;
+    case ActionKind::Connect:
+      if (const auto* what = std::get_if<model::ConnectionAction>(&action.what))
+        return connect(what->connection);
+      break;
+    case ActionKind::Undeploy:
+      if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
+        return undeploy(what->deployment);
+      break;
+    case ActionKind::Deploy:
+      if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
+        return deploy(what->deployment);
+      break;
+    case ActionKind::ApplyConfig:
+      if (const auto* what = std::get_if<model::ConfigAction>(&action.what)) return apply(*what);
+      break;
+    default:
+      if (action.task() != nullptr) return change_state(action);
+  }
+  return fail(ErrorCode::InvalidArgument, "the action does not say what it acts on");
+}
+
+Result<> Simulation::change_state(const model::Action& action) {
+  const int number = subject_of(action);
+  if (number == kNone) return refuse("there is no task " + quote(action.task()->str()));
+  TaskState& state = task(number).state;
+  const TaskState before = state;
+  const auto from = [&](std::initializer_list<TaskState> allowed) {
+    return std::find(allowed.begin(), allowed.end(), before) != allowed.end();
+  };
+  using enum TaskState;
+  if (action.kind == ActionKind::CallOperation) return {};
+  if (action.kind == ActionKind::Recover && from({RunTimeError, Exception})) {
+    state = before == RunTimeError ? Running : PreOperational;
+    return {};
+  }
+  if (action.kind == ActionKind::Stop && from({Running, RunTimeError})) {
+    state = Stopped;
+    return {};
+  }
+  if (action.kind == ActionKind::Start && from({Stopped})) {
+    state = Running;
+    return {};
+  }
+  if (action.kind == ActionKind::Cleanup && from({Stopped})) return leave_configured(number);
+  if (action.kind == ActionKind::Configure && from({PreOperational})) return claim_devices(number);
+  return refuse(state_of(*action.task(), before) + ", from which no " + std::string(to_string(action.kind)) +
+                " leads");
+}
+
+/// Dynamic ports go, and their wires with them.
+Result<> Simulation::leave_configured(int number) {
+  task(number).state = TaskState::PreOperational;
+  release_devices(number);
+  const ComponentFacts& component = task(number).component;
+  if (!component.dynamic) return {};
+  for (int wire = task(number).first_wire; wire != kNone; wire = next_wire(wire, number)) {
+    const Wire& gone = wires_[as_index(wire)];
+    const model::Connection& connection = *gone.connection;
+    if (!gone.exists) continue;
+    const bool from =
+        gone.from == number && is_dynamic(component, connection.from.port, model::Direction::Output);
+    const bool to = gone.to == number && is_dynamic(component, connection.to.port, model::Direction::Input);
+    if (from || to) drop_wire(wire);
+  }
+  return {};
+}
+
+Result<> Simulation::claim_devices(int number) {
+  const std::vector<std::string> devices = devices_of(number);
+  for (const std::string& device : devices) {
+    const auto holder = holders_.find(device);
+    if (holder == holders_.end() || holder->second == number) continue;
+    return refuse("device " + quote(device) + " of task " + quote(task(number).definition->id.str()) +
+                  " is still held by task " + quote(task(holder->second).definition->id.str()));
+  }
+  for (const std::string& device : devices)
+    holders_[device] = number;
+  task(number).state = TaskState::Stopped;
+  return {};
+}
+
+Result<> Simulation::connect(const model::Connection& connection) {
+  const int from = find_newest(connection.from.task);
+  const int to = find_newest(connection.to.task);
+  if (from == kNone) return refuse("there is no task " + quote(connection.from.task.str()));
+  if (to == kNone) return refuse("there is no task " + quote(connection.to.task.str()));
+  const auto lacks = [&](int end, const std::string& port, model::Direction direction) {
+    return !segue::is_configured(task(end).state) && is_dynamic(task(end).component, port, direction);
+  };
+  if (lacks(from, connection.from.port, model::Direction::Output)) {
+    return refuse("port " + quote(to_string(connection.from)) + " exists only when its task is configured");
+  }
+  if (lacks(to, connection.to.port, model::Direction::Input)) {
+    return refuse("port " + quote(to_string(connection.to)) + " exists only when its task is configured");
+  }
+  for (const int number : wires_between(connection)) {
+    const Wire& wire = wires_[as_index(number)];
+    if (wire.from == from || wire.to == to) {
+      return refuse("the two ports are connected already: " + quote(to_string(*wire.connection)));
+    }
+  }
+  add_wire(connection, from, to);
+  return {};
+}
+
+Result<> Simulation::disconnect(const model::Connection& connection) {
+  int found = kNone;
+  for (const int number : wires_between(connection)) {
+    const Wire& wire = wires_[as_index(number)];
+    if (wire.connection->policy != connection.policy) continue;
+    const bool is_going = !is_newest(wire.from) || !is_newest(wire.to);
+    if (found == kNone || is_going) found = number;
+  }
+  if (found == kNone) return refuse("there is no connection " + quote(to_string(connection)));
+  drop_wire(found);
+  return {};
+}
+
+Result<> Simulation::deploy(const model::Deployment& deployment) {
+  const int known = find_process(deployment.key());
+  if (deployment.process.empty()) return refuse("the runtime's own process cannot be deployed");
+  if (known != kNone) return refuse("process " + quote(to_string(deployment.key())) + " runs already");
+  process_numbers_.insert(std::hash<model::DeploymentKey>{}(deployment.key()),
+                          static_cast<int>(processes_.size()));
+  processes_.push_back({&deployment, true, {}});
+  return {};
+}
+
+Result<> Simulation::undeploy(const model::Deployment& deployment) {
+  const int number = find_process(deployment.key());
+  if (deployment.process.empty()) return refuse("the runtime's own process cannot be undeployed");
+  if (number == kNone) return refuse("process " + quote(to_string(deployment.key())) + " does not run");
+  Process& process = processes_[as_index(number)];
+  for (const int resident : process.tasks) {
+    if (!task(resident).exists || !segue::is_configured(task(resident).state)) continue;
+    return refuse(state_of(task(resident).definition->id, task(resident).state) +
+                  "; stop it and clean it up before its process goes");
+  }
+  for (const int resident : process.tasks)
+    drop_task(resident);
+  process.running = false;
+  return {};
+}
+
+Result<> Simulation::apply(const model::ConfigAction& action) {
+  const int process = find_process(action.process);
+  if (process == kNone) return refuse("process " + quote(to_string(action.process)) + " does not run");
+  const int newest = find_newest(action.definition.id);
+  const int occupant = find_seat(process, action.name);
+  if (occupant != kNone && occupant == newest &&
+      task(newest).definition->component == action.definition.component) {
+    return apply_again(newest, action);
+  }
+  if (occupant != kNone) {
+    if (auto done = take_seat(occupant, process, action); !done) return done;
+  }
+  if (newest != kNone) {
+    if (auto done = make_going(pairs_[as_index(task(newest).id)]); !done) return done;
+  }
+  add_task(action.definition, process, action.name);
+  return {};
+}
+
+/// The task stays: it must be unconfigured, unless only live properties change.
+Result<> Simulation::apply_again(int number, const model::ConfigAction& action) {
+  Instance& known = task(number);
+  const bool rests = known.state == TaskState::PreOperational;
+  const bool live = segue::is_configured(known.state) &&
+                    (known.definition->same_configuration(action.definition) ||
+                     differ_only_live(*known.definition, action.definition, known.component.model));
+  if (!rests && !live) {
+    return refuse(state_of(action.definition.id, known.state) +
+                  ", in which only live properties can be applied");
+  }
+  known.definition = &action.definition;
+  return {};
+}
+
+/// A new incarnation comes where another sits.
+Result<> Simulation::take_seat(int occupant, int process, const model::ConfigAction& action) {
+  const Instance& other = task(occupant);
+  if (!is_resting(occupant)) {
+    return refuse(state_of(other.definition->id, other.state) + " or connected, and " +
+                  quote(action.definition.id.str()) + " is to take its place");
+  }
+  const bool fits = other.definition->component == action.definition.component;
+  if (process != kRuntime && !fits && !holds_any_component(*processes_[as_index(process)].deployment)) {
+    return refuse("process " + quote(to_string(action.process)) + " cannot hold another component as " +
+                  quote(action.name) + "; redeploy it");
+  }
+  drop_task(occupant);
+  return {};
+}
+
+/// The newest incarnation becomes the one that goes.
+Result<> Simulation::make_going(Pair& pair) {
+  if (pair.newest == kNone || !task(pair.newest).exists) return {};
+  if (pair.going != kNone && task(pair.going).exists && !is_resting(pair.going)) {
+    return refuse("task " + quote(task(pair.going).definition->id.str()) + " has two incarnations already");
+  }
+  pair.going = pair.newest;
+  return {};
+}
+
+}  // namespace segue::solve::detail

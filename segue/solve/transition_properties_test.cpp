@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/solve.hpp>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <support/random_transitions.hpp>
+#include <support/strict_machine.hpp>
+
+#include <map>
+#include <queue>
+
+/// Properties that every transition must have, on random pairs of networks with every feature.
+namespace segue::solve {
+namespace {
+
+using model::Action;
+using model::ActionKind;
+using model::Order;
+using model::Transition;
+using segue::testing::NetworkPair;
+using segue::testing::random_pair;
+using segue::testing::StrictMachine;
+
+Transition solve(const NetworkPair& pair, Order order) {
+  auto found = diff(pair.current, pair.target, pair.catalog, {order});
+  RC_ASSERT(found.has_value());
+  return *found;
+}
+
+/// As if executed: every wish came true.
+void check_prediction(const NetworkPair& pair, Order order) {
+  const Transition transition = solve(pair, order);
+  const auto found = predict(pair.current, transition, pair.catalog);
+  if (!found) RC_FAIL(to_string(found.error()));
+  const auto differences = model::differences(*found, pair.target);
+  if (!differences.empty()) RC_FAIL(differences.front());
+  RC_ASSERT(model::equivalent(*found, pair.target));
+}
+
+RC_GTEST_PROP(TransitionProperties, LeadToTheTarget, (std::uint64_t seed)) {
+  const NetworkPair pair = random_pair(seed);
+  check_prediction(pair, Order::Seamless);
+  check_prediction(pair, Order::Paper);
+}
+
+RC_GTEST_PROP(TransitionProperties, AreEmptyBetweenEqualNetworks, (std::uint64_t seed)) {
+  NetworkPair pair = random_pair(seed);
+  pair.current = pair.target;
+  for (const Order order : {Order::Seamless, Order::Paper}) {
+    const Transition transition = solve(pair, order);
+    RC_ASSERT(transition.actions.empty());
+    RC_ASSERT(transition.removes.empty());
+    RC_ASSERT(transition.redefines.empty());
+  }
+}
+
+RC_GTEST_PROP(TransitionProperties, NeedTheSameActionsInBothOrders, (std::uint64_t seed)) {
+  const NetworkPair pair = random_pair(seed);
+  const auto labels = [](const Transition& transition) {
+    std::multiset<std::string> found;
+    for (const Action& action : transition.actions)
+      found.insert(action.label());
+    return found;
+  };
+  RC_ASSERT(labels(solve(pair, Order::Seamless)) == labels(solve(pair, Order::Paper)));
+}
+
+RC_GTEST_PROP(TransitionProperties, AreNumberedAndWaitOnlyForEarlierPhases, (std::uint64_t seed)) {
+  const Transition transition = solve(random_pair(seed), Order::Seamless);
+  int id = 0;
+  for (const Action& action : transition.actions) {
+    RC_ASSERT(action.id == ++id);
+    for (const int before : action.after) {
+      RC_ASSERT(before >= 1 && before < id);
+      RC_ASSERT(transition.actions[static_cast<std::size_t>(before - 1)].phase <= action.phase);
+    }
+    if (id > 1) RC_ASSERT(transition.actions[static_cast<std::size_t>(id - 2)].phase <= action.phase);
+  }
+}
+
+RC_GTEST_PROP(TransitionProperties, FollowThePaperOneByOne, (std::uint64_t seed)) {
+  const Transition transition = solve(random_pair(seed), Order::Paper);
+  for (std::size_t i = 0; i < transition.actions.size(); ++i) {
+    const Action& action = transition.actions[i];
+    RC_ASSERT(action.after == (i == 0 ? std::vector<int>{} : std::vector<int>{static_cast<int>(i)}));
+    if (i > 0) RC_ASSERT(transition.actions[i - 1].kind <= action.kind);
+  }
+}
+
+/// One of the orders that `after` allows.
+std::vector<const Action*> linearise(const Transition& transition, std::mt19937_64& random) {
+  std::vector<const Action*> left;
+  std::vector<const Action*> order;
+  std::set<int> done;
+  for (const Action& action : transition.actions)
+    left.push_back(&action);
+  while (!left.empty()) {
+    std::vector<std::size_t> ready;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const auto& after = left[i]->after;
+      if (std::all_of(after.begin(), after.end(), [&](int id) { return done.contains(id); }))
+        ready.push_back(i);
+    }
+    const std::size_t pick = ready[random() % ready.size()];
+    order.push_back(left[pick]);
+    done.insert(left[pick]->id);
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(pick));
+  }
+  return order;
+}
+
+void check_machine(const NetworkPair& pair, const Transition& transition,
+                   const std::vector<const Action*>& order) {
+  StrictMachine machine(pair.current, pair.target, pair.catalog);
+  std::string story;
+  for (const Action* action : order) {
+    story += action->label() + "\n";
+    const std::string broken = machine.execute(*action);
+    if (!broken.empty()) RC_FAIL(story + "broke: " + broken);
+  }
+  const std::string difference = machine.finish(transition, pair.target);
+  if (!difference.empty()) RC_FAIL(story + "left: " + difference);
+}
+
+RC_GTEST_PROP(TransitionProperties, BreakNoRuleInAnyOrderTheyAllow, (std::uint64_t seed)) {
+  const NetworkPair pair = random_pair(seed);
+  const Transition transition = solve(pair, Order::Seamless);
+  std::mt19937_64 random(seed + 1);
+  for (int i = 0; i < 5; ++i)
+    check_machine(pair, transition, linearise(transition, random));
+  const Transition paper = solve(pair, Order::Paper);
+  check_machine(pair, paper, linearise(paper, random));
+}
+
+/// Tasks from which `to` can be reached along wires between members.
+bool reaches(const std::multimap<std::string, std::string>& flow, const std::string& from,
+             const std::string& to) {
+  std::set<std::string> seen;
+  std::queue<std::string> next;
+  next.push(from);
+  while (!next.empty()) {
+    const std::string task = next.front();
+    next.pop();
+    if (task == to) return true;
+    const auto [begin, end] = flow.equal_range(task);
+    for (auto edge = begin; edge != end; ++edge) {
+      if (seen.insert(edge->second).second) next.push(edge->second);
+    }
+  }
+  return false;
+}
+
+/// Places of actions of a kind in the list, by task.
+std::map<std::string, std::size_t> places(const std::vector<const Action*>& order, ActionKind kind) {
+  std::map<std::string, std::size_t> found;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (order[i]->kind == kind) found[order[i]->task()->str()] = i;
+  }
+  return found;
+}
+
+std::multimap<std::string, std::string> flow_between(const std::vector<model::Connection>& connections,
+                                                     const std::map<std::string, std::size_t>& members) {
+  std::multimap<std::string, std::string> flow;
+  for (const auto& connection : connections) {
+    const std::string from = connection.from.task.str();
+    const std::string to = connection.to.task.str();
+    if (from != to && members.contains(from) && members.contains(to)) flow.emplace(from, to);
+  }
+  return flow;
+}
+
+RC_GTEST_PROP(TransitionProperties, StopProducersFirstAndStartThemLast, (std::uint64_t seed)) {
+  // Without errors all wires of the current network are there.
+  segue::testing::PairShape shape;
+  shape.errors = false;
+  NetworkPair pair = random_pair(seed, shape);
+  pair.catalog = {};
+  std::mt19937_64 random(seed + 2);
+  const Transition transition = solve(pair, seed % 2 == 0 ? Order::Seamless : Order::Paper);
+  const auto order = linearise(transition, random);
+  const auto stops = places(order, ActionKind::Stop);
+  const auto starts = places(order, ActionKind::Start);
+  const auto stopping = flow_between(pair.current.connections, stops);
+  const auto starting = flow_between(pair.target.connections, starts);
+  for (const auto& [from, to] : stopping) {
+    if (!reaches(stopping, to, from)) RC_ASSERT(stops.at(from) < stops.at(to));
+  }
+  for (const auto& [from, to] : starting) {
+    if (!reaches(starting, to, from)) RC_ASSERT(starts.at(to) < starts.at(from));
+  }
+}
+
+/// What prepare may not do: touch what runs.
+RC_GTEST_PROP(TransitionProperties, LeaveTheOldNetworkAloneInPrepare, (std::uint64_t seed)) {
+  const NetworkPair pair = random_pair(seed);
+  const Transition transition = solve(pair, Order::Seamless);
+  Transition first_half = transition;
+  first_half.removes.clear();
+  first_half.redefines.clear();
+  std::erase_if(first_half.actions,
+                [](const Action& action) { return action.phase != model::Phase::Prepare; });
+  StrictMachine machine(pair.current, pair.target, pair.catalog);
+  for (const Action& action : first_half.actions) {
+    const std::string broken = machine.execute(action);
+    if (!broken.empty()) RC_FAIL(action.label() + ": " + broken);
+    const bool allowed = action.kind == ActionKind::Deploy || action.kind == ActionKind::ApplyConfig ||
+                         action.kind == ActionKind::Configure || action.kind == ActionKind::Connect;
+    RC_ASSERT(allowed);
+  }
+}
+
+/// In retire the new network runs already: tasks of the target are in their states.
+RC_GTEST_PROP(TransitionProperties, OnlyTidyUpInRetire, (std::uint64_t seed)) {
+  const Transition transition = solve(random_pair(seed), Order::Seamless);
+  for (const Action& action : transition.actions) {
+    if (action.phase != model::Phase::Retire) continue;
+    RC_ASSERT(action.kind == ActionKind::Recover || action.kind == ActionKind::Cleanup ||
+              action.kind == ActionKind::Undeploy);
+  }
+}
+
+}  // namespace
+}  // namespace segue::solve

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/executor_set.hpp>
+#include <segue/task/probe_component.hpp>
+#include <segue/task/thread_executor.hpp>
+
+#include <gmock/gmock.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <latch>
+#include <semaphore>
+#include <thread>
+
+namespace segue::task {
+namespace {
+
+using namespace std::chrono_literals;
+using test::soon;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class Periodic : public test::TaskTest {
+ protected:
+  Periodic() {
+    make({.trigger = Trigger::Periodic, .period = 10ms});
+    bring_to(TaskState::Running);
+  }
+};
+
+TEST_F(Periodic, UpdatesAtOnceAndThenEveryPeriod) {
+  executor->run_ready();
+  EXPECT_EQ(probe->hooks.size(), 1U);
+  executor->advance(99ms);
+  EXPECT_EQ(probe->hooks.size(), 10U);
+  executor->advance(1ms);
+  EXPECT_EQ(probe->hooks.size(), 11U);
+  EXPECT_EQ(task->timing().missed, 0U);
+  EXPECT_EQ(task->timing().jitter, Duration::zero());
+}
+
+TEST_F(Periodic, MissedCyclesAreCountedAndNotMadeUpFor) {
+  executor->run_ready();
+  clock.advance(35ms);  // nobody could run at 10, 20, 30
+  executor->run_ready();
+  EXPECT_EQ(probe->hooks.size(), 2U);
+  EXPECT_EQ(task->timing().missed, 2U);
+  EXPECT_EQ(task->timing().latency_worst, 25ms);
+  executor->advance(5ms);
+  EXPECT_EQ(probe->hooks.size(), 3U) << "the next is due at 40, as it always was";
+}
+
+TEST_F(Periodic, UpdateThatTakesLongIsMeasured) {
+  probe->act = [this](const std::string& hook) -> Result<void> {
+    if (hook == "update") clock.advance(4ms);
+    return {};
+  };
+  executor->advance(20ms);
+  EXPECT_EQ(task->timing().last, 4ms);
+  EXPECT_EQ(task->timing().worst, 4ms);
+  EXPECT_EQ(task->timing().mean, 4ms);
+}
+
+TEST_F(Periodic, StopsAndStartsAnewInPhaseWithTheStart) {
+  executor->advance(25ms);
+  ASSERT_TRUE(task->stop(soon()));
+  executor->advance(100ms);
+  EXPECT_EQ(probe->hooks.size(), 4U);
+  probe->hooks.clear();
+  ASSERT_TRUE(task->start(soon()));
+  executor->advance(10ms);
+  EXPECT_THAT(probe->hooks, ElementsAre("start", "update", "update"));
+  EXPECT_EQ(task->timing().cycles, 2U) << "timing begins with the start";
+}
+
+using PortDriven = test::TaskTest;
+
+TEST_F(PortDriven, OnlyTriggerPortsTrigger) {
+  struct Choosy : test::Probe {
+    InputPort<int> other{*this, "other"};
+    Choosy() { trigger_on({"other"}); }
+  };
+  auto component = std::make_unique<Choosy>();
+  Choosy* choosy = component.get();
+  auto made = Task::create("choosy", std::move(component), Activity{}, executor);
+  ASSERT_TRUE(made);
+  ASSERT_TRUE((*made)->configure(soon()));
+  ASSERT_TRUE((*made)->start(soon()));
+  choosy->hooks.clear();
+  choosy->input.notify();
+  executor->run_ready();
+  EXPECT_TRUE(choosy->hooks.empty());
+  choosy->other.notify();
+  executor->run_ready();
+  EXPECT_THAT(choosy->hooks, ElementsAre("update"));
+}
+
+class Descriptor : public ::testing::Test {
+ protected:
+  ~Descriptor() override { close(event); }
+  int event = eventfd(0, EFD_NONBLOCK);
+};
+
+TEST_F(Descriptor, ReadableDescriptorUpdatesOnAThread) {
+  auto component = std::make_unique<test::Probe>();
+  test::Probe* probe = component.get();
+  std::counting_semaphore<> updated(0);
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook == "start") return probe->trigger_fd(event);
+    if (hook != "update") return {};
+    eventfd_t value = 0;
+    eventfd_read(event, &value);
+    updated.release();
+    return {};
+  };
+  const Activity activity{.trigger = Trigger::FileDescriptorDriven};
+  auto task = Task::create("fd", std::move(component), &activity);
+  ASSERT_TRUE(task);
+  ASSERT_TRUE((*task)->configure(soon()));
+  for (int round = 0; round < 3; ++round) {
+    ASSERT_TRUE((*task)->start(soon()));
+    for (int i = 0; i < 5; ++i) {
+      eventfd_write(event, 1);
+      ASSERT_TRUE(updated.try_acquire_for(60s));
+    }
+    ASSERT_TRUE((*task)->stop(soon()));
+  }
+  EXPECT_EQ((*task)->timing().cycles, 5U);
+}
+
+TEST_F(Descriptor, DescriptorThatCannotBeWatchedRefusesTheStart) {
+  auto component = std::make_unique<test::Probe>();
+  test::Probe* probe = component.get();
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    return hook == "start" ? probe->trigger_fd(-1) : Result<void>{};
+  };
+  const Activity activity{.trigger = Trigger::FileDescriptorDriven};
+  auto task = Task::create("fd", std::move(component), &activity);
+  ASSERT_TRUE(task);
+  ASSERT_TRUE((*task)->configure(soon()));
+  const Result<void> started = (*task)->start(soon());
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("file descriptor -1"));
+  EXPECT_EQ((*task)->state(), TaskState::Stopped);
+}
+
+class Threads : public ::testing::Test {
+ protected:
+  struct Made {
+    std::unique_ptr<Task> task;
+    test::Probe* probe = nullptr;
+  };
+  static Made make(const std::string& id, const Activity& activity) {
+    auto component = std::make_unique<test::Probe>();
+    Made made{nullptr, component.get()};
+    auto task = Task::create(id, std::move(component), &activity);
+    EXPECT_TRUE(task) << to_string(task.error());
+    if (task) made.task = std::move(*task);
+    return made;
+  }
+};
+
+TEST_F(Threads, PeriodicTaskUpdatesOnItsOwnNamedThread) {
+  Made made = make("a_rather_long_name", {.trigger = Trigger::Periodic, .period = 1ms});
+  std::latch updates(5);
+  std::string thread_name;
+  int count = 0;
+  made.probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook != "update" || ++count > 5) return {};
+    std::array<char, 16> name{};
+    pthread_getname_np(pthread_self(), name.data(), name.size());
+    thread_name = name.data();
+    updates.count_down();
+    return {};
+  };
+  ASSERT_TRUE(made.task->configure(soon()));
+  ASSERT_TRUE(made.task->start(soon()));
+  updates.wait();
+  ASSERT_TRUE(made.task->stop(soon()));
+  EXPECT_EQ(thread_name, "a_rather_long_n");
+  EXPECT_GE(made.task->timing().cycles, 5U);
+}
+
+TEST_F(Threads, VerbThatTimesOutLeavesTheTaskAndWorksLater) {
+  Made made = make("slow", {});
+  std::latch inside(1);
+  std::latch go_on(1);
+  made.probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook != "update") return {};
+    inside.count_down();
+    go_on.wait();
+    return {};
+  };
+  ASSERT_TRUE(made.task->configure(soon()));
+  ASSERT_TRUE(made.task->start(soon()));
+  made.probe->input.notify();
+  inside.wait();
+  const Result<void> stopped = made.task->stop(RealClock::instance().now() + 1ms);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_EQ(made.task->state(), TaskState::Running);
+  go_on.count_down();
+  EXPECT_TRUE(made.task->stop(soon()));
+}
+
+TEST_F(Threads, StopWaitsForTheUpdateInProgress) {
+  Made made = make("slow", {});
+  std::latch inside(1);
+  std::latch go_on(1);
+  made.probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook == "update") {
+      inside.count_down();
+      go_on.wait();
+    }
+    return {};
+  };
+  ASSERT_TRUE(made.task->configure(soon()));
+  ASSERT_TRUE(made.task->start(soon()));
+  made.probe->input.notify();
+  inside.wait();
+  std::thread stopper([&] { EXPECT_TRUE(made.task->stop(soon())); });
+  go_on.count_down();
+  stopper.join();
+  EXPECT_THAT(made.probe->hooks, ElementsAre("configure", "start", "update", "stop"));
+}
+
+TEST_F(Threads, GroupSharesOneThreadAndEndsWithItsLastTask) {
+  const Activity grouped{.thread = "shared"};
+  Made first = make("first", grouped);
+  Made second = make("second", grouped);
+  std::atomic<pthread_t> one{};
+  std::atomic<pthread_t> two{};
+  std::latch updated(2);
+  const auto note = [&](std::atomic<pthread_t>& where) {
+    return [&](const std::string& hook) -> Result<void> {
+      if (hook == "update") {
+        where = pthread_self();
+        updated.count_down();
+      }
+      return {};
+    };
+  };
+  first.probe->act = note(one);
+  second.probe->act = note(two);
+  for (Made* made : {&first, &second}) {
+    ASSERT_TRUE(made->task->configure(soon()));
+    ASSERT_TRUE(made->task->start(soon()));
+    made->probe->input.notify();
+  }
+  updated.wait();
+  EXPECT_EQ(one.load(), two.load());
+  first.task.reset();
+  std::latch again(1);
+  second.probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook == "update") again.count_down();
+    return {};
+  };
+  second.probe->input.notify();
+  again.wait();
+}
+
+TEST_F(Threads, TaskMayBeDestroyedByAnotherOfItsGroup) {
+  const Activity grouped{.thread = "reaper"};
+  Made victim = make("victim", grouped);
+  ASSERT_TRUE(victim.task->configure(soon()));
+  ASSERT_TRUE(victim.task->start(soon()));
+  Made reaper = make("reaper", grouped);
+  std::latch reaped(1);
+  reaper.probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook != "update") return {};
+    victim.probe->input.notify();
+    victim.task.reset();
+    reaped.count_down();
+    return {};
+  };
+  ASSERT_TRUE(reaper.task->configure(soon()));
+  ASSERT_TRUE(reaper.task->start(soon()));
+  reaper.probe->input.notify();
+  reaped.wait();
+  EXPECT_TRUE(reaper.task->stop(soon()));
+}
+
+TEST_F(Threads, GroupWithContradictingSettingsIsRefused) {
+  ExecutorSet set;
+  auto first = set.executor_for("a", {.cpus = {0}, .thread = "g"});
+  ASSERT_TRUE(first);
+  auto second = set.executor_for("b", {.thread = "g"});
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("thread group 'g' already runs as normal on cpus 0"));
+  first->reset();
+  EXPECT_TRUE(set.executor_for("b", {.thread = "g"})) << "a group that is gone binds nobody";
+}
+
+TEST_F(Threads, PriorityOutOfRangeIsRefusedWithARemedy) {
+  auto made = ThreadExecutor::create("x", {.scheduler = Scheduler::Fifo, .priority = 0});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, HasSubstr("from 1 to 99"));
+}
+
+TEST_F(Threads, SchedulerIsGrantedOrRefusedWithARemedyOrOptional) {
+  const Activity fifo{.scheduler = Scheduler::Fifo, .priority = 10};
+  auto made = ThreadExecutor::create("x", fifo);
+  Activity optional = fifo;
+  optional.optional = true;
+  auto lenient = ThreadExecutor::create("x", optional);
+  ASSERT_TRUE(lenient);
+  EXPECT_EQ((*lenient)->scheduler_granted(), made.has_value());
+  if (made) return;
+  EXPECT_EQ(made.error().code, ErrorCode::PermissionDenied);
+  EXPECT_THAT(made.error().message, HasSubstr("CAP_SYS_NICE"));
+}
+
+TEST_F(Threads, ProcessorThatIsNotThereIsRefused) {
+  auto made = ThreadExecutor::create("x", {.cpus = {1000}});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace segue::task

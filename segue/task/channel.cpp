@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/channel.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace segue::task::detail {
+
+void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept {
+  constexpr int kYields = 50;
+  for (int tries = 0; section.load(std::memory_order_acquire) == begin; ++tries) {
+    if (tries < kYields) {
+      std::this_thread::yield();
+    } else {
+      // Yielding alone would starve an interrupted writer of lower priority on the same processor.
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+  }
+}
+
+}  // namespace segue::task::detail

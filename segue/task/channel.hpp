@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/policy.hpp>
+#include <segue/task/sample.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace segue::task {
+
+class InputPortBase;
+
+/// What an output port knows of one of its connections. Links implement it.
+class WriterEnd {
+ public:
+  virtual ~WriterEnd() = default;
+  /// Passes a sample on, with a reference of its own, and wakes the reader. False: refused, and counted.
+  /// Called by the writer only; real-time safe.
+  virtual bool push(SampleSlot& sample) noexcept = 0;
+  /// Takes the connection off both ports. Idempotent; any thread; waits for a write or read in progress.
+  virtual void disconnect() = 0;
+  /// How many samples of the writer's pool it may hold at once, the reader's included.
+  [[nodiscard]] virtual std::size_t capacity() const = 0;
+  /// Whether this connection leads to `reader` with `policy`.
+  [[nodiscard]] virtual bool leads_to(const InputPortBase& reader, const Policy& policy) const = 0;
+};
+
+/// What an input port knows of one of its connections.
+class ReaderEnd {
+ public:
+  virtual ~ReaderEnd() = default;
+  /// The oldest sample that waits, or none. Called by the reader only; real-time safe.
+  virtual SampleRef pull() noexcept = 0;
+  /// Whether pull() would find one. Any thread that holds this end.
+  [[nodiscard]] virtual bool pending() const noexcept = 0;
+  virtual void disconnect() = 0;
+  /// Never used twice in a process.
+  [[nodiscard]] virtual std::uint64_t number() const noexcept = 0;
+};
+
+namespace detail {
+/// Waits until `section` has left the value `begin`. Never burns a processor that the one inside might need.
+void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept;
+}  // namespace detail
+
+/// The connections of a port: read by one real-time thread at a time without ever waiting, changed by any
+/// other. When add() or remove() return, the reader has stopped using the list as it was before.
+template <class End>
+class ConnectionList {
+ public:
+  using Ends = std::vector<std::shared_ptr<End>>;
+
+  ConnectionList() = default;
+  ConnectionList(const ConnectionList&) = delete;
+  ConnectionList& operator=(const ConnectionList&) = delete;
+  ~ConnectionList() { delete ends_.load(std::memory_order_relaxed); }
+
+  /// The real-time side's view, valid as long as this object lives. No two at a time.
+  class Section {
+   public:
+    explicit Section(ConnectionList& list) noexcept
+        : section_(list.section_), count_(list.section_.load(std::memory_order_relaxed)) {
+      section_.store(count_ + 1, std::memory_order_seq_cst);
+      ends_ = list.ends_.load(std::memory_order_seq_cst);
+    }
+    Section(const Section&) = delete;
+    Section& operator=(const Section&) = delete;
+    ~Section() { section_.store(count_ + 2, std::memory_order_release); }
+    [[nodiscard]] std::size_t size() const noexcept { return ends_ == nullptr ? 0 : ends_->size(); }
+    End& operator[](std::size_t index) const noexcept { return *(*ends_)[index]; }
+
+   private:
+    std::atomic<std::uint64_t>& section_;
+    std::uint64_t count_;
+    const Ends* ends_;
+  };
+
+  void add(std::shared_ptr<End> end) {
+    const std::lock_guard lock(mutex_);
+    auto next = std::make_unique<Ends>();
+    const Ends* now = ends_.load(std::memory_order_relaxed);
+    next->reserve((now == nullptr ? 0 : now->size()) + 1);
+    if (now != nullptr) *next = *now;
+    next->push_back(std::move(end));
+    swap(next.release());
+  }
+
+  /// False if it was not there.
+  bool remove(const End* end) {
+    const std::lock_guard lock(mutex_);
+    const Ends* now = ends_.load(std::memory_order_relaxed);
+    auto next = std::make_unique<Ends>();
+    for (std::size_t i = 0; now != nullptr && i < now->size(); ++i) {
+      if ((*now)[i].get() != end) next->push_back((*now)[i]);
+    }
+    if (now == nullptr || next->size() == now->size()) return false;
+    swap(next->empty() ? nullptr : next.release());
+    return true;
+  }
+
+  /// For everybody but the real-time side.
+  [[nodiscard]] Ends snapshot() const {
+    const std::lock_guard lock(mutex_);
+    const Ends* now = ends_.load(std::memory_order_relaxed);
+    return now == nullptr ? Ends{} : *now;
+  }
+
+  [[nodiscard]] bool empty() const noexcept { return ends_.load(std::memory_order_acquire) == nullptr; }
+
+ private:
+  void swap(const Ends* next) {
+    const std::unique_ptr<const Ends> old(ends_.exchange(next, std::memory_order_seq_cst));
+    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
+    if (seen % 2 == 1) detail::wait_until_left(section_, seen);
+  }
+
+  alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the real-time side is inside
+  std::atomic<const Ends*> ends_{nullptr};             ///< nullptr when there is none
+  mutable std::mutex mutex_;
+};
+
+}  // namespace segue::task

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/component.hpp>
+#include <segue/task/held_ports.hpp>
+#include <segue/task/realtime_log.hpp>
+
+#include <algorithm>
+#include <cassert>
+
+namespace segue::task {
+
+namespace {
+
+template <class Named>
+Named* find_named(const std::vector<Named*>& all, std::string_view name) {
+  const auto found = std::ranges::find_if(all, [&](const Named* one) { return one->name() == name; });
+  return found == all.end() ? nullptr : *found;
+}
+
+}  // namespace
+
+Component::Component() = default;
+Component::~Component() = default;
+
+std::vector<InputPortBase*> Component::inputs() const {
+  const std::lock_guard lock(ports_mutex_);
+  return inputs_;
+}
+
+std::vector<OutputPortBase*> Component::outputs() const {
+  const std::lock_guard lock(ports_mutex_);
+  return outputs_;
+}
+
+InputPortBase* Component::find_input(std::string_view name) const {
+  const std::lock_guard lock(ports_mutex_);
+  return find_named(inputs_, name);
+}
+
+OutputPortBase* Component::find_output(std::string_view name) const {
+  const std::lock_guard lock(ports_mutex_);
+  return find_named(outputs_, name);
+}
+
+HeldPorts::HeldPorts(const Component& component, const Component& other)
+    : one_(component.ports_mutex_, std::defer_lock) {
+  if (&component == &other) {
+    one_.lock();
+    return;
+  }
+  other_ = std::unique_lock(other.ports_mutex_, std::defer_lock);
+  std::lock(one_, other_);  // in whatever order others hold them
+}
+
+InputPortBase* HeldPorts::find_input(const Component& component, std::string_view name) const {
+  return find_named(inputs(component), name);
+}
+
+OutputPortBase* HeldPorts::find_output(const Component& component, std::string_view name) const {
+  return find_named(outputs(component), name);
+}
+
+PropertyBase* Component::find_property(std::string_view name) const {
+  return find_named(properties_, name);
+}
+
+OperationBase* Component::find_operation(std::string_view name) const {
+  return find_named(operations_, name);
+}
+
+Result<void> Component::on_configure() {
+  return {};
+}
+Result<void> Component::on_start() {
+  return {};
+}
+void Component::on_update() {}
+void Component::on_error() {}
+void Component::on_stop() {}
+void Component::on_cleanup() {}
+Result<void> Component::on_recover() {
+  return {};
+}
+
+void Component::declare_states(std::vector<std::string> nominal, std::vector<std::string> error) {
+  nominal_states_ = std::move(nominal);
+  error_states_ = std::move(error);
+}
+
+void Component::add_family(PortFamily family) {
+  type::register_type_info(*family.type);
+  families_.push_back(std::move(family));
+}
+
+void Component::set_state(std::string_view name) {
+  assert(context_ != nullptr);
+  context_->set_state(name);
+}
+
+void Component::error(std::string_view name, std::string_view message) {
+  assert(context_ != nullptr);
+  context_->error(name, message);
+}
+
+void Component::recovered() {
+  assert(context_ != nullptr);
+  context_->recovered();
+}
+
+void Component::exception(std::string_view message) {
+  assert(context_ != nullptr);
+  context_->exception(message);
+}
+
+void Component::fatal(std::string_view message) {
+  assert(context_ != nullptr);
+  context_->fatal(message);
+}
+
+void Component::log(LogLevel level, std::string_view message) const {
+  RealtimeLog::instance().push(
+      level, context_ == nullptr ? std::string_view(component_name_) : context_->id(), message);
+}
+
+TimePoint Component::now() const {
+  assert(context_ != nullptr);
+  return context_->now();
+}
+
+const std::string& Component::id() const {
+  assert(context_ != nullptr);
+  return context_->id();
+}
+
+Result<void> Component::trigger_fd(int descriptor) {
+  assert(context_ != nullptr);
+  return context_->trigger_fd(descriptor);
+}
+
+}  // namespace segue::task

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/manual_executor.hpp>
+#include <segue/task/run_queue.hpp>
+
+#include <poll.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace segue::task {
+
+struct ManualExecutor::Implementation {
+  struct Watched {
+    Job* job;
+    int descriptor;
+    bool armed;
+  };
+  explicit Implementation(VirtualClock& time) : clock(time) {}
+  void look_at_descriptors();
+
+  VirtualClock& clock;
+  std::thread::id owner = std::this_thread::get_id();
+  detail::RunQueue queue;
+  std::vector<Watched> watched;
+  std::size_t jobs = 0;
+};
+
+ManualExecutor::ManualExecutor(VirtualClock& clock)
+    : implementation_(std::make_unique<Implementation>(clock)) {}
+ManualExecutor::~ManualExecutor() = default;
+
+void ManualExecutor::Implementation::look_at_descriptors() {
+  for (Watched& one : watched) {
+    pollfd asked{one.descriptor, POLLIN, 0};
+    if (!one.armed || poll(&asked, 1, 0) <= 0) continue;
+    one.armed = false;
+    queue.post_here(*one.job, Job::kDescriptor, clock.now());
+  }
+}
+
+std::size_t ManualExecutor::run_ready(std::size_t limit) {
+  std::size_t count = 0;
+  while (count < limit) {
+    TimePoint now = implementation_->clock.now();
+    implementation_->look_at_descriptors();
+    implementation_->queue.fire(now);
+    if (!implementation_->queue.run_one(now)) break;
+    ++count;
+  }
+  return count;
+}
+
+void ManualExecutor::advance(Duration step) {
+  const TimePoint end = implementation_->clock.now() + step;
+  run_ready();
+  while (implementation_->queue.next_due() <= end) {
+    implementation_->clock.advance(
+        std::max(implementation_->queue.next_due() - implementation_->clock.now(), Duration::zero()));
+    run_ready();
+  }
+  implementation_->clock.advance(std::max(end - implementation_->clock.now(), Duration::zero()));
+}
+
+void ManualExecutor::trigger(Job& job, Job::Reason reason) noexcept {
+  if (is_current()) {
+    implementation_->queue.post_here(job, reason, implementation_->clock.now());
+  } else {
+    implementation_->queue.post(job, reason, implementation_->clock.now());
+  }
+}
+
+void ManualExecutor::add(Job& /*job*/) {
+  implementation_->queue.make_room(++implementation_->jobs);
+}
+
+void ManualExecutor::remove(Job& job) {
+  std::erase_if(implementation_->watched, [&](const auto& one) { return one.job == &job; });
+  implementation_->queue.forget(job);
+}
+
+Result<void> ManualExecutor::watch(Job& job, int descriptor) {
+  implementation_->watched.push_back({&job, descriptor, true});
+  return {};
+}
+
+void ManualExecutor::rearm(Job& job, int descriptor) noexcept {
+  for (auto& one : implementation_->watched) {
+    if (one.job == &job && one.descriptor == descriptor) one.armed = true;
+  }
+}
+
+void ManualExecutor::unwatch(int descriptor) noexcept {
+  std::erase_if(implementation_->watched, [&](const auto& one) { return one.descriptor == descriptor; });
+}
+
+bool ManualExecutor::is_current() const noexcept {
+  return std::this_thread::get_id() == implementation_->owner;
+}
+
+Clock& ManualExecutor::clock() noexcept {
+  return implementation_->clock;
+}
+
+}  // namespace segue::task

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/task/executor.hpp>
+
+#include <memory>
+#include <thread>
+
+namespace segue::task {
+
+/// Runs jobs when it is told to, on a virtual clock: for tests, simulation and single stepping. Any thread
+/// may trigger; the thread that made it runs them, and counts as the executor's own.
+class ManualExecutor final : public Executor {
+ public:
+  explicit ManualExecutor(VirtualClock& clock);
+  ~ManualExecutor() override;
+
+  /// Runs whatever is ready now, and what that makes ready, at most `limit` jobs. Returns how many.
+  std::size_t run_ready(std::size_t limit = 1'000'000);
+  /// Moves time on step by step, running every job at its time.
+  void advance(Duration step);
+
+  void trigger(Job& job, Job::Reason reason) noexcept override;
+  void add(Job& job) override;
+  void remove(Job& job) override;
+  /// Descriptors are looked at in run_ready().
+  Result<void> watch(Job& job, int descriptor) override;
+  void rearm(Job& job, int descriptor) noexcept override;
+  void unwatch(int descriptor) noexcept override;
+  [[nodiscard]] bool is_current() const noexcept override;
+  [[nodiscard]] Clock& clock() noexcept override;
+  /// Nothing: virtual time takes no processor.
+  [[nodiscard]] Usage usage() const override { return {}; }
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::task

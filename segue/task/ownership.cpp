@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/ownership.hpp>
+
+namespace segue::task::detail {
+
+const void* Ownership::this_thread() noexcept {
+  thread_local const char tag = 0;
+  return &tag;
+}
+
+bool Ownership::acquire(TimePoint deadline, bool& retry) noexcept {
+  std::uint32_t word = word_.fetch_add(kOneWaiter, std::memory_order_acq_rel) + kOneWaiter;
+  while (true) {
+    if ((word & kHeld) == 0) {
+      const std::uint32_t held = (word | kHeld) - kOneWaiter;
+      if (!word_.compare_exchange_weak(word, held, std::memory_order_acq_rel)) continue;
+      holder_.store(this_thread(), std::memory_order_relaxed);
+      return true;
+    }
+    const bool in_time = futex_wait(word_, word, deadline);
+    word = word_.load(std::memory_order_acquire);
+    if (in_time || (word & kHeld) == 0) continue;
+    std::uint32_t next = 0;
+    do {
+      next = word - kOneWaiter;
+      // Nobody is left who would tell the update that it missed its turn.
+      if (next == kMissed) next = 0;
+    } while (!word_.compare_exchange_weak(word, next, std::memory_order_acq_rel));
+    retry = next == 0 && word == kOneWaiter + kMissed;
+    // Whoever released it may have woken this waiter instead of one that still waits.
+    if (next >= kOneWaiter && (next & kHeld) == 0) futex_wake(word_, 1);
+    return false;
+  }
+}
+
+}  // namespace segue::task::detail

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/task/component.hpp>
+#include <segue/task/port.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <new>
+
+namespace segue::task {
+
+namespace {
+
+constexpr std::size_t kWriterSlots = 2;  // the one being written, and the last one
+
+std::string declared_name(const type::TypeInfo* type, std::string type_name) {
+  return type == nullptr ? std::move(type_name) : std::string(type->name());
+}
+
+void increment(std::atomic<std::uint64_t>& counter) {  // of one writer
+  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+PortBase::PortBase(Component& component, Direction direction, std::string name, const type::TypeInfo* type,
+                   std::string type_name, PortOptions options)
+    : component_(component),
+      name_(std::move(name)),
+      type_name_(declared_name(type, std::move(type_name))),
+      options_(std::move(options)),
+      type_(type),
+      direction_(direction) {
+  if (type != nullptr) type::register_type_info(*type);
+}
+
+PortBase::~PortBase() = default;
+
+std::string PortBase::full_name() const {
+  const TaskContext* context = component_.context();
+  return context == nullptr ? name_ : context->id() + "." + name_;
+}
+
+OutputPortBase::OutputPortBase(Component& component, std::string name, const type::TypeInfo* type,
+                               std::string type_name, PortOptions options)
+    : PortBase(component, Direction::Output, std::move(name), type, std::move(type_name), std::move(options)),
+      pool_(SamplePool::create(type)) {
+  pool_->reserve(kWriterSlots);
+  const std::lock_guard lock(component_.ports_mutex_);
+  component_.outputs_.push_back(this);
+}
+
+OutputPortBase::~OutputPortBase() {
+  {
+    // First: waits for whoever holds the ports still, and nobody finds this one any more.
+    const std::lock_guard lock(component_.ports_mutex_);
+    std::erase(component_.outputs_, this);
+  }
+  disconnect_all();
+  if (SampleSlot* last = last_.exchange(nullptr)) last->release();
+  if (default_value_ == nullptr) return;
+  type()->destroy(default_value_);
+  ::operator delete(default_value_, std::align_val_t(type()->alignment));
+}
+
+void OutputPortBase::disconnect_all() {
+  for (const auto& end : ends_.snapshot())
+    end->disconnect();
+}
+
+SampleSlot* OutputPortBase::acquire() noexcept {
+  SampleSlot* slot = pool_->acquire();
+  if (slot == nullptr) increment(exhausted_);
+  return slot;
+}
+
+WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
+  increment(written_);
+  slot->sequence = written_.load(std::memory_order_relaxed);
+  bool refused = false;
+  std::size_t count = 0;
+  {
+    const ConnectionList<WriterEnd>::Section ends(ends_);
+    count = ends.size();
+    for (std::size_t i = 0; i < count; ++i)
+      refused |= !ends[i].push(*slot);
+    // Inside, so that show_last() after attach() cannot miss a sample that the new connection did not get.
+    SampleSlot* given_up = options().keep_last ? last_.exchange(slot, std::memory_order_acq_rel) : slot;
+    if (given_up != nullptr) given_up->release();
+  }
+  if (count == 0) return WriteResult::NotConnected;
+  return refused ? WriteResult::Refused : WriteResult::Written;
+}
+
+WriteResult OutputPortBase::write_object(const void* object) {
+  SampleSlot* slot = acquire();
+  if (slot == nullptr) return WriteResult::NoSlot;
+  if (slot->value != nullptr) type()->copy(slot->value, object);
+  return publish(slot);
+}
+
+WriteResult OutputPortBase::write_default() {
+  if (type() != nullptr && default_value_ == nullptr) {
+    default_value_ = ::operator new(type()->size, std::align_val_t(type()->alignment));
+    type()->construct(default_value_);
+  }
+  return write_object(default_value_);
+}
+
+Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
+  SampleSlot* slot = acquire();
+  if (slot == nullptr) return WriteResult::NoSlot;
+  if (slot->value != nullptr) {
+    auto read = type()->from_value(slot->value, value, name());
+    if (!read) {
+      slot->release();
+      return std::move(read.error());
+    }
+  }
+  return publish(slot);
+}
+
+Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const InputPortBase& reader,
+                                    const Policy& policy) {
+  const std::lock_guard lock(attach_mutex_);
+  std::size_t slots = kWriterSlots + end->capacity();
+  for (const auto& other : ends_.snapshot()) {
+    if (other->leads_to(reader, policy)) {
+      return fail(ErrorCode::AlreadyExists, full_name() + " is already connected to " + reader.full_name() +
+                                                " with this policy; connect it once, or with another policy");
+    }
+    slots += other->capacity();
+  }
+  pool_->reserve(slots);
+  ends_.add(std::move(end));
+  return {};
+}
+
+void OutputPortBase::detach(const WriterEnd& end) {
+  ends_.remove(&end);
+}
+
+InputPortBase::InputPortBase(Component& component, std::string name, const type::TypeInfo* type,
+                             std::string type_name, PortOptions options)
+    : PortBase(component, Direction::Input, std::move(name), type, std::move(type_name), std::move(options)) {
+  const std::lock_guard lock(component_.ports_mutex_);
+  component_.inputs_.push_back(this);
+}
+
+InputPortBase::~InputPortBase() {
+  {
+    // First, as above.
+    const std::lock_guard lock(component_.ports_mutex_);
+    std::erase(component_.inputs_, this);
+  }
+  disconnect_all();
+}
+
+void InputPortBase::disconnect_all() {
+  for (const auto& end : ends_.snapshot())
+    end->disconnect();
+}
+
+void InputPortBase::attach(std::shared_ptr<ReaderEnd> end) {
+  ends_.add(std::move(end));
+}
+
+void InputPortBase::detach(const ReaderEnd& end) {
+  ends_.remove(&end);
+}
+
+SampleRef InputPortBase::pull() noexcept {
+  const ConnectionList<ReaderEnd>::Section ends(ends_);
+  const std::size_t count = ends.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (turn_ >= count) turn_ = 0;
+    ReaderEnd& end = ends[turn_++];
+    SampleRef sample = end.pull();
+    if (!sample) continue;
+    last_connection_ = end.number();
+    increment(read_);
+    return sample;
+  }
+  return {};
+}
+
+ReadStatus InputPortBase::fetch() noexcept {
+  if (SampleRef sample = pull()) {
+    last_ = std::move(sample);
+    return ReadStatus::NewData;
+  }
+  if (!last_) return ReadStatus::NoData;
+  // What a connection delivered is gone with it.
+  const ConnectionList<ReaderEnd>::Section ends(ends_);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i].number() == last_connection_) return ReadStatus::OldData;
+  }
+  last_ = {};
+  return ReadStatus::NoData;
+}
+
+ReadStatus InputPortBase::read_value(type::Value& value) {
+  const ReadStatus status = fetch();
+  if (status == ReadStatus::NoData) return status;
+  const SampleSlot& slot = *last_.get();
+  value = slot.value == nullptr ? type::Value{} : slot.owner->info()->to_value(slot.value);
+  return status;
+}
+
+std::size_t InputPortBase::drain() noexcept {
+  std::size_t dropped = 0;
+  while (pull())
+    ++dropped;
+  return dropped;
+}
+
+bool InputPortBase::pending() noexcept {
+  const ConnectionList<ReaderEnd>::Section ends(ends_);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i].pending()) return true;
+  }
+  return false;
+}
+
+}  // namespace segue::task

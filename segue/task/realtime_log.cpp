@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/realtime_log.hpp>
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace segue::task {
+
+RealtimeLog& RealtimeLog::instance() {
+  static RealtimeLog log;
+  return log;
+}
+
+RealtimeLog::RealtimeLog() : lines_(std::make_unique<std::array<Line, kLines>>()) {
+  for (std::size_t i = 0; i < kLines; ++i)
+    (*lines_)[i].turn.store(i, std::memory_order_relaxed);
+}
+
+// A bounded queue in which a line's `turn` tells whose it is: equal to the position, the next writer's; one
+// more, the reader's; the writer of the next round waits for position + kLines.
+bool RealtimeLog::push(LogLevel level, std::string_view source, std::string_view message) noexcept {
+  std::size_t position = head_.load(std::memory_order_relaxed);
+  Line* line = nullptr;
+  while (true) {
+    line = &(*lines_)[position % kLines];
+    const std::size_t turn = line->turn.load(std::memory_order_acquire);
+    if (turn == position) {
+      if (head_.compare_exchange_weak(position, position + 1, std::memory_order_relaxed)) break;
+    } else if (turn < position) {
+      lost_.fetch_add(1, std::memory_order_relaxed);
+      return false;
+    } else {
+      position = head_.load(std::memory_order_relaxed);
+    }
+  }
+  line->level = level;
+  line->source_size = static_cast<std::uint8_t>(std::min(source.size(), kSourceBytes));
+  line->message_size = static_cast<std::uint8_t>(std::min(message.size(), kMessageBytes));
+  std::memcpy(line->source.data(), source.data(), line->source_size);
+  std::memcpy(line->message.data(), message.data(), line->message_size);
+  line->turn.store(position + 1, std::memory_order_release);
+  return true;
+}
+
+bool RealtimeLog::pop(Line& copy) noexcept {
+  std::size_t position = tail_.load(std::memory_order_relaxed);
+  while (true) {
+    Line& line = (*lines_)[position % kLines];
+    const std::size_t turn = line.turn.load(std::memory_order_acquire);
+    if (turn < position + 1) return false;
+    if (turn > position + 1) {
+      position = tail_.load(std::memory_order_relaxed);
+      continue;
+    }
+    if (!tail_.compare_exchange_weak(position, position + 1, std::memory_order_relaxed)) continue;
+    copy.level = line.level;
+    copy.source_size = line.source_size;
+    copy.message_size = line.message_size;
+    copy.source = line.source;
+    copy.message = line.message;
+    line.turn.store(position + kLines, std::memory_order_release);
+    return true;
+  }
+}
+
+std::size_t RealtimeLog::drain() {
+  std::size_t count = 0;
+  Line line;
+  while (pop(line)) {
+    segue::log(line.level, {line.source.data(), line.source_size}, {line.message.data(), line.message_size});
+    ++count;
+  }
+  const std::uint64_t lost = lost_.load(std::memory_order_relaxed);
+  const std::uint64_t told = told_.exchange(lost, std::memory_order_relaxed);
+  if (lost > told) {
+    segue::log(LogLevel::Warning, "log",
+               std::to_string(lost - told) + " lines of tasks were lost: too many at once");
+  }
+  return count;
+}
+
+struct RealtimeLogDrain::Implementation {
+  std::mutex mutex;
+  std::condition_variable stopped;
+  bool stop = false;
+  std::thread thread;
+};
+
+RealtimeLogDrain::RealtimeLogDrain(std::chrono::milliseconds period)
+    : implementation_(std::make_unique<Implementation>()) {
+  implementation_->thread = std::thread([this, period] {
+    std::unique_lock lock(implementation_->mutex);
+    while (!implementation_->stop) {
+      implementation_->stopped.wait_for(lock, period);
+      RealtimeLog::instance().drain();
+    }
+  });
+}
+
+RealtimeLogDrain::~RealtimeLogDrain() {
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    implementation_->stop = true;
+  }
+  implementation_->stopped.notify_all();
+  implementation_->thread.join();
+}
+
+}  // namespace segue::task

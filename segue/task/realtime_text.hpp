@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace segue::task::detail {
+
+/// A short text that one real-time thread at a time sets, without waiting, and any thread reads.
+class RealtimeText {
+ public:
+  static constexpr std::size_t kBytes = 256;
+
+  void store(std::string_view text) noexcept {
+    const std::uint32_t version = version_.load(std::memory_order_relaxed);
+    version_.store(version + 1, std::memory_order_seq_cst);
+    const std::size_t size = std::min(text.size(), kBytes);
+    for (std::size_t i = 0; i * sizeof(std::uint64_t) < size; ++i) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, text.data() + i * sizeof word, std::min(sizeof word, size - i * sizeof word));
+      words_[i].store(word, std::memory_order_seq_cst);
+    }
+    size_.store(size, std::memory_order_seq_cst);
+    version_.store(version + 2, std::memory_order_seq_cst);
+  }
+
+  [[nodiscard]] std::string load() const {
+    while (true) {
+      const std::uint32_t version = version_.load(std::memory_order_seq_cst);
+      if (version % 2 == 1) continue;
+      std::array<std::uint64_t, kBytes / sizeof(std::uint64_t)> words{};
+      const std::size_t size = size_.load(std::memory_order_seq_cst);
+      for (std::size_t i = 0; i * sizeof(std::uint64_t) < size; ++i) {
+        words[i] = words_[i].load(std::memory_order_seq_cst);
+      }
+      if (version_.load(std::memory_order_seq_cst) != version) continue;
+      std::string text(size, '\0');
+      std::memcpy(text.data(), words.data(), size);
+      return text;
+    }
+  }
+
+ private:
+  std::atomic<std::uint32_t> version_{0};
+  std::atomic<std::size_t> size_{0};
+  std::array<std::atomic<std::uint64_t>, kBytes / sizeof(std::uint64_t)> words_{};
+};
+
+}  // namespace segue::task::detail

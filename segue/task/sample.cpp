@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/sample.hpp>
+
+#include <algorithm>
+#include <new>
+
+namespace segue::task {
+
+namespace {
+
+/// The free list of a retired pool: whoever sees it counts down instead of pushing.
+SampleSlot* retired_mark() {
+  static SampleSlot mark;
+  return &mark;
+}
+
+constexpr std::size_t rounded_up(std::size_t size, std::size_t alignment) {
+  return (size + alignment - 1) / alignment * alignment;
+}
+
+std::size_t alignment_of(const type::TypeInfo* info) {
+  return info == nullptr ? alignof(SampleSlot) : std::max(alignof(SampleSlot), info->alignment);
+}
+
+}  // namespace
+
+SamplePool::Handle SamplePool::create(const type::TypeInfo* info) {
+  return Handle(new SamplePool(info));
+}
+
+SamplePool::SamplePool(const type::TypeInfo* info)
+    : SampleOwner(info),
+      offset_(rounded_up(sizeof(SampleSlot), alignment_of(info))),
+      stride_(rounded_up(offset_ + (info == nullptr ? 0 : info->size), alignment_of(info))) {}
+
+SamplePool::~SamplePool() {
+  forget_example();
+  for (const Chunk& chunk : chunks_) {
+    for (std::size_t i = 0; i < chunk.slots; ++i) {
+      auto* slot = reinterpret_cast<SampleSlot*>(chunk.memory + i * stride_);
+      if (slot->value != nullptr) info()->destroy(slot->value);
+      slot->~SampleSlot();
+    }
+    ::operator delete(chunk.memory, std::align_val_t(alignment_of(info())));
+  }
+}
+
+void SamplePool::reserve(std::size_t slots) {
+  const std::lock_guard lock(mutex_);
+  if (slots <= size_) return;
+  const std::size_t count = slots - size_;
+  chunks_.reserve(chunks_.size() + 1);
+  auto* memory =
+      static_cast<std::byte*>(::operator new(count* stride_, std::align_val_t(alignment_of(info()))));
+  SampleSlot* first = nullptr;
+  SampleSlot* last = nullptr;
+  for (std::size_t i = count; i-- > 0;) {
+    SampleSlot* slot = make_slot(memory + i * stride_);
+    slot->next = first;
+    first = slot;
+    if (last == nullptr) last = slot;
+  }
+  chunks_.push_back({memory, count});
+  size_ = slots;
+  push_chain(first, last);
+}
+
+SampleSlot* SamplePool::make_slot(std::byte* memory) {
+  auto* slot = new (memory) SampleSlot;
+  slot->owner = this;
+  if (info() == nullptr) return slot;
+  slot->value = memory + offset_;
+  info()->construct(slot->value);
+  if (example_ != nullptr) info()->copy(slot->value, example_);
+  return slot;
+}
+
+void SamplePool::prime(const void* example) {
+  {
+    // First, so that slots that come meanwhile are filled in one way or the other.
+    const std::lock_guard lock(mutex_);
+    if (example_ == nullptr) {
+      example_ = ::operator new(info()->size, std::align_val_t(alignment_of(info())));
+      info()->construct(example_);
+    }
+    info()->copy(example_, example);
+  }
+  std::vector<SampleRef> slots;
+  while (SampleSlot* slot = acquire()) {
+    slots.push_back(SampleRef::adopt(slot));
+    info()->copy(slot->value, example);
+  }
+}
+
+void SamplePool::forget_example() noexcept {
+  if (example_ == nullptr) return;
+  info()->destroy(example_);
+  ::operator delete(example_, std::align_val_t(alignment_of(info())));
+}
+
+std::size_t SamplePool::size() const {
+  const std::lock_guard lock(mutex_);
+  return size_;
+}
+
+SampleSlot* SamplePool::acquire() noexcept {
+  if (reserved_ == nullptr) {
+    if (free_.load(std::memory_order_relaxed) == nullptr) return nullptr;
+    reserved_ = free_.exchange(nullptr, std::memory_order_acquire);
+    if (reserved_ == nullptr) return nullptr;
+  }
+  SampleSlot* slot = reserved_;
+  reserved_ = slot->next;
+  slot->references.store(1, std::memory_order_relaxed);
+  return slot;
+}
+
+void SamplePool::push_chain(SampleSlot* first, SampleSlot* last) noexcept {
+  SampleSlot* head = free_.load(std::memory_order_relaxed);
+  do {
+    if (head == retired_mark()) return account(-1);
+    last->next = head;
+  } while (!free_.compare_exchange_weak(head, first, std::memory_order_release, std::memory_order_relaxed));
+}
+
+void SamplePool::recycle(SampleSlot& slot) noexcept {
+  push_chain(&slot, &slot);
+}
+
+void SamplePool::retire() noexcept {
+  std::int64_t home = 0;
+  for (SampleSlot* slot = reserved_; slot != nullptr; slot = slot->next)
+    ++home;
+  SampleSlot* freed = free_.exchange(retired_mark(), std::memory_order_acq_rel);
+  for (; freed != nullptr; freed = freed->next)
+    ++home;
+  account(static_cast<std::int64_t>(size()) - home);
+}
+
+/// Slots come back one by one, before or after retire() has counted how many are out; the change that brings
+/// the balance to zero is the last.
+void SamplePool::account(std::int64_t outstanding) noexcept {
+  if (outstanding_.fetch_add(outstanding, std::memory_order_acq_rel) + outstanding == 0) delete this;
+}
+
+}  // namespace segue::task

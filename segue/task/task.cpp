@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/task/executor_set.hpp>
+#include <segue/task/realtime_log.hpp>
+#include <segue/task/task.hpp>
+#include <segue/task/task_implementation.hpp>
+
+#include <algorithm>
+#include <cassert>
+
+namespace segue::task {
+
+namespace {
+
+Result<void> check_activity(const std::string& id, const Activity& activity) {
+  if (activity.trigger != Trigger::Periodic || activity.period > Duration::zero()) return {};
+  return fail(ErrorCode::InvalidArgument,
+              "a periodic task needs a period above zero, not " + format_duration(activity.period), id);
+}
+
+template <class Named>
+Result<void> check_unique(const std::vector<Named*>& all, std::string_view kind, const std::string& id) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (all[i]->name() != all[j]->name()) continue;
+      return fail(ErrorCode::AlreadyExists,
+                  "the component has two " + std::string(kind) + " named " + quote(all[i]->name()), id);
+    }
+  }
+  return {};
+}
+
+Result<void> check_names(const Component& component, const std::string& id) {
+  if (auto unique = check_unique(component.inputs(), "input ports", id); !unique) return unique;
+  if (auto unique = check_unique(component.outputs(), "output ports", id); !unique) return unique;
+  if (auto unique = check_unique(component.properties(), "properties", id); !unique) return unique;
+  return check_unique(component.operations(), "operations", id);
+}
+
+template <class Named>
+std::vector<std::string> names_of(const std::vector<Named*>& all) {
+  std::vector<std::string> names;
+  for (const Named* one : all)
+    names.push_back(one->name());
+  return names;
+}
+
+}  // namespace
+
+Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Component> made, Activity wanted,
+                                     std::shared_ptr<Executor> runner)
+    : name(std::move(task_id)),
+      activity(std::move(wanted)),
+      executor(std::move(runner)),
+      component(std::move(made)) {
+  RealtimeLog::instance();
+  ComponentAccess::set_context(*component, this);
+  executor->add(*this);
+}
+
+Task::Implementation::~Implementation() {
+  assert(!ownership.is_mine() && "a task must not be destroyed by its own hook");
+  static_cast<void>(exclusive("destroy", detail::kNever, [this]() -> Result<void> {
+    shut_down();
+    listener = nullptr;
+    return {};
+  }));
+  for (InputPortBase* input : component->inputs())
+    input->disconnect_all();
+  for (OutputPortBase* output : component->outputs())
+    output->disconnect_all();
+  executor->remove(*this);
+  calls.take_all([](detail::PendingCall& call) { call.cancel(); });
+  ComponentAccess::set_context(*component, nullptr);
+}
+
+std::string Task::Implementation::state_name() const {
+  const std::uint32_t word = state_word.load(std::memory_order_acquire);
+  const auto plain = static_cast<TaskState>(word & 0xFFU);
+  const std::uint32_t sub_state = word >> 8U;
+  if (sub_state == 0) return std::string(to_string(plain));
+  return plain == TaskState::Running ? component->nominal_states()[sub_state - 1]
+                                     : component->error_states()[sub_state - 1];
+}
+
+Result<type::Value> Task::Implementation::call(std::string_view operation, const type::Value& arguments,
+                                               TimePoint deadline) {
+  const OperationBase* found = component->find_operation(operation);
+  if (found == nullptr) {
+    return fail(ErrorCode::NotFound,
+                "there is no operation " + quote(operation) +
+                    did_you_mean(operation, names_of(component->operations())),
+                name);
+  }
+  auto prepared = found->prepare(arguments);
+  if (!prepared) {
+    Error error = std::move(prepared.error());
+    error.subject = name;
+    return error;
+  }
+  if (found->info().runs_in == RunsIn::CallerThread || ownership.is_mine()) {
+    if (auto error = detail::run_guarded(**prepared, found->name())) return std::move(*error);
+    return (*prepared)->result();
+  }
+  return call_in_thread(std::move(*prepared), found->name(), deadline);
+}
+
+Result<type::Value> Task::Implementation::call_in_thread(std::unique_ptr<OperationCall> prepared,
+                                                         const std::string& operation, TimePoint deadline) {
+  auto pending = std::make_shared<detail::PendingCall>(std::move(prepared), operation);
+  if (!calls.push(pending)) {
+    return fail(ErrorCode::ResourceExhausted, "too many calls wait for the task; try again later", name);
+  }
+  if (executor->is_current()) {
+    // Nobody else would serve it while this thread waits.
+    auto served = exclusive("call an operation of", deadline, [this]() -> Result<void> {
+      serve_calls();
+      return {};
+    });
+    if (!served) return std::move(served.error());
+  } else {
+    executor->trigger(*this, Job::kCall);
+  }
+  return pending->wait(deadline);
+}
+
+Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Component> component,
+                                           const Activity* activity) {
+  const Activity wanted = activity == nullptr ? component->default_activity() : *activity;
+  if (auto checked = check_activity(id, wanted); !checked) return std::move(checked.error());
+  auto executor = ExecutorSet::of_process().executor_for(id, wanted);
+  if (!executor) return std::move(executor.error());
+  return create(std::move(id), std::move(component), wanted, std::move(*executor));
+}
+
+Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Component> component,
+                                           const Activity& activity, std::shared_ptr<Executor> executor) {
+  if (auto checked = check_activity(id, activity); !checked) return std::move(checked.error());
+  if (auto checked = check_names(*component, id); !checked) return std::move(checked.error());
+  std::unique_ptr<Task> task(new Task(
+      std::make_unique<Implementation>(std::move(id), std::move(component), activity, std::move(executor))));
+  task->implementation_->task = task.get();
+  return task;
+}
+
+Task::Task(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+Task::~Task() = default;
+
+const std::string& Task::id() const {
+  return implementation_->name;
+}
+
+Component& Task::component() {
+  return *implementation_->component;
+}
+
+const Component& Task::component() const {
+  return *implementation_->component;
+}
+
+Result<void> Task::configure(TimePoint deadline) {
+  return implementation_->exclusive("configure", deadline, [this] { return implementation_->configure(); });
+}
+
+Result<void> Task::start(TimePoint deadline) {
+  return implementation_->exclusive("start", deadline, [this] { return implementation_->start(); });
+}
+
+Result<void> Task::stop(TimePoint deadline) {
+  return implementation_->exclusive("stop", deadline, [this] { return implementation_->stop(); });
+}
+
+Result<void> Task::cleanup(TimePoint deadline) {
+  return implementation_->exclusive("clean up", deadline, [this] { return implementation_->cleanup(); });
+}
+
+Result<void> Task::recover(TimePoint deadline) {
+  return implementation_->exclusive("recover", deadline, [this] { return implementation_->recover(); });
+}
+
+TaskState Task::state() const {
+  return implementation_->state();
+}
+
+std::string Task::state_name() const {
+  return implementation_->state_name();
+}
+
+std::string Task::error_message() const {
+  return implementation_->message.load();
+}
+
+Result<void> Task::set_properties(const type::Value& values, TimePoint deadline) {
+  Implementation& self = *implementation_;
+  if (!values.is_map()) {
+    return fail(ErrorCode::InvalidArgument, "properties must be a map, not " + type::describe(values),
+                self.name);
+  }
+  const std::lock_guard lock(self.properties_mutex);
+  // Checked before and freed after the task is held, so that its updates wait for the swap only.
+  std::vector<std::unique_ptr<PropertyBase::Staged>> staged;
+  std::vector<std::string> not_live;
+  for (const auto& [name, value] : values.as_map()) {
+    PropertyBase* property = self.component->find_property(name);
+    if (property == nullptr) {
+      return fail(
+          ErrorCode::NotFound,
+          "there is no property " + quote(name) + did_you_mean(name, names_of(self.component->properties())),
+          self.name);
+    }
+    if (!property->live()) not_live.push_back(quote(name));
+    auto checked = property->stage(value, "properties." + name);
+    if (!checked) {
+      Error error = std::move(checked.error());
+      error.subject = self.name;
+      return error;
+    }
+    staged.push_back(std::move(*checked));
+  }
+  return self.exclusive("set properties of", deadline, [&]() -> Result<void> {
+    if (self.state() == TaskState::Fatal) return self.illegal("set properties", "another state");
+    if (is_configured(self.state()) && !not_live.empty()) {
+      return fail(ErrorCode::InvalidState,
+                  "cannot set " + listed(not_live) + " in " + self.state_name() +
+                      ": not live; clean the task up first",
+                  self.name);
+    }
+    for (const auto& one : staged)
+      one->apply();
+    return {};
+  });
+}
+
+type::Value Task::properties() const {
+  const std::lock_guard lock(implementation_->properties_mutex);
+  type::ValueMap map;
+  for (const PropertyBase* property : implementation_->component->properties()) {
+    map.set(property->name(), property->value());
+  }
+  return type::Value(std::move(map));
+}
+
+Result<type::Value> Task::call(std::string_view operation, const type::Value& arguments, TimePoint deadline) {
+  return implementation_->call(operation, arguments, deadline);
+}
+
+const Activity& Task::activity() const {
+  return implementation_->activity;
+}
+
+Timing Task::timing() const {
+  return implementation_->recorder.timing(*implementation_->executor);
+}
+
+void Task::set_state_listener(StateListener listener) {
+  Implementation& self = *implementation_;
+  const auto swap = [&]() -> Result<void> {
+    std::swap(self.listener, listener);
+    return {};
+  };
+  if (self.ownership.is_mine()) {
+    static_cast<void>(swap());
+  } else {
+    static_cast<void>(self.exclusive("listen to", detail::kNever, swap));
+  }
+}
+
+}  // namespace segue::task

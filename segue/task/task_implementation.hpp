@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/task/call_queue.hpp>
+#include <segue/task/component.hpp>
+#include <segue/task/executor.hpp>
+#include <segue/task/ownership.hpp>
+#include <segue/task/realtime_text.hpp>
+#include <segue/task/task.hpp>
+#include <segue/task/timing.hpp>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::task {
+
+/// Calls the hooks of a component, which are nobody else's business.
+class ComponentAccess {
+ public:
+  static Result<void> configure(Component& component) { return component.on_configure(); }
+  static Result<void> start(Component& component) { return component.on_start(); }
+  static Result<void> recover(Component& component) { return component.on_recover(); }
+  static void update(Component& component) { component.on_update(); }
+  static void error(Component& component) { component.on_error(); }
+  static void stop(Component& component) { component.on_stop(); }
+  static void cleanup(Component& component) { component.on_cleanup(); }
+  static void set_context(Component& component, TaskContext* context) { component.context_ = context; }
+  static OutputPort<std::int32_t>& state_port(Component& component) { return component.state_port_; }
+};
+
+/// A task as a job of its executor. Everything without a comment belongs to whoever holds `ownership`.
+struct Task::Implementation final : Job, TaskContext, SampleListener {
+  Implementation(std::string task_id, std::unique_ptr<Component> made, Activity wanted,
+                 std::shared_ptr<Executor> runner);
+  ~Implementation();
+
+  // What hooks may ask for (TaskContext).
+  [[nodiscard]] const std::string& id() const override { return name; }
+  [[nodiscard]] TimePoint now() const override { return executor->clock().now(); }
+  void set_state(std::string_view sub_state) override;
+  void error(std::string_view sub_state, std::string_view text) override;
+  void recovered() override;
+  void exception(std::string_view text) override;
+  void fatal(std::string_view text) override;
+  Result<void> trigger_fd(int descriptor) override;
+
+  void sample_arrived() noexcept override { executor->trigger(*this, Job::kSample); }
+  TimePoint run(std::uint32_t reasons, TimePoint& now) noexcept override;
+
+  // Life cycle (life_cycle.cpp).
+  Result<void> configure();
+  Result<void> start();
+  Result<void> stop();
+  Result<void> cleanup();
+  Result<void> recover();
+  void shut_down();
+
+  /// How far a component has come, and so which hooks undo it.
+  enum class Reached { Nothing, Configured, Started };
+  struct HookEnd {
+    std::optional<Error> refused;
+    bool broke = false;  ///< threw, or asked for exception or fatal
+  };
+  template <class Hook>
+  HookEnd run_hook(std::string_view hook_name, Hook hook);
+  Result<void> collapse(std::string_view hook_name, Reached reached);
+  void undo(std::string_view hook_name, void (*hook)(Component&));
+  Result<void> refused(std::string_view hook_name, Error why);
+  Result<void> arm();
+  void disarm();
+  void enter(TaskState state, std::uint32_t sub_state = 0);
+  [[nodiscard]] Error illegal(std::string_view verb, std::string_view needed) const;
+
+  // Updates (task_update.cpp).
+  [[nodiscard]] bool active() const;
+  [[nodiscard]] bool due(std::uint32_t reasons, TimePoint now) const;
+  void update(TimePoint& now) noexcept;
+  void look_again() noexcept;
+  [[nodiscard]] std::uint64_t trigger_samples_read() const noexcept;
+  void serve_calls() noexcept;
+  void release() noexcept;
+
+  [[nodiscard]] TaskState state() const {
+    return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);
+  }
+  [[nodiscard]] std::string state_name() const;
+  /// Runs `body` with the ownership, or says why not. From any thread.
+  template <class Body>
+  Result<void> exclusive(std::string_view verb, TimePoint deadline, Body body);
+  Result<type::Value> call(std::string_view operation, const type::Value& arguments, TimePoint deadline);
+  Result<type::Value> call_in_thread(std::unique_ptr<OperationCall> prepared, const std::string& operation,
+                                     TimePoint deadline);
+
+  enum class Request { None, Exception, Fatal };
+
+  const std::string name;
+  const Activity activity;
+  const std::shared_ptr<Executor> executor;
+  const std::unique_ptr<Component> component;
+  Task* task = nullptr;
+
+  detail::Ownership ownership;               ///< any thread
+  std::atomic<std::uint32_t> state_word{0};  ///< any thread reads; TaskState, then sub-state's index + 1
+  detail::RealtimeText message;              ///< any thread reads
+  detail::TimingRecorder recorder;           ///< any thread reads
+  detail::CallQueue calls;                   ///< any thread
+  std::mutex properties_mutex;               ///< held to set properties and to read them from outside
+
+  Task::StateListener listener;
+  Request request = Request::None;
+  bool starting = false;
+  std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
+  std::vector<InputPortBase*> trigger_inputs;
+  std::vector<int> descriptors;
+  TimePoint due_at{};
+  std::uint32_t trigger_on_release = 0;  ///< reasons to run as soon as the verb is done
+  std::uint32_t deferred = 0;            ///< of the executor: reasons that met a held ownership
+};
+
+template <class Body>
+Result<void> Task::Implementation::exclusive(std::string_view verb, TimePoint deadline, Body body) {
+  if (ownership.is_mine()) {
+    return fail(ErrorCode::InvalidState,
+                "cannot " + std::string(verb) + " a task from inside its own hook; ask from another thread",
+                name);
+  }
+  bool retry = false;
+  if (!ownership.acquire(deadline, retry)) {
+    if (retry) executor->trigger(*this, Job::kRetry);
+    return fail(ErrorCode::DeadlineExceeded,
+                "cannot " + std::string(verb) + " now: an update or a hook runs too long", name);
+  }
+  struct Releaser {
+    Implementation& owned;
+    ~Releaser() { owned.release(); }
+  } const releaser{*this};
+  return body();
+}
+
+}  // namespace segue::task

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/realtime_log.hpp>
+#include <segue/task/task_implementation.hpp>
+
+#include <algorithm>
+#include <exception>
+
+namespace segue::task {
+
+namespace {
+
+/// Index + 1 of a declared sub-state; 0 for "" and for names that were not declared.
+std::uint32_t number_of(const std::vector<std::string>& declared, std::string_view name) {
+  const auto found = std::ranges::find(declared, name);
+  return found == declared.end() ? 0 : static_cast<std::uint32_t>(found - declared.begin()) + 1;
+}
+
+}  // namespace
+
+bool Task::Implementation::active() const {
+  return state() == TaskState::Running || state() == TaskState::RunTimeError;
+}
+
+TimePoint Task::Implementation::run(std::uint32_t reasons, TimePoint& now) noexcept {
+  deferred |= reasons;
+  // Whoever holds it triggers this again when done.
+  if (!ownership.try_acquire()) return detail::kNever;
+  reasons = std::exchange(deferred, 0);
+  if (!calls.empty()) serve_calls();
+  if (active() && due(reasons, now)) update(now);
+  const bool timed = activity.trigger == Trigger::Periodic && active();
+  const TimePoint next = timed ? due_at : detail::kNever;
+  release();
+  return next;
+}
+
+bool Task::Implementation::due(std::uint32_t reasons, TimePoint now) const {
+  switch (activity.trigger) {
+    case Trigger::Periodic:
+      return now >= due_at;
+    case Trigger::PortDriven:
+      return (reasons & Job::kSample) != 0;
+    case Trigger::FileDescriptorDriven:
+      return (reasons & Job::kDescriptor) != 0;
+  }
+  return false;
+}
+
+void Task::Implementation::update(TimePoint& now) noexcept {
+  const TimePoint begin = now;
+  TimePoint wanted = wanted_since();
+  std::uint64_t missed = 0;
+  if (activity.trigger == Trigger::Periodic) {
+    wanted = due_at;
+    missed = static_cast<std::uint64_t>((begin - due_at) / activity.period);
+    due_at += activity.period * static_cast<std::int64_t>(missed + 1);
+  }
+  const std::uint64_t read_before = trigger_samples_read();
+  request = Request::None;
+  const bool in_error = state() == TaskState::RunTimeError;
+  const std::string_view hook_name = in_error ? "on_error" : "on_update";
+  try {
+    if (in_error) {
+      ComponentAccess::error(*component);
+    } else {
+      ComponentAccess::update(*component);
+    }
+  } catch (const std::exception& thrown) {
+    exception(std::string(hook_name) + " threw: " + thrown.what());
+  } catch (...) {
+    exception(in_error ? "on_error threw something that is no std::exception"
+                       : "on_update threw something that is no std::exception");
+  }
+  now = executor->clock().now();
+  recorder.record(wanted, begin, now, activity.period, missed);
+  if (request != Request::None) {
+    static_cast<void>(collapse(hook_name, Reached::Started));
+    return;
+  }
+  for (const int descriptor : descriptors)
+    executor->rearm(*this, descriptor);
+  const bool has_recovered = in_error && state() == TaskState::Running;
+  if (!trigger_inputs.empty() && (has_recovered || trigger_samples_read() != read_before)) look_again();
+}
+
+std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
+  std::uint64_t count = 0;
+  for (const InputPortBase* input : trigger_inputs)
+    count += input->samples_read();
+  return count;
+}
+
+/// One wake-up may stand for several samples. A component that takes one at a time gets its next turn as long
+/// as it makes progress.
+void Task::Implementation::look_again() noexcept {
+  const auto waits = [](InputPortBase* input) { return input->pending(); };
+  if (std::ranges::any_of(trigger_inputs, waits)) executor->trigger(*this, Job::kSample);
+}
+
+void Task::Implementation::serve_calls() noexcept {
+  request = Request::None;
+  calls.take_all([](detail::PendingCall& call) { call.run(); });
+  if (request == Request::None) return;
+  const Reached reached = active()                 ? Reached::Started
+                          : is_configured(state()) ? Reached::Configured
+                                                   : Reached::Nothing;
+  static_cast<void>(collapse("an operation", reached));
+}
+
+void Task::Implementation::release() noexcept {
+  std::uint32_t reasons = std::exchange(trigger_on_release, 0);
+  if (ownership.release()) reasons |= Job::kRetry;
+  if (reasons != 0) executor->trigger(*this, static_cast<Job::Reason>(reasons));
+}
+
+void Task::Implementation::set_state(std::string_view sub_state) {
+  const std::uint32_t number = number_of(component->nominal_states(), sub_state);
+  if (state() != TaskState::Running || (number == 0 && !sub_state.empty())) {
+    RealtimeLog::instance().push(LogLevel::Warning, name,
+                                 number == 0 ? "set_state() with a name that declare_states() lacks: ignored"
+                                             : "set_state() outside of running: ignored");
+    return;
+  }
+  if (state_word.load(std::memory_order_relaxed) >> 8U != number) enter(TaskState::Running, number);
+}
+
+void Task::Implementation::error(std::string_view sub_state, std::string_view text) {
+  const std::uint32_t number = number_of(component->error_states(), sub_state);
+  if (!active() && !starting) {
+    RealtimeLog::instance().push(LogLevel::Warning, name, "error() outside of start and update: ignored");
+    return;
+  }
+  if (number == 0 && !sub_state.empty()) {
+    RealtimeLog::instance().push(LogLevel::Warning, name,
+                                 "error() with a name that declare_states() lacks: without sub-state");
+  }
+  message.store(text);
+  if (starting) {
+    error_at_start = number + 1;
+  } else {
+    enter(TaskState::RunTimeError, number);
+  }
+}
+
+void Task::Implementation::recovered() {
+  if (state() != TaskState::RunTimeError) return;
+  message.store("");
+  enter(TaskState::Running);
+}
+
+void Task::Implementation::exception(std::string_view text) {
+  message.store(text);
+  if (request == Request::None) request = Request::Exception;
+}
+
+void Task::Implementation::fatal(std::string_view text) {
+  message.store(text);
+  request = Request::Fatal;
+}
+
+Result<void> Task::Implementation::trigger_fd(int descriptor) {
+  if (!starting || activity.trigger != Trigger::FileDescriptorDriven) {
+    return fail(
+        ErrorCode::InvalidState,
+        "trigger_fd() belongs into on_start of a task that is driven by file descriptors; this one is " +
+            std::string(to_string(activity.trigger)),
+        name);
+  }
+  descriptors.push_back(descriptor);
+  return {};
+}
+
+}  // namespace segue::task

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/run_queue.hpp>
+#include <segue/task/thread_executor.hpp>
+#include <segue/task/thread_start.hpp>
+
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <mutex>
+
+namespace segue::task {
+
+namespace {
+
+constexpr std::uint32_t kAwake = 0;
+constexpr std::uint32_t kInFutex = 1;
+constexpr std::uint32_t kInPoll = 2;
+
+/// After so many jobs without a pause, descriptors are looked at all the same.
+constexpr int kJobsBetweenPolls = 32;
+
+timespec to_timespec(Duration duration) {
+  const auto count = std::max(duration, Duration::zero()).count();
+  return {static_cast<time_t>(count / 1'000'000'000), static_cast<long>(count % 1'000'000'000)};
+}
+
+}  // namespace
+
+/// Shared with the thread, so that an executor may be destroyed from inside one of its own jobs.
+struct ThreadExecutor::State {
+  ~State() {
+    if (poll_descriptor >= 0) close(poll_descriptor);
+    if (wake_descriptor >= 0) close(wake_descriptor);
+  }
+
+  void wake() noexcept;
+  void loop() noexcept;
+  void sleep(TimePoint& now) noexcept;
+  void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
+  void collect_events(const timespec* timeout, TimePoint now) noexcept;
+  void make_room() noexcept;
+  Result<void> prepare_poll();
+  static void* main(void* argument);
+
+  detail::RunQueue queue;
+  TimePoint now{};  ///< of the thread, for jobs that trigger each other
+  alignas(64) std::atomic<std::uint32_t> sleeping{kAwake};
+  std::atomic<bool> stop{false};
+  std::atomic<bool> polls{false};  ///< the thread must also wait for descriptors
+  std::atomic<std::size_t> jobs{0};
+  std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
+  std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
+  std::mutex descriptors_mutex;
+  int poll_descriptor = -1;
+  int wake_descriptor = -1;
+  pthread_t thread{};
+};
+
+namespace {
+/// The executor whose thread this is.
+thread_local const void* current_executor = nullptr;
+}  // namespace
+
+Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string& name,
+                                                               const Activity& activity) {
+  auto state = std::make_shared<State>();
+  std::shared_ptr<ThreadExecutor> executor(new ThreadExecutor(state));
+  auto argument = std::make_unique<std::shared_ptr<State>>(state);
+  state->awake_since.store(RealClock::instance().now().time_since_epoch().count(), std::memory_order_relaxed);
+  auto started = detail::start_thread(name, activity, &State::main, argument.get());
+  if (!started) {
+    executor->state_.reset();
+    return std::move(started.error());
+  }
+  static_cast<void>(argument.release());  // the thread's now
+  state->thread = started->thread;
+  executor->granted_ = started->scheduler_granted;
+  return executor;
+}
+
+ThreadExecutor::~ThreadExecutor() {
+  if (!state_) return;
+  const pthread_t thread = state_->thread;
+  state_->stop.store(true, std::memory_order_seq_cst);
+  if (is_current()) {
+    pthread_detach(thread);
+    return;
+  }
+  state_->wake();
+  pthread_join(thread, nullptr);
+}
+
+void* ThreadExecutor::State::main(void* argument) {
+  const std::unique_ptr<std::shared_ptr<State>> state(static_cast<std::shared_ptr<State>*>(argument));
+  current_executor = state->get();
+  prctl(PR_SET_TIMERSLACK, 1UL);  // wake at the time asked for, not up to 50 us later
+  (*state)->loop();
+  current_executor = nullptr;
+  return nullptr;
+}
+
+bool ThreadExecutor::is_current() const noexcept {
+  return current_executor == state_.get();
+}
+
+void ThreadExecutor::trigger(Job& job, Job::Reason reason) noexcept {
+  State& state = *state_;
+  if (current_executor == &state) {
+    state.queue.post_here(job, reason, state.now);
+  } else if (state.queue.post(job, reason, clock().now())) {
+    state.wake();
+  }
+}
+
+void ThreadExecutor::State::wake() noexcept {
+  if (sleeping.load(std::memory_order_seq_cst) == kAwake) return;
+  const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
+  if (how == kInFutex) detail::futex_wake(sleeping, 1);
+  if (how == kInPoll) eventfd_write(wake_descriptor, 1);
+}
+
+void ThreadExecutor::State::loop() noexcept {
+  queue.make_room(16);
+  now = RealClock::instance().now();
+  int jobs_since_poll = 0;
+  while (!stop.load(std::memory_order_relaxed)) {
+    if (queue.next_due() <= now) queue.fire(now);
+    if (!queue.run_one(now)) {
+      jobs_since_poll = 0;
+      sleep(now);
+    } else if (++jobs_since_poll >= kJobsBetweenPolls) {
+      jobs_since_poll = 0;
+      const timespec at_once{};
+      if (polls.load(std::memory_order_relaxed)) collect_events(&at_once, now);
+    }
+  }
+}
+
+void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
+  make_room();
+  const TimePoint until = queue.next_due();
+  const bool in_poll = polls.load(std::memory_order_acquire);
+  sleeping.store(in_poll ? kInPoll : kInFutex, std::memory_order_seq_cst);
+  const bool changed = polls.load(std::memory_order_seq_cst) != in_poll;
+  if (queue.has_posted() || stop.load(std::memory_order_seq_cst) || changed) {
+    sleeping.store(kAwake, std::memory_order_relaxed);
+    time = RealClock::instance().now();
+    return;
+  }
+  const std::int64_t begin = time.time_since_epoch().count();
+  const std::int64_t awake = begin - awake_since.load(std::memory_order_relaxed);
+  busy_before.store(busy_before.load(std::memory_order_relaxed) + std::max<std::int64_t>(awake, 0),
+                    std::memory_order_relaxed);
+  awake_since.store(0, std::memory_order_relaxed);
+  if (in_poll) {
+    sleep_in_poll(time, until);
+  } else {
+    detail::futex_wait(sleeping, kInFutex, until);
+  }
+  sleeping.store(kAwake, std::memory_order_relaxed);
+  time = RealClock::instance().now();
+  awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
+  make_room();
+}
+
+void ThreadExecutor::State::sleep_in_poll(TimePoint time, TimePoint until) noexcept {
+  if (until == detail::kNever) return collect_events(nullptr, time);
+  const timespec timeout = to_timespec(until - RealClock::instance().now());
+  collect_events(&timeout, time);
+}
+
+void ThreadExecutor::State::collect_events(const timespec* timeout, TimePoint time) noexcept {
+  std::array<epoll_event, 16> events{};
+  const int count =
+      epoll_pwait2(poll_descriptor, events.data(), static_cast<int>(events.size()), timeout, nullptr);
+  if (count > 0) time = RealClock::instance().now();
+  for (int i = 0; i < count; ++i) {
+    void* job = events[static_cast<std::size_t>(i)].data.ptr;
+    if (job == nullptr) {
+      eventfd_t ignored = 0;
+      eventfd_read(wake_descriptor, &ignored);
+    } else {
+      queue.post_here(*static_cast<Job*>(job), Job::kDescriptor, time);
+    }
+  }
+}
+
+void ThreadExecutor::State::make_room() noexcept {
+  const std::size_t wanted = jobs.load(std::memory_order_relaxed);
+  if (wanted > queue.room()) queue.make_room(2 * wanted);
+}
+
+void ThreadExecutor::add(Job& /*job*/) {
+  state_->jobs.fetch_add(1, std::memory_order_relaxed);
+  if (!is_current()) state_->wake();  // to make room before the job is started
+}
+
+void ThreadExecutor::remove(Job& job) {
+  if (is_current()) {
+    state_->queue.forget(job);
+  } else {
+    if (state_->queue.post_retire(job)) state_->wake();
+    detail::RunQueue::wait_retired(job);
+  }
+  state_->jobs.fetch_sub(1, std::memory_order_relaxed);
+}
+
+Result<void> ThreadExecutor::State::prepare_poll() {
+  const std::lock_guard lock(descriptors_mutex);
+  if (poll_descriptor >= 0) return {};
+  const int poller = epoll_create1(EPOLL_CLOEXEC);
+  const int waker = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  epoll_event event{};
+  event.events = EPOLLIN;
+  if (poller < 0 || waker < 0 || epoll_ctl(poller, EPOLL_CTL_ADD, waker, &event) != 0) {
+    const int code = errno;
+    if (poller >= 0) close(poller);
+    if (waker >= 0) close(waker);
+    return fail(ErrorCode::ResourceExhausted,
+                std::string("cannot wait for file descriptors: ") + std::strerror(code));
+  }
+  poll_descriptor = poller;
+  wake_descriptor = waker;
+  polls.store(true, std::memory_order_seq_cst);
+  wake();
+  return {};
+}
+
+Result<void> ThreadExecutor::watch(Job& job, int descriptor) {
+  if (auto prepared = state_->prepare_poll(); !prepared) return prepared;
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLRDHUP | EPOLLONESHOT;
+  event.data.ptr = &job;
+  if (epoll_ctl(state_->poll_descriptor, EPOLL_CTL_ADD, descriptor, &event) == 0) return {};
+  return fail(ErrorCode::InvalidArgument, "cannot be driven by file descriptor " +
+                                              std::to_string(descriptor) + ": " + std::strerror(errno));
+}
+
+void ThreadExecutor::rearm(Job& job, int descriptor) noexcept {
+  epoll_event event{};
+  event.events = EPOLLIN | EPOLLRDHUP | EPOLLONESHOT;
+  event.data.ptr = &job;
+  epoll_ctl(state_->poll_descriptor, EPOLL_CTL_MOD, descriptor, &event);
+}
+
+void ThreadExecutor::unwatch(int descriptor) noexcept {
+  epoll_ctl(state_->poll_descriptor, EPOLL_CTL_DEL, descriptor, nullptr);
+}
+
+Executor::Usage ThreadExecutor::usage() const {
+  Usage usage;
+  clockid_t cpu_clock{};
+  timespec used{};
+  if (pthread_getcpuclockid(state_->thread, &cpu_clock) == 0 && clock_gettime(cpu_clock, &used) == 0) {
+    usage.cpu = std::chrono::seconds(used.tv_sec) + Duration(used.tv_nsec);
+  }
+  usage.busy = Duration(state_->busy_before.load(std::memory_order_relaxed));
+  const std::int64_t since = state_->awake_since.load(std::memory_order_relaxed);
+  if (since != 0) usage.busy += RealClock::instance().now().time_since_epoch() - Duration(since);
+  return usage;
+}
+
+}  // namespace segue::task

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/activity.hpp>
+#include <segue/task/executor.hpp>
+
+#include <memory>
+#include <string>
+
+namespace segue::task {
+
+/// Runs jobs on a thread of its own, which sleeps when there is nothing to do. While jobs on it trigger each
+/// other they follow without a wake-up.
+class ThreadExecutor final : public Executor {
+ public:
+  /// The thread gets `name` (cut at 15 bytes) and what `activity` says of scheduler, priority and processors.
+  /// PermissionDenied where the system refuses, unless it is optional.
+  static Result<std::shared_ptr<ThreadExecutor>> create(const std::string& name, const Activity& activity);
+  /// All jobs must have been removed. Waits for the thread, unless it is the caller's.
+  ~ThreadExecutor() override;
+
+  void trigger(Job& job, Job::Reason reason) noexcept override;
+  void add(Job& job) override;
+  void remove(Job& job) override;
+  Result<void> watch(Job& job, int descriptor) override;
+  void rearm(Job& job, int descriptor) noexcept override;
+  void unwatch(int descriptor) noexcept override;
+  [[nodiscard]] bool is_current() const noexcept override;
+  [[nodiscard]] Clock& clock() noexcept override { return RealClock::instance(); }
+  [[nodiscard]] Usage usage() const override;
+  /// Whether the thread runs under the scheduler that was asked for (false: optional and not permitted).
+  [[nodiscard]] bool scheduler_granted() const { return granted_; }
+
+ private:
+  struct State;
+  explicit ThreadExecutor(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+  std::shared_ptr<State> state_;
+  bool granted_ = true;
+};
+
+}  // namespace segue::task

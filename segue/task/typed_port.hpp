@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/task/port.hpp>
+#include <segue/type/describe.hpp>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace segue::task {
+
+template <class T>
+class OutputPort;
+
+/// A sample being written in place. Its value is what an earlier sample left there: set every part. Must not
+/// outlive its port; given up unless it is published. Real-time safe.
+template <class T>
+class Loan {
+ public:
+  Loan() = default;
+  explicit operator bool() const noexcept { return static_cast<bool>(slot_); }
+  T& operator*() const noexcept { return *static_cast<T*>(slot_->value); }
+  T* operator->() const noexcept { return static_cast<T*>(slot_->value); }
+
+ private:
+  friend class OutputPort<T>;
+  explicit Loan(SampleSlot* slot) noexcept : slot_(SampleRef::adopt(slot)) {}
+  SampleRef slot_;
+};
+
+/// A sample as it was written, shared with every other reader: never changes, stays valid as long as it is
+/// held. Holding many starves the writer (WriteResult::NoSlot). Real-time safe.
+template <class T>
+class Sample {
+ public:
+  Sample() = default;
+  Sample(SampleRef reference, const T* value) noexcept : reference_(std::move(reference)), value_(value) {}
+  explicit operator bool() const noexcept { return value_ != nullptr; }
+  const T& operator*() const noexcept { return *value_; }
+  const T* operator->() const noexcept { return value_; }
+  [[nodiscard]] const T* get() const noexcept { return value_; }
+  /// The how-manieth sample of its port this is, counted from 1.
+  [[nodiscard]] std::uint64_t sequence() const noexcept { return reference_->sequence; }
+
+ private:
+  SampleRef reference_;
+  const T* value_ = nullptr;
+};
+
+/// Writes samples to all connections. Used by its task only, by one thread at a time.
+template <class T>
+class OutputPort : public OutputPortBase {
+ public:
+  OutputPort(Component& component, std::string name, PortOptions options = {})
+      : OutputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
+
+  /// Copies `value` by assignment into a free slot. Real-time safe as far as that assignment is: containers
+  /// keep their capacity, see prime().
+  WriteResult write(const T& value) {
+    SampleSlot* slot = acquire();
+    if (slot == nullptr) return WriteResult::NoSlot;
+    *static_cast<T*>(slot->value) = value;
+    return OutputPortBase::publish(slot);
+  }
+
+  /// A slot to write to without a copy; empty if none is free. Real-time safe.
+  Loan<T> loan() noexcept {
+    SampleSlot* slot = acquire();
+    return slot == nullptr ? Loan<T>{} : Loan<T>{slot};
+  }
+  /// Sends what was written. Requires a loan of this port. Real-time safe.
+  WriteResult publish(Loan<T> loan) noexcept { return OutputPortBase::publish(loan.slot_.detach()); }
+
+  /// Fills every free slot with `example`, and all slots that later connections add, so that writes of values
+  /// no larger allocate nothing. For hooks, not for updates.
+  void prime(const T& example) { pool().prime(&example); }
+};
+
+/// Reads samples from all connections, which take turns. Used by its task only, by one thread at a time.
+template <class T>
+class InputPort : public InputPortBase {
+ public:
+  InputPort(Component& component, std::string name, PortOptions options = {})
+      : InputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
+
+  /// Copies the next sample, or the last one again (OldData), into `value`; NoData leaves it as it is.
+  /// Real-time safe as far as T's assignment is.
+  ReadStatus read(T& value) {
+    const ReadStatus status = fetch();
+    if (status != ReadStatus::NoData) value = value_of(*last().get());
+    return status;
+  }
+
+  /// The next sample itself, without a copy; empty if there is no new one. Real-time safe.
+  Sample<T> take() noexcept {
+    if (fetch() != ReadStatus::NewData) return {};
+    return Sample<T>(last(), &value_of(*last().get()));
+  }
+
+ private:
+  /// A blank sample of an untyped output stands for a default value.
+  static const T& value_of(const SampleSlot& slot) noexcept {
+    if (slot.value != nullptr) return *static_cast<const T*>(slot.value);
+    static const T blank{};
+    return blank;
+  }
+};
+
+}  // namespace segue::task

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What eigen.hpp needs that does not depend on Eigen. Not for users.
+#pragma once
+
+#include <segue/type/described_type.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::type::detail {
+
+/// "/Eigen/Vector3d" where Eigen has a short name, else "/Eigen/Matrix</double,6,1>", and with a last "1"
+/// where rows lie together. -1 stands for a size that may change.
+void append_matrix_name(std::string& text, std::string_view number, int rows, int columns, bool row_major);
+
+/// {rows, cols, data}, the data row by row.
+void describe_dynamic_matrix(Shape& shape, std::size_t size, DescribedType& index, DescribedType& data);
+
+/// Where the numbers of a matrix lie: sizes, and the bytes from one to the next.
+struct MatrixView {
+  DescribedType* number = nullptr;
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::size_t row_step = 0;
+  std::size_t column_step = 0;
+};
+
+/// A list of rows.
+Value rows_to_value(const MatrixView& view, const void* numbers);
+Result<void> rows_from_value(const MatrixView& view, void* numbers, const Value& value,
+                             std::string_view path);
+
+/// {rows, cols, data}
+Value dynamic_to_value(const MatrixView& view, const void* numbers);
+
+/// The numbers of a value row by row.
+struct MatrixValue {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<const Value*> numbers;
+};
+/// From {rows, cols, data} or a list of rows of equal length.
+Result<MatrixValue> dynamic_from_value(const Value& value, std::string_view path);
+/// Sizes must agree.
+Result<void> assign_numbers(const MatrixView& view, void* numbers, const MatrixValue& values,
+                            std::string_view path);
+
+}  // namespace segue::type::detail

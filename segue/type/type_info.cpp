@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/type/described_type.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace segue::type {
+namespace {
+
+/// All of it lives as long as the process: types are asked for while it exits.
+struct Registry {
+  /// Recursive, since describing a type runs its default constructor, which may ask for types itself.
+  std::recursive_mutex mutex;
+  std::map<std::string, const TypeInfo*, std::less<>> by_name;
+  detail::DescribedType* announced = nullptr;
+  std::vector<detail::DescribedType*> fresh;  ///< described, but not yet complete
+  int depth = 0;
+};
+
+Registry& registry() {
+  static auto& instance = *new Registry;
+  return instance;
+}
+
+std::size_t round_up(std::size_t size, std::size_t alignment) {
+  return (size + alignment - 1) / alignment * alignment;
+}
+
+bool travels_as_bytes(const detail::DescribedType& described);
+
+/// Whether the described members are all there is, but for padding: a member that was not named might be a
+/// pointer.
+bool is_gapless(const detail::DescribedType& described) {
+  std::vector<detail::DescribedField> fields = described.shape->fields;
+  std::ranges::sort(fields, {}, &detail::DescribedField::offset);
+  std::size_t end = 0;
+  for (const detail::DescribedField& field : fields) {
+    if (field.offset != round_up(end, field.type->info.alignment)) return false;
+    if (!travels_as_bytes(*field.type)) return false;
+    end = field.offset + field.type->info.size;
+  }
+  return round_up(end, described.info.alignment) == described.info.size;
+}
+
+bool travels_as_bytes(const detail::DescribedType& described) {
+  if (!described.info.trivially_copyable) return false;
+  switch (described.shape->type.kind) {
+    case TypeKind::Numeric:
+    case TypeKind::Enum:
+      return true;
+    case TypeKind::Array:
+      return travels_as_bytes(*described.shape->element);
+    case TypeKind::Compound:
+      return is_gapless(described);
+    default:
+      return false;
+  }
+}
+
+void finish_fresh(Registry& all) {
+  for (detail::DescribedType* described : all.fresh) {
+    described->info.trivially_copyable = travels_as_bytes(*described);
+    described->info.hash = structural_hash(described->shape->type);
+  }
+  for (detail::DescribedType* described : std::exchange(all.fresh, {}))
+    register_type_info(described->info);
+}
+
+/// Completes what SEGUE_TYPE announced since the last call.
+void complete_announced(Registry& all) {
+  while (all.announced != nullptr) {
+    detail::DescribedType* described = std::exchange(all.announced, all.announced->next_announced);
+    detail::complete(*described);
+  }
+}
+
+}  // namespace
+
+const TypeInfo* find_type_info(std::string_view name) {
+  const Result<std::string> canonical = canonical_type_name(name);
+  if (!canonical) return nullptr;
+  Registry& all = registry();
+  const std::scoped_lock lock(all.mutex);
+  complete_announced(all);
+  const auto found = all.by_name.find(*canonical);
+  return found == all.by_name.end() ? nullptr : found->second;
+}
+
+void register_type_info(const TypeInfo& info) {
+  Registry& all = registry();
+  const std::scoped_lock lock(all.mutex);
+  all.by_name.try_emplace(std::string(info.name()), &info);
+}
+
+namespace detail {
+
+bool announce(DescribedType& described) {
+  Registry& all = registry();
+  const std::scoped_lock lock(all.mutex);
+  described.next_announced = std::exchange(all.announced, &described);
+  return true;
+}
+
+const Type* part(DescribedType& described) {
+  if (described.shape != nullptr) return &described.shape->type;
+  described.shape = new Shape;  // never destroyed: ports keep its address until the process has gone
+  Type& type = described.shape->type;
+  described.info.type = &type;
+  described.name(type.name);
+  registry().fresh.push_back(&described);
+  described.describe(*described.shape);
+  return &type;
+}
+
+const TypeInfo& complete(DescribedType& described) {
+  Registry& all = registry();
+  const std::scoped_lock lock(all.mutex);
+  ++all.depth;
+  part(described);
+  if (--all.depth == 0) finish_fresh(all);
+  return described.info;
+}
+
+void describe_number(Shape& shape, NumericCategory category, std::size_t size,
+                     std::int64_t nanoseconds_per_tick) {
+  shape.type.kind = TypeKind::Numeric;
+  shape.type.category = category;
+  shape.type.size = size;
+  shape.type.nanoseconds_per_tick = nanoseconds_per_tick;
+}
+
+void describe_enum(Shape& shape, NumericCategory category, std::size_t size) {
+  shape.type.kind = TypeKind::Enum;
+  shape.type.category = category;
+  shape.type.size = size;
+}
+
+void describe_compound(Shape& shape, std::size_t size) {
+  shape.type.kind = TypeKind::Compound;
+  shape.type.size = size;
+}
+
+void describe_container(Shape& shape, std::string_view kind, std::size_t size, DescribedType& element) {
+  shape.type.kind = TypeKind::Container;
+  shape.type.container_kind = kind;
+  shape.type.size = size;
+  shape.type.element = part(element);
+  shape.element = &element;
+}
+
+void describe_array(Shape& shape, std::size_t count, DescribedType& element) {
+  shape.type.kind = TypeKind::Array;
+  shape.type.size = count * element.info.size;
+  shape.type.count = count;
+  shape.type.element = part(element);
+  shape.element = &element;
+}
+
+void add_symbol(Shape& shape, std::string_view name, std::int64_t value) {
+  shape.type.symbols.push_back({std::string(name), value});
+}
+
+void add_field(Shape& shape, std::string_view name, std::size_t offset, DescribedType& type) {
+  shape.type.fields.push_back({std::string(name), part(type), offset});
+  shape.fields.push_back({std::string(name), offset, &type});
+}
+
+void append_type_name(std::string& text, std::string_view cpp_name) {
+  const Result<std::string> canonical = canonical_type_name(cpp_name);
+  text += canonical ? *canonical : "/" + std::string(cpp_name);
+}
+
+std::string number_name(NumericCategory category, std::size_t size) {
+  if (category == NumericCategory::Bool) return "/bool";
+  if (category == NumericCategory::Float) return size == 4 ? "/float" : "/double";
+  return (category == NumericCategory::Unsigned ? "/uint" : "/int") + std::to_string(size * 8) + "_t";
+}
+
+void append_duration_name(std::string& text, std::string_view number, std::int64_t numerator,
+                          std::int64_t denominator) {
+  struct Unit {
+    std::int64_t numerator;
+    std::int64_t denominator;
+    std::string_view name;
+  };
+  static constexpr std::array<Unit, 6> kUnits = {{{1, 1'000'000'000, "nanoseconds"},
+                                                  {1, 1'000'000, "microseconds"},
+                                                  {1, 1'000, "milliseconds"},
+                                                  {1, 1, "seconds"},
+                                                  {60, 1, "minutes"},
+                                                  {3600, 1, "hours"}}};
+  const auto* unit = std::ranges::find_if(
+      kUnits, [&](const Unit& u) { return u.numerator == numerator && u.denominator == denominator; });
+  text += "/std/chrono/";
+  if (number == "/int64_t" && unit != kUnits.end()) {
+    text += unit->name;
+    return;
+  }
+  text += "duration<" + std::string(number) + "," + std::to_string(numerator) + "," +
+          std::to_string(denominator) + ">";
+}
+
+}  // namespace detail
+}  // namespace segue::type

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/type/type.hpp>
+
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace segue::type::detail {
+
+inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
+
+/// A contradiction in the layout of a type; `field` is the index of the field it is about, or kNoField.
+struct LayoutProblem {
+  Severity severity = Severity::Error;
+  std::string code;
+  std::string message;
+  const Type* type = nullptr;
+  std::size_t field = kNoField;
+};
+
+/// Sizes of types where a file sees them otherwise than this machine (std::string).
+using TypeSizes = std::unordered_map<const Type*, std::size_t>;
+
+/// Fields outside their compound (error) or over each other (warning: unions and bit fields are written that
+/// way), types that contain themselves other than through a container or pointer, nesting beyond 200.
+/// Sizes of pointers and of long depend on the machine a file was made on; they are not judged.
+std::vector<LayoutProblem> check_layouts(std::span<const Type* const> types, const TypeSizes& sizes);
+
+}  // namespace segue::type::detail

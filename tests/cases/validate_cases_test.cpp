@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/model/files.hpp>
+#include <segue/model/validate.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <set>
+
+/// Runs tests/cases/validate/*.yaml; README.md there tells the format. A new case needs no C++.
+namespace segue::model {
+namespace {
+
+using type::Value;
+
+/// The documents of a case, which stand in for files of these names.
+constexpr std::array<std::string_view, 4> kDocuments = {"components", "network", "robot", "transition"};
+
+struct Case {
+  Value root;
+  std::string text(std::string_view key) const {
+    const Value* value = root.find(key);
+    return value == nullptr ? std::string{} : value->as_string();
+  }
+};
+
+/// All that reading and validating the documents reports.
+Diagnostics examine(const Case& test) {
+  Diagnostics found;
+  ComponentCatalog catalog;
+  if (test.root.find("components") != nullptr) {
+    read_components(test.text("components"), "components", catalog, found);
+    resolve_inheritance(catalog, found);
+  }
+  std::vector<Network> networks;
+  if (test.root.find("network") != nullptr) {
+    const auto network = read_network(test.text("network"), "network", found);
+    const Depth depth = test.text("depth") == "structure" ? Depth::Structure : Depth::Full;
+    if (network) {
+      found.append(validate(*network, catalog, depth));
+      networks.push_back(*network);
+    }
+  }
+  if (test.root.find("robot") != nullptr) {
+    const auto robot = read_robot(test.text("robot"), "robot", found);
+    if (robot) found.append(validate(*robot, networks));
+  }
+  if (test.root.find("transition") != nullptr) {
+    (void)read_transition(test.text("transition"), "transition", found);
+  }
+  found.sort();
+  return found;
+}
+
+/// "6:5 error unknown-task", with the document's name first where it is not the network.
+std::string head(const Diagnostic& diagnostic) {
+  SourceLocation where = diagnostic.where;
+  if (where.file == "network" && where.line > 0) where.file.clear();
+  const std::string at =
+      where.file.empty() ? std::to_string(where.line) + ":" + std::to_string(where.column) : to_string(where);
+  return at + " " + std::string(to_string(diagnostic.severity)) + " " + diagnostic.code;
+}
+
+/// "6:5 error unknown-task: did you mean 'b'": what follows the first ": " must be part of the message.
+bool fits(const Diagnostic& diagnostic, const std::string& expected) {
+  const auto colon = expected.find(": ");
+  if (expected.substr(0, colon) != head(diagnostic)) return false;
+  return colon == std::string::npos ||
+         diagnostic.message.find(expected.substr(colon + 2)) != std::string::npos;
+}
+
+std::string all(const Diagnostics& diagnostics) {
+  std::string text;
+  for (const Diagnostic& item : diagnostics.items())
+    text += "  - \"" + head(item) + ": " + item.message + "\"\n";
+  return text;
+}
+
+class ValidateCase : public ::testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(ValidateCase, reportsExactlyWhatItExpects) {
+  const auto root = type::load_yaml(GetParam());
+  ASSERT_TRUE(root) << to_string(root.error());
+  const Case test{*root};
+  static const std::set<std::string> kOther = {"case", "depth", "expect"};
+  for (const auto& [key, part] : test.root.as_map()) {
+    const bool known = kOther.contains(key) || std::ranges::find(kDocuments, key) != kDocuments.end();
+    ASSERT_TRUE(known) << "no case has a part " << key;
+  }
+  const Value* expect = test.root.find("expect");
+  ASSERT_TRUE(expect != nullptr && expect->is_list()) << "a case needs a list 'expect'";
+  const Diagnostics found = examine(test);
+  ASSERT_EQ(found.items().size(), expect->as_list().size()) << "found:\n" << all(found);
+  for (std::size_t i = 0; i < found.items().size(); ++i) {
+    const std::string& expected = expect->as_list()[i].as_string();
+    EXPECT_TRUE(fits(found.items()[i], expected)) << "expected: " << expected << "\nfound:\n" << all(found);
+  }
+}
+
+std::vector<std::filesystem::path> case_files() {
+  return glob_files(std::filesystem::path(SEGUE_SOURCE_DIR) / "tests/cases/validate/*.yaml");
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, ValidateCase, ::testing::ValuesIn(case_files()),
+                         [](const auto& one) { return one.param.stem().string(); });
+
+TEST(ValidateCases, areThere) {
+  EXPECT_GE(case_files().size(), 40U);
+}
+
+}  // namespace
+}  // namespace segue::model

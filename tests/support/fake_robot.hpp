@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/robot_service.hpp>
+#include <segue/control/server.hpp>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace segue::control {
+
+inline constexpr auto kLong = std::chrono::seconds(20);
+
+inline TimePoint soon() {
+  return RealClock::instance().now() + kLong;
+}
+
+/// Opens once; tests wait for it with a limit instead of sleeping.
+class Gate {
+ public:
+  void open() {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+  bool wait_until(TimePoint deadline) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, deadline, [this] { return open_; });
+  }
+  bool wait() { return wait_until(soon()); }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = false;
+};
+
+/// Answers with what it was asked, so that tests see what travelled.
+class FakeRobot final : public RobotService {
+ public:
+  Gate entered;  ///< a call that waits has begun
+  Gate release;  ///< ends calls that wait
+  std::atomic<int> open_streams{0};
+  std::atomic<bool> asked_to_end{false};
+
+  Result<type::Value> status() override { return type::Value::map({{"robot", "fake"}}); }
+  Result<type::Value> task(std::string_view id) override {
+    if (id == "throws") throw std::runtime_error("a defect");
+    if (id != "huge") return type::Value::map({{"id", id}});
+    return type::Value(std::string(std::size_t{200} << 20, 'x'));
+  }
+  Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+                                TimePoint deadline) override {
+    return type::Value::map({{"to", controller},
+                             {"dry_run", dry_run},
+                             {"order", order},
+                             {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+  }
+  Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
+    return type::Value::map({{"text", text}, {"file", file}});
+  }
+  Result<void> reset_belief() override {
+    Error inner = fail(ErrorCode::IoError, "the innermost", "disk", {"inner.yaml", 3, 4});
+    Error middle = Error(fail(ErrorCode::HookFailed, "the middle")).because_of(std::move(inner));
+    return Error(fail(ErrorCode::InvalidState, "the outermost", "task_a", {"outer.yaml", 1, 2}))
+        .because_of(std::move(middle));
+  }
+  Result<void> set_property(std::string_view task, std::string_view property, const type::Value& value,
+                            TimePoint) override {
+    const std::lock_guard lock(mutex_);
+    set_ = type::Value::map({{"task", task}, {"property", property}, {"value", value}});
+    set_text_ = value.source_text();
+    return {};
+  }
+  Result<type::Value> call(std::string_view, std::string_view operation, const type::Value& arguments,
+                           TimePoint deadline) override {
+    if (operation == "echo") return arguments;
+    entered.open();
+    if (!release.wait_until(deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
+    return type::Value("released");
+  }
+  Result<std::unique_ptr<SampleStream>> open_port(std::string_view, std::string_view port,
+                                                  std::size_t) override {
+    if (port != "out") return fail(ErrorCode::NotFound, "no port");
+    return std::make_unique<Numbers>(open_streams);
+  }
+  Result<type::Value> events(std::uint64_t after, Duration wait) override {
+    if (after < 10) return type::Value::list({type::Value::map({{"number", after + 1}})});
+    entered.open();
+    release.wait_until(now() + wait);
+    return type::Value(type::Value::List{});
+  }
+  Result<type::Value> history() override { return type::Value(type::Value::List{}); }
+  Result<void> shut_down() override {
+    asked_to_end = true;
+    return {};
+  }
+
+  type::Value last_set() {
+    const std::lock_guard lock(mutex_);
+    return set_;
+  }
+  std::string last_set_text() {
+    const std::lock_guard lock(mutex_);
+    return set_text_;
+  }
+
+ private:
+  static TimePoint now() { return RealClock::instance().now(); }
+
+  class Numbers final : public SampleStream {
+   public:
+    explicit Numbers(std::atomic<int>& open) : open_(open) { ++open_; }
+    ~Numbers() override { --open_; }
+    Result<std::vector<type::Value>> read(std::size_t limit) override {
+      std::vector<type::Value> samples;
+      while (samples.size() < limit)
+        samples.emplace_back(++last_);
+      return samples;
+    }
+    [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
+
+   private:
+    std::atomic<int>& open_;
+    int last_ = 0;
+  };
+
+  std::mutex mutex_;
+  type::Value set_;
+  std::string set_text_;
+};
+
+/// A server in a runtime folder of its own.
+class ControlTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "segue-control-XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    ::setenv("XDG_RUNTIME_DIR", pattern.c_str(), 1);
+    socket_ = socket_path("fake").value();
+  }
+  void TearDown() override {
+    robot_.release.open();
+    server_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  void serve() {
+    auto server = Server::listen(socket_, robot_);
+    ASSERT_TRUE(server) << to_string(server.error());
+    server_ = std::move(*server);
+  }
+  std::unique_ptr<RobotService> client() {
+    auto connected = connect(socket_, kLong);
+    EXPECT_TRUE(connected) << to_string(connected.error());
+    return connected ? std::move(*connected) : nullptr;
+  }
+
+  std::filesystem::path folder_;
+  std::filesystem::path socket_;
+  FakeRobot robot_;
+  std::unique_ptr<Server> server_;
+};
+
+}  // namespace segue::control

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system_test.hpp"
+
+namespace segue::testing {
+namespace {
+
+using ::testing::Test;
+using type::Value;
+
+constexpr auto kOne = R"(network: one
+tasks:
+  a: {component: "demo::Drive"}
+  b: {component: "demo::Odometry"}
+connections: [a.velocity -> b.velocity]
+)";
+constexpr auto kTwo = R"(network: two
+tasks:
+  a: {component: "demo::Drive"}
+)";
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class Files : public SystemTest {
+ protected:
+  void SetUp() override {
+    SystemTest::SetUp();
+    write("one.yaml", kOne);
+    write("two.yaml", kTwo);
+  }
+};
+
+TEST_F(Files, TheVersionIsTold) {
+  const auto finished = segue({"--version"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_EQ(finished.output.rfind("segue ", 0), 0U) << finished.output;
+}
+
+TEST_F(Files, EveryVerbHasAnExampleInItsHelp) {
+  for (const std::string verb :
+       {"init", "check", "diff", "apply", "run", "switch", "status", "top", "task", "read", "set", "call",
+        "events", "history", "reset-belief", "component", "completion"}) {
+    const auto finished = segue({verb, "--help"});
+    EXPECT_EQ(finished.status, 0) << verb;
+    EXPECT_TRUE(contains(finished.output, "Example:\n  s")) << verb << finished.output;
+    EXPECT_TRUE(contains(segue({"--help"}).output, "  " + verb + " ")) << verb;
+  }
+}
+
+TEST_F(Files, WrongUsageIsTwoAndSaysWhatIsMeant) {
+  const auto verb = segue({"chekc", "one.yaml"});
+  EXPECT_EQ(verb.status, 2);
+  EXPECT_TRUE(contains(verb.errors, "no verb 'chekc', did you mean 'check'?")) << verb.errors;
+  const auto option = segue({"check", "--structur", "one.yaml"});
+  EXPECT_EQ(option.status, 2);
+  EXPECT_TRUE(contains(option.errors, "did you mean '--structure'?")) << option.errors;
+  const auto missing = segue({"diff", "one.yaml"});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_TRUE(contains(missing.errors, "TARGET") || contains(missing.errors, "target")) << missing.errors;
+  const auto target = segue({"switch"});
+  EXPECT_EQ(target.status, 2);
+  EXPECT_TRUE(contains(target.errors, "NAME or --transition")) << target.errors;
+  EXPECT_EQ(segue({"switch", "one", "--transition", "t.yaml"}).status, 2);
+  EXPECT_EQ(segue({"switch", "--transition", "t.yaml", "--dry-run"}).status, 2);
+  EXPECT_EQ(segue({"run", "robot.yaml", "--log-level", "loud"}).status, 2);
+  EXPECT_EQ(segue({}).status, 2);
+  EXPECT_EQ(segue({"component", "lst"}).status, 2);
+  EXPECT_EQ(segue({"read", "a.b", "--for", "ten"}).status, 2);
+  EXPECT_EQ(segue({"diff", "one.yaml", "two.yaml", "--order", "fast"}).status, 2);
+}
+
+TEST_F(Files, CheckFindsNothingInGoodFiles) {
+  EXPECT_EQ(segue({"check", "one.yaml", "two.yaml"}).status, 0);
+  EXPECT_EQ(*json({"check", "one.yaml"}).find("ok"), Value(true));
+}
+
+TEST_F(Files, CheckReportsEveryProblemWithItsPlace) {
+  write("bad.yaml",
+        "network: bad\ntasks:\n  a: {component: \"demo::Drvie\"}\n  b: {component: \"demo::Odometry\"}\n"
+        "connections:\n  - c.velocity -> b.velocity\n  - b.psoe -> b.velocity\n");
+  const auto result = json({"check", "bad.yaml"}, 1);
+  EXPECT_EQ(*result.find("ok"), Value(false));
+  const auto& items = result.find("diagnostics")->as_list();
+  EXPECT_GE(items.size(), 3U);
+  for (const Value& item : items) {
+    EXPECT_EQ(item.find("file")->as_string(), "bad.yaml");
+    EXPECT_GT(item.find("line")->as_int(), 1);
+  }
+  const auto text = segue({"check", "bad.yaml"});
+  EXPECT_EQ(text.status, 1);
+  EXPECT_TRUE(contains(text.errors, "bad.yaml:3:")) << text.errors;
+  EXPECT_TRUE(contains(text.errors, "did you mean 'demo::Drive'?")) << text.errors;
+}
+
+TEST_F(Files, CheckOfUnknownComponentsChecksTheStructureAndSaysSo) {
+  write("foreign.yaml", "network: foreign\ntasks:\n  a: {component: \"elsewhere::Camera\"}\n");
+  const auto finished = segue({"check", "foreign.yaml"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_TRUE(contains(finished.errors, "only its structure was checked")) << finished.errors;
+}
+
+TEST_F(Files, ModelsOfOtherLibrariesAreKnownWhereTheyAreNamed) {
+  write("models/camera.yaml", "components:\n  elsewhere::Camera:\n    ports: []\n");
+  write("foreign.yaml", "network: foreign\ntasks:\n  a: {component: \"elsewhere::Camera\"}\n");
+  const auto known = segue({"check", "--models", "models/*.yaml", "foreign.yaml", "one.yaml"});
+  EXPECT_EQ(known.status, 0) << known.errors;
+  EXPECT_TRUE(contains(known.output, "2 files: no problems")) << known.output;
+  EXPECT_EQ(known.errors, "");
+  EXPECT_EQ(segue({"check", "--models", "nowhere/*.yaml", "foreign.yaml"}).status, 1);
+}
+
+TEST_F(Files, CheckOfFilesThatCannotBeReadFails) {
+  EXPECT_EQ(segue({"check", "nowhere.yaml"}).status, 1);
+  write("noise.txt", "nothing of ours");
+  const auto finished = segue({"check", "noise.txt"});
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_TRUE(contains(finished.errors, "noise.txt")) << finished.errors;
+  write("broken.yaml", "network: [\n");
+  EXPECT_EQ(segue({"check", "broken.yaml"}).status, 1);
+}
+
+TEST_F(Files, DiffCountsItsActions) {
+  const auto transition = json({"diff", "one.yaml", "two.yaml"});
+  EXPECT_EQ(transition.find("from")->as_string(), "one");
+  EXPECT_EQ(transition.find("to")->as_string(), "two");
+  EXPECT_EQ(transition.find("order")->as_string(), "seamless");
+  const auto& actions = transition.find("actions")->as_list();
+  const Value& counts = *transition.find("counts");
+  EXPECT_EQ(counts.find("total")->as_int(), static_cast<std::int64_t>(actions.size()));
+  EXPECT_EQ(*counts.find("stop"), Value(1));
+  EXPECT_EQ(*counts.find("disconnect"), Value(1));
+  EXPECT_EQ(*counts.find("cleanup"), Value(1));
+  EXPECT_EQ(*counts.find("state_changes"), Value(2));
+  EXPECT_EQ(json({"diff", "one.yaml", "two.yaml", "--order", "paper"}).find("order")->as_string(), "paper");
+}
+
+TEST_F(Files, DiffFromAndToTheEmptyNetwork) {
+  const auto up = json({"diff", "-", "one.yaml"});
+  EXPECT_EQ(*up.find("counts")->find("start"), Value(2));
+  EXPECT_EQ(*up.find("counts")->find("connect"), Value(1));
+  const auto down = json({"diff", "one.yaml", "empty"});
+  EXPECT_EQ(*down.find("counts")->find("stop"), Value(2));
+  const auto none = segue({"diff", "one.yaml", "one.yaml"});
+  EXPECT_EQ(none.status, 0);
+  EXPECT_TRUE(contains(none.output, "nothing to do")) << none.output;
+}
+
+TEST_F(Files, DiffForPeopleIsGroupedByPhase) {
+  const auto finished = segue({"diff", "two.yaml", "one.yaml"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_TRUE(contains(finished.output, "two -> one: ")) << finished.output;
+  EXPECT_TRUE(contains(finished.output, "prepare (")) << finished.output;
+  EXPECT_TRUE(contains(finished.output, "a.velocity -> b.velocity")) << finished.output;
+  EXPECT_FALSE(contains(finished.output, "\x1b")) << "no colours but on a terminal";
+  const auto graph = segue({"diff", "two.yaml", "one.yaml", "--dot"});
+  EXPECT_EQ(graph.output.rfind("digraph", 0), 0U) << graph.output;
+}
+
+TEST_F(Files, ApplyPredictsTheTargetOfADiff) {
+  ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
+  EXPECT_EQ(segue({"check", "t.yaml"}).status, 0);
+  const auto predicted = segue({"apply", "two.yaml", "t.yaml"});
+  ASSERT_EQ(predicted.status, 0) << predicted.errors;
+  write("predicted.yaml", predicted.output);
+  const auto left = json({"diff", "predicted.yaml", "one.yaml"});
+  EXPECT_EQ(*left.find("counts")->find("total"), Value(0));
+  EXPECT_TRUE(json({"apply", "two.yaml", "t.yaml"}).find("tasks")->is_map());
+}
+
+TEST_F(Files, ATransitionThatDoesNotFitIsRefused) {
+  ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
+  const auto refused = segue({"apply", "one.yaml", "t.yaml"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_FALSE(refused.errors.empty());
+}
+
+TEST_F(Files, InitMakesARobotThatChecks) {
+  const auto made = segue({"init", "rover", "--library"});
+  ASSERT_EQ(made.status, 0) << made.errors;
+  const auto checked = segue({"check", "rover/robot.yaml"});
+  EXPECT_EQ(checked.status, 0) << checked.errors;
+  EXPECT_EQ(checked.errors, "");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "rover/components/CMakeLists.txt"));
+  const auto again = segue({"init", "rover"});
+  EXPECT_EQ(again.status, 1);
+  EXPECT_TRUE(contains(again.errors, "not an empty folder")) << again.errors;
+}
+
+TEST_F(Files, ComponentsAreListedShownAndExported) {
+  EXPECT_TRUE(contains(segue({"component", "list"}).output, "demo::Drive"));
+  EXPECT_TRUE(json({"component", "list"}).is_list());
+  const auto shown = segue({"component", "show", "demo::Drive"});
+  EXPECT_EQ(shown.status, 0);
+  EXPECT_TRUE(contains(shown.output, "max_speed")) << shown.output;
+  const auto unknown = segue({"component", "show", "demo::Drvie"});
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_TRUE(contains(unknown.errors, "did you mean 'demo::Drive'?")) << unknown.errors;
+  const auto exported = segue({"component", "export", "segue_components_demo", "-o", "demo.components.yaml"});
+  ASSERT_EQ(exported.status, 0) << exported.errors;
+  EXPECT_EQ(segue({"check", "demo.components.yaml"}).status, 0);
+  EXPECT_EQ(segue({"component", "export", "../evil"}).status, 1);
+}
+
+TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
+  const auto bash = segue({"completion", "bash"});
+  ASSERT_EQ(bash.status, 0);
+  write("completion.bash", bash.output);
+  EXPECT_EQ(run({"/bin/bash", "-n", "completion.bash"}, folder_).status, 0);
+  const auto completed = run({"/bin/bash", "-c",
+                              "source completion.bash; COMP_WORDS=(segue sta); COMP_CWORD=1; _segue; "
+                              "echo \"${COMPREPLY[*]}\""},
+                             folder_);
+  EXPECT_EQ(completed.output, "status\n") << completed.errors;
+  const auto zsh = segue({"completion", "zsh"});
+  for (const std::string verb :
+       {"init", "check", "diff", "apply", "run", "switch", "status", "top", "task", "read", "set", "call",
+        "events", "history", "reset-belief", "component", "completion"}) {
+    EXPECT_TRUE(contains(bash.output, "    " + verb + ") ")) << verb;
+    EXPECT_TRUE(contains(zsh.output, "    " + verb + ") ")) << verb;
+  }
+}
+
+TEST_F(Files, WithoutARuntimeTheVerbsThatNeedOneSaySo) {
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"status"},
+                                                                     {"top"},
+                                                                     {"switch", "one"},
+                                                                     {"switch", "--transition", "t.yaml"},
+                                                                     {"reset-belief"},
+                                                                     {"task", "a"},
+                                                                     {"read", "a.b"},
+                                                                     {"set", "a.b=1"},
+                                                                     {"call", "a.b"},
+                                                                     {"events"},
+                                                                     {"history"},
+                                                                     {"status", "--robot", "rover"}}) {
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 3) << arguments.front();
+    EXPECT_TRUE(contains(finished.errors, "segue run")) << finished.errors;
+  }
+}
+
+}  // namespace
+}  // namespace segue::testing

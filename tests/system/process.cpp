@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace segue::testing {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Pipe {
+  std::array<int, 2> ends{};
+  Pipe() {
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe2");
+  }
+};
+
+std::chrono::milliseconds left_until(Clock::time_point deadline) {
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
+  return std::max(left, std::chrono::milliseconds(0));
+}
+
+pid_t spawn(const std::vector<std::string>& command, const std::filesystem::path& folder, int output,
+            int errors) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command)
+    arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
+  pid_t pid = -1;
+  const int failed =
+      ::posix_spawn(&pid, command.front().c_str(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) throw std::runtime_error("cannot start " + command.front());
+  return pid;
+}
+
+}  // namespace
+
+Process::Process(const std::vector<std::string>& command, const std::filesystem::path& folder) {
+  const Pipe output;
+  const Pipe errors;
+  pid_ = spawn(command, folder, output.ends[1], errors.ends[1]);
+  ::close(output.ends[1]);
+  ::close(errors.ends[1]);
+  output_ = output.ends[0];
+  errors_ = errors.ends[0];
+}
+
+Process::~Process() {
+  if (pid_ >= 0) {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  if (output_ >= 0) ::close(output_);
+  if (errors_ >= 0) ::close(errors_);
+}
+
+void Process::signal(int number) const {
+  ::kill(pid_, number);
+}
+
+bool Process::read_from(int& descriptor, std::string& into) {
+  std::array<char, 65536> buffer{};
+  const auto got = ::read(descriptor, buffer.data(), buffer.size());
+  if (got > 0) {
+    into.append(buffer.data(), static_cast<std::size_t>(got));
+    return true;
+  }
+  ::close(descriptor);
+  descriptor = -1;
+  return false;
+}
+
+bool Process::pump(std::chrono::milliseconds limit) {
+  std::array<pollfd, 2> waited = {{{output_, POLLIN, 0}, {errors_, POLLIN, 0}}};
+  if (::poll(waited.data(), waited.size(), static_cast<int>(limit.count())) <= 0) return true;
+  if (output_ >= 0 && waited[0].revents != 0) read_from(output_, finished_.output);
+  if (errors_ >= 0 && waited[1].revents != 0) read_from(errors_, finished_.errors);
+  return output_ >= 0 || errors_ >= 0;
+}
+
+bool Process::wait_for(const std::string& text) {
+  const auto deadline = Clock::now() + kPatience;
+  while (finished_.output.find(text) == std::string::npos) {
+    if (Clock::now() >= deadline || output_ < 0) return false;
+    pump(left_until(deadline));
+  }
+  return true;
+}
+
+Finished Process::wait() {
+  const auto deadline = Clock::now() + kPatience;
+  while (output_ >= 0 || errors_ >= 0) {
+    if (Clock::now() >= deadline) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+      pid_ = -1;
+      return finished_;
+    }
+    pump(left_until(deadline));
+  }
+  int status = 0;
+  ::waitpid(pid_, &status, 0);
+  pid_ = -1;
+  finished_.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return finished_;
+}
+
+Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder) {
+  return Process(command, folder).wait();
+}
+
+}  // namespace segue::testing

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+/// Real processes for tests through the command line. Every wait has a deadline.
+namespace segue::testing {
+
+inline constexpr auto kPatience = std::chrono::seconds(60);
+
+/// What a finished process left. `status` is its exit status, or 128 + the signal that ended it, or -1 where
+/// it had to be killed at the deadline.
+struct Finished {
+  int status = -1;
+  std::string output;
+  std::string errors;
+};
+
+/// A process whose output is kept. Killed by the destructor if it still runs.
+class Process {
+ public:
+  /// Starts `command` (a path first) in `folder`.
+  explicit Process(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// Waits for a line with `text` on standard output; false at the deadline or the end of the process.
+  bool wait_for(const std::string& text);
+  void signal(int number) const;
+  /// Waits for the end.
+  Finished wait();
+
+ private:
+  /// Reads what is there; false when both ends are closed. Waits for `limit` at most.
+  bool pump(std::chrono::milliseconds limit);
+  bool read_from(int& descriptor, std::string& into);
+
+  pid_t pid_ = -1;
+  int output_ = -1;
+  int errors_ = -1;
+  Finished finished_;
+};
+
+/// Starts and waits.
+Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
+
+}  // namespace segue::testing
