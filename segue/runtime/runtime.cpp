@@ -62,7 +62,7 @@ SwitchResult Runtime::switch_to(Request request, RequestOptions options) {
 }
 
 Result<model::Transition> Runtime::plan(const Request& request, RequestOptions options) const {
-  auto plan = implementation_->plan(implementation_->starting_point(), request, options);
+  auto plan = implementation_->plan(implementation_->starting_point().network, request, options);
   if (!plan) {
     return std::move(plan.error().error);
   }

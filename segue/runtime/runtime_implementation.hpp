@@ -17,6 +17,13 @@ namespace segue::runtime {
 
 namespace detail {
 
+/// What the host showed at some moment. Tasks may have changed by themselves since: adopt() takes the events
+/// after that moment into account.
+struct Observation {
+  model::Network network;
+  std::uint64_t task_events = 0;  ///< how many had come before
+};
+
 /// A request and whom to answer.
 struct Job {
   std::uint64_t number = 0;
@@ -29,8 +36,9 @@ struct Job {
 
 struct Runtime::Implementation {
   Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components)
-      : name(std::move(robot)), host(task_host), catalog(components), belief(host.observe()) {
+      : name(std::move(robot)), host(task_host), catalog(components) {
     host.set_listener([this](const host::TaskEvent& event) { on_task_event(event); });
+    adopt(look());
     worker = std::thread([this] { work(); });
   }
 
@@ -62,8 +70,9 @@ struct Runtime::Implementation {
     const std::lock_guard lock(mutex);
     return belief;
   }
+  detail::Observation look() const;
   /// What a new request starts from: what runs, unless the belief was given.
-  model::Network starting_point() const;
+  detail::Observation starting_point() const;
 
   void work();
   SwitchResult serve(const detail::Job& job);
@@ -71,7 +80,10 @@ struct Runtime::Implementation {
   void run_actions(const detail::Job& job, const model::Transition& transition, SwitchResult& result);
   void conclude(detail::Plan plan, SwitchResult& result);
   void conclude_failed(const detail::Plan& plan, SwitchResult& result);
-  void adopt(model::Network network, bool given = false);
+  /// Believes what was seen, and what tasks told since.
+  void adopt(detail::Observation seen);
+  /// Believes what a person says, whatever runs.
+  void adopt_given(model::Network network);
   void report_differences(const model::Network& expected, const model::Network& observed);
   model::NetworkName true_name(const model::Network& observed, const model::Network& first,
                                const model::Network& second) const;
@@ -98,6 +110,9 @@ struct Runtime::Implementation {
   std::optional<detail::Job> waiting;
   RuntimeState state = RuntimeState::Idle;
   model::Network belief;
+  /// For each task, the last state that it took by itself, and the number of that event.
+  std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> told;
+  std::uint64_t task_events = 0;
   bool belief_given = false;  ///< by reset_belief: the next request starts from it, whatever is observed
   std::optional<std::optional<model::Network>> reset_wanted;  ///< during a transition
   std::deque<SwitchResult> history;

@@ -308,6 +308,16 @@ TEST_F(RuntimeTest, a_task_that_fails_by_itself_is_an_event_and_changes_the_beli
   expect_truth(first_);
 }
 
+TEST_F(RuntimeTest, an_event_that_comes_while_the_tasks_are_looked_at_is_not_forgotten) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  const model::TaskId kept("kept");
+  robot_.asking.tell_after_look({kept, TaskState::Exception, "broke"});
+  runtime_.reset_belief();
+  EXPECT_EQ(runtime_.belief().find_task(kept)->state, TaskState::Exception);
+  runtime_.reset_belief();
+  EXPECT_EQ(runtime_.belief().find_task(kept)->state, TaskState::Running) << "a later look counts";
+}
+
 TEST_F(RuntimeTest, belief_can_be_given_and_taken_back) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   runtime_.reset_belief(second_);

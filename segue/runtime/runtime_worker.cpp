@@ -90,33 +90,43 @@ SwitchResult Runtime::Implementation::serve(const Job& job) {
   SwitchResult result;
   result.request = job.number;
   result.to = name_of(job.request);
-  const model::Network current = starting_point();
-  result.from = current.name;
-  auto plan = this->plan(current, job.request, job.options);
+  detail::Observation current = starting_point();
+  result.from = current.network.name;
+  auto plan = this->plan(current.network, job.request, job.options);
   result.solve_time = RealClock::instance().now() - begin;
   if (!plan) {
     return refused(job, std::move(result), std::move(plan.error()));
   }
-  report_differences(held(), current);
-  adopt(current);
+  report_differences(held(), current.network);
+  adopt(std::move(current));
   execute(job, std::move(*plan), result);
   return result;
 }
 
-model::Network Runtime::Implementation::starting_point() const {
-  model::Network start;
+detail::Observation Runtime::Implementation::look() const {
+  detail::Observation seen;
   {
     const std::lock_guard lock(mutex);
-    start = belief;
+    seen.task_events = task_events;
+  }
+  seen.network = host.observe();
+  return seen;
+}
+
+detail::Observation Runtime::Implementation::starting_point() const {
+  detail::Observation start;
+  {
+    const std::lock_guard lock(mutex);
+    start = {belief, task_events};
     if (belief_given) {
       return start;
     }
   }
-  model::Network observed = host.observe();
-  if (equivalent(start, observed)) {
+  detail::Observation observed = look();
+  if (equivalent(start.network, observed.network)) {
     return start;
   }
-  observed.name = start.name;
+  observed.network.name = start.network.name;
   return observed;
 }
 
@@ -205,21 +215,22 @@ void Runtime::Implementation::conclude(detail::Plan plan, SwitchResult& result) 
     return;
   }
   host.conclude(plan.transition);
-  const model::Network observed = host.observe();
-  report_differences(plan.target, observed);
-  for (const auto& task : observed.tasks) {
+  const detail::Observation observed = look();
+  report_differences(plan.target, observed.network);
+  for (const auto& task : observed.network.tasks) {
     model::Task* held = is_error(task.state) ? plan.target.find_task(task.id) : nullptr;
     if (held != nullptr) {
       held->state = task.state;
     }
   }
-  adopt(std::move(plan.target));
+  adopt({std::move(plan.target), observed.task_events});
   log.add(EventKind::TransitionDone, result.to.str(),
           "now runs " + shown(result.to) + " after " + std::to_string(records.size()) + " actions");
 }
 
 void Runtime::Implementation::conclude_failed(const detail::Plan& plan, SwitchResult& result) {
-  model::Network observed = host.observe();
+  detail::Observation seen = look();
+  model::Network& observed = seen.network;
   observed.name = true_name(observed, held(), plan.target);
   const auto failed = std::find_if(result.actions.begin(), result.actions.end(),
                                    [](const ActionRecord& record) { return record.error.has_value(); });
@@ -235,7 +246,7 @@ void Runtime::Implementation::conclude_failed(const detail::Plan& plan, SwitchRe
                       subject)
                      .because_of(std::move(cause));
   log.add(EventKind::TransitionFailed, result.to.str(), to_string(*result.error));
-  adopt(std::move(observed));
+  adopt(std::move(seen));
 }
 
 /// The name of the network that truly runs, if it is one that anybody knows.
@@ -263,10 +274,22 @@ void Runtime::Implementation::report_differences(const model::Network& expected,
   }
 }
 
-void Runtime::Implementation::adopt(model::Network network, bool given) {
+void Runtime::Implementation::adopt(detail::Observation seen) {
+  const std::lock_guard lock(mutex);
+  belief = std::move(seen.network);
+  belief_given = false;
+  for (const auto& [id, last] : told) {
+    model::Task* task = last.first > seen.task_events ? belief.find_task(id) : nullptr;
+    if (task != nullptr) {
+      task->state = last.second;
+    }
+  }
+}
+
+void Runtime::Implementation::adopt_given(model::Network network) {
   const std::lock_guard lock(mutex);
   belief = std::move(network);
-  belief_given = given;
+  belief_given = true;
 }
 
 /// After a request: the state it leaves, and a reset of the belief that came meanwhile.
@@ -320,6 +343,7 @@ SwitchResult Runtime::Implementation::refused(const Job& job, SwitchResult resul
 void Runtime::Implementation::on_task_event(const host::TaskEvent& event) {
   {
     const std::lock_guard lock(mutex);
+    told.insert_or_assign(event.task, std::pair(++task_events, event.state));
     if (model::Task* task = belief.find_task(event.task)) {
       task->state = event.state;
     }
@@ -345,16 +369,20 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     }
   }
   const bool given = network.has_value();
-  model::Network now;
+  detail::Observation now;
   if (given) {
-    now = std::move(*network);
+    now.network = std::move(*network);
   } else {
-    now = host.observe();
-    now.name = true_name(now, held(), {});
+    now = look();
+    now.network.name = true_name(now.network, held(), {});
   }
-  log.add(EventKind::BeliefReset, now.name.str(),
-          std::string(given ? "given" : "observed") + ": " + detail::summary(now));
-  adopt(std::move(now), given);
+  log.add(EventKind::BeliefReset, now.network.name.str(),
+          std::string(given ? "given" : "observed") + ": " + detail::summary(now.network));
+  if (given) {
+    adopt_given(std::move(now.network));
+  } else {
+    adopt(std::move(now));
+  }
   const std::lock_guard lock(mutex);
   if (state == RuntimeState::Failed) {
     state = RuntimeState::Idle;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -44,7 +45,25 @@ class AskingHost final : public host::TaskHost {
   Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
   void expect(const model::Network& target) override { inner_.expect(target); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
-  [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
+  [[nodiscard]] model::Network observe() const override {
+    model::Network seen = inner_.observe();
+    Listener tell;
+    std::optional<host::TaskEvent> event;
+    {
+      const std::lock_guard lock(mutex_);
+      tell = listener_;
+      event.swap(after_look_);
+    }
+    if (event && tell) {
+      tell(*event);
+    }
+    return seen;
+  }
+  /// Tells of `event` when the next look at the tasks has been taken and before it is answered.
+  void tell_after_look(host::TaskEvent event) {
+    const std::lock_guard lock(mutex_);
+    after_look_ = std::move(event);
+  }
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
   [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
     return inner_.connections();
@@ -65,12 +84,20 @@ class AskingHost final : public host::TaskHost {
                                                         std::size_t buffer) override {
     return inner_.open_reader(port, buffer);
   }
-  void set_listener(Listener listener) override { inner_.set_listener(std::move(listener)); }
+  void set_listener(Listener listener) override {
+    {
+      const std::lock_guard lock(mutex_);
+      listener_ = listener;
+    }
+    inner_.set_listener(std::move(listener));
+  }
 
  private:
   host::TaskHost& inner_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Ask ask_;
+  Listener listener_;
+  mutable std::optional<host::TaskEvent> after_look_;
 };
 
 inline model::Network network_of(std::string_view text, const std::string& file = "test.yaml") {
