@@ -57,7 +57,7 @@ class Raw {
     const auto limit_ms = std::chrono::duration_cast<std::chrono::milliseconds>(limit).count();
     return ::poll(&entry, 1, static_cast<int>(limit_ms)) > 0;
   }
-  detail::Descriptor descriptor_;
+  Descriptor descriptor_;
 };
 
 /// Eight bytes: the begin of a message.
@@ -131,7 +131,7 @@ class Speaker {
   }
 
  private:
-  detail::Descriptor descriptor_;
+  Descriptor descriptor_;
   kj::Own<kj::AsyncIoStream> stream_;
   kj::Own<capnp::TwoPartyClient> client_;
   wire::Robot::Client robot_ = nullptr;

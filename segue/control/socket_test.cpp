@@ -20,7 +20,7 @@ mode_t mode_of(const std::filesystem::path& path) {
 
 /// What a killed server leaves behind.
 void leave_stale_socket(const std::filesystem::path& path) {
-  const detail::Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   path.native().copy(address.sun_path, sizeof address.sun_path - 1);

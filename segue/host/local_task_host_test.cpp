@@ -224,7 +224,8 @@ TEST_F(LocalHost, tells_of_a_task_that_fails_by_itself_but_not_of_actions) {
   std::mutex mutex;
   std::condition_variable told;
   std::vector<TaskEvent> events;
-  host_.set_listener([&](const TaskEvent& event) {
+  host_.set_listener([&](const HostEvent& happened) {
+    const auto& event = std::get<TaskEvent>(happened);
     const std::lock_guard lock(mutex);
     events.push_back(event);
     told.notify_all();

@@ -73,7 +73,8 @@ const model::TaskId kFragile("fragile");
 class PortStorm : public ::testing::Test {
  protected:
   PortStorm() {
-    host_.set_listener([this](const TaskEvent& event) {
+    host_.set_listener([this](const HostEvent& happened) {
+      const auto& event = std::get<TaskEvent>(happened);
       const std::lock_guard lock(mutex_);
       if (event.task == kFragile && event.state == TaskState::Exception) ++broken_;
       changed_.notify_all();

@@ -11,11 +11,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-/// Where tasks live: the tasks of this process, and later those of deployment processes and other computers.
+/// Where tasks live, and how they are made, moved through their life cycle and looked at.
 namespace segue::host {
 
 /// A task as it is seen from outside.
@@ -47,6 +49,15 @@ struct TaskEvent {
   std::string message;
 };
 
+/// Something happened to a deployment process.
+struct ProcessEvent {
+  model::DeploymentKey process;
+  std::string message;
+  bool gone = false;  ///< it and its tasks are not there any more
+};
+
+using HostEvent = std::variant<TaskEvent, ProcessEvent>;
+
 /// Reads the samples of an output port for a person or a tool. Destroying it removes the connection.
 class PortReader {
  public:
@@ -76,6 +87,10 @@ class TaskHost {
   /// passed: DeadlineExceeded, and the true state must be read again.
   virtual Result<void> perform(const model::Action& action, TimePoint deadline) = 0;
 
+  /// Carries out actions that do not depend on each other, in any order or side by side; a failure does not
+  /// keep the others from being done. Outcomes are in the order of `actions`.
+  virtual std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
+
   /// What truly runs, as a network: every configured or named task with its true state, properties and seat,
   /// every connection, every deployment.
   [[nodiscard]] virtual model::Network observe() const = 0;
@@ -91,9 +106,9 @@ class TaskHost {
                                    const type::Value& arguments, TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
 
-  /// Called from any thread when a task changes its state other than by an action; must not block. No call is
-  /// under way any more when set_listener returns.
-  using Listener = std::function<void(const TaskEvent&)>;
+  /// Called from any thread when a task changes its state, or a process goes, other than by an action; must
+  /// not block. No call is under way any more when set_listener returns.
+  using Listener = std::function<void(const HostEvent&)>;
   virtual void set_listener(Listener listener) = 0;
 };
 

@@ -18,10 +18,10 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 11> kNames = {
-      "request_accepted", "transition_started", "action_done",     "action_failed",
-      "transition_done",  "transition_failed",  "request_refused", "request_superseded",
-      "task_state",       "difference",         "belief_reset"};
+  static constexpr std::array<std::string_view, 12> kNames = {
+      "request_accepted",  "transition_started", "action_done",        "action_failed", "transition_done",
+      "transition_failed", "request_refused",    "request_superseded", "task_state",    "process",
+      "difference",        "belief_reset"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

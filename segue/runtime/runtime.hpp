@@ -59,6 +59,7 @@ enum class EventKind {
   RequestRefused,
   RequestSuperseded,
   TaskState,
+  Process,
   Difference,
   BeliefReset
 };

@@ -37,7 +37,9 @@ struct Job {
 struct Runtime::Implementation {
   Implementation(std::string robot, host::TaskHost& task_host, const model::ComponentCatalog& components)
       : name(std::move(robot)), host(task_host), catalog(components) {
-    host.set_listener([this](const host::TaskEvent& event) { on_task_event(event); });
+    host.set_listener([this](const host::HostEvent& event) {
+      std::visit([this](const auto& what) { on_event(what); }, event);
+    });
     adopt(look());
     worker = std::thread([this] { work(); });
   }
@@ -92,7 +94,8 @@ struct Runtime::Implementation {
   SwitchResult superseded(const detail::Job& job) const;
   SwitchResult ended_before(const detail::Job& job) const;
   SwitchResult refused(const detail::Job& job, SwitchResult result, detail::Refusal refusal);
-  void on_task_event(const host::TaskEvent& event);
+  void on_event(const host::TaskEvent& event);
+  void on_event(const host::ProcessEvent& event);
   void on_action(const ActionRecord& record);
   void reset(std::optional<model::Network> network);
   Diagnostics add(model::Network network);

@@ -340,7 +340,7 @@ SwitchResult Runtime::Implementation::refused(const Job& job, SwitchResult resul
   return result;
 }
 
-void Runtime::Implementation::on_task_event(const host::TaskEvent& event) {
+void Runtime::Implementation::on_event(const host::TaskEvent& event) {
   {
     const std::lock_guard lock(mutex);
     told.insert_or_assign(event.task, std::pair(++task_events, event.state));
@@ -350,6 +350,10 @@ void Runtime::Implementation::on_task_event(const host::TaskEvent& event) {
   }
   log.add(EventKind::TaskState, event.task.str(),
           std::string(to_string(event.state)) + (event.message.empty() ? "" : ": " + event.message));
+}
+
+void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
+  log.add(EventKind::Process, to_string(event.process), event.message);
 }
 
 void Runtime::Implementation::on_action(const ActionRecord& record) {

@@ -112,22 +112,6 @@ Result<Descriptor> bind_socket(const std::filesystem::path& path, const sockaddr
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = other.release();
-  }
-  return *this;
-}
-
-int Descriptor::release() {
-  return std::exchange(fd_, -1);
-}
-
 ListeningSocket::ListeningSocket(std::filesystem::path path, Descriptor lock, Descriptor socket)
     : path_(std::move(path)), lock_(std::move(lock)), socket_(std::move(socket)) {}
 

@@ -2,28 +2,13 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
 
 #include <filesystem>
 
 /// Unix sockets with an owner: the parts of server and client that know nothing of Cap'n Proto.
 namespace segue::control::detail {
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool valid() const { return fd_ >= 0; }
-  int release();
-
- private:
-  int fd_;
-};
 
 /// A listening socket and the lock that says who owns its path. The lock dies with the process, so a socket
 /// whose lock can be had is stale.

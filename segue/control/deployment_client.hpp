@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/deploy/process_service.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+namespace segue::control {
+
+/// The deployment process on the other end of a socket. Waits for one that is still starting. InvalidState
+/// where it is of another version (the error names both). Fits deploy::Connector. Calls after it went answer
+/// Unavailable; those that it does not answer, DeadlineExceeded.
+Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
+                                                                      TimePoint deadline,
+                                                                      std::function<void()> gone);
+
+/// The process server of a computer (`segue host`) on the other end of a socket.
+Result<std::unique_ptr<deploy::ProcessService>> connect_processes(const std::filesystem::path& socket,
+                                                                  Duration timeout = std::chrono::seconds(5));
+
+}  // namespace segue::control

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/deploy/process_service.hpp>
+#include <segue/host/task_host.hpp>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace segue::deploy {
+
+/// How the socket of a deployment process becomes its service (control/ provides it). `gone` is called once,
+/// from any thread, when the connection breaks.
+using Connector = std::function<Result<std::unique_ptr<DeploymentService>>(
+    const std::filesystem::path& socket, TimePoint deadline, std::function<void()> gone)>;
+
+/// One TaskHost over the tasks of the runtime's own process and those of all deployment processes of a robot
+/// on this host.
+///
+/// What is observed: processes that answer, with their tasks, and connections both of whose halves stand. A
+/// process that ended by itself is not there any more, nor are its tasks and connections; a process that does
+/// not answer, or a task whose hook hangs, is there with its tasks Fatal, so that the next transition
+/// replaces the process. Whatever happens to a process is told to the listener.
+class DeployedTaskHost final : public host::TaskHost {
+ public:
+  /// `own` is the runtime's process. `launch` is what every process begins with, its deployment aside. All
+  /// references must outlive this. Deployments of `launch.robot` that already run are adopted; of those that
+  /// cannot be (another version), `findings` tells.
+  DeployedTaskHost(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
+                   const host::TaskHost& local);
+  /// Lets the processes run on.
+  ~DeployedTaskHost() override;
+
+  /// Side by side in their processes: one message for each process and kind of work, three for connections
+  /// between processes however many they are.
+  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline) override;
+
+  [[nodiscard]] model::Depth validation_depth() const override;
+  Result<void> can_make(const model::ComponentName& component) const override;
+  void expect(const model::Network& target) override;
+  void conclude(const model::Transition& transition) override;
+  Result<void> perform(const model::Action& action, TimePoint deadline) override;
+  [[nodiscard]] model::Network observe() const override;
+  [[nodiscard]] std::vector<host::TaskReport> tasks() const override;
+  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override;
+  Result<type::Value> properties(const model::TaskId& task) const override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override;
+  void set_listener(Listener listener) override;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::deploy

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/host/task_host.hpp>
+#include <segue/link/shared_connection.hpp>
+#include <segue/model/network.hpp>
+#include <segue/model/transition.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Deployments: processes that hold tasks. Starts and watches them, what runs inside, and one TaskHost over
+/// all.
+namespace segue::deploy {
+
+/// Who a deployment process is.
+struct DeploymentInfo {
+  std::string robot;
+  model::Deployment deployment;  ///< as it was started; its list of tasks is empty
+  int pid = 0;
+  std::string software;  ///< version of Segue
+  link::Incarnation incarnation = 0;
+};
+
+enum class Side : std::uint8_t { Output, Input };
+
+/// One half of a connection between processes, as its process sees it.
+struct HalfReport {
+  model::Connection connection;
+  Side side = Side::Output;
+  link::Incarnation peer = 0;
+  link::InputPlace place;  ///< what identifies it: both halves of a connection name the same one
+  link::Counters counters;
+};
+
+/// All that a process holds, at one moment.
+struct Snapshot {
+  model::Network network;  ///< its tasks with true states, its seats, connections inside
+  std::vector<host::TaskReport> tasks;
+  std::vector<host::ConnectionReport> connections;  ///< inside
+  std::vector<HalfReport> halves;
+  link::MemoryUsage memory;
+  /// Tasks one of whose hooks has not returned although the deadline of its action has passed.
+  std::vector<model::TaskId> hanging;
+};
+
+/// A connection of which the other end lives in another process.
+struct OpenInput {
+  model::Connection connection;
+  link::OutputOrigin origin;
+};
+struct AttachOutput {
+  model::Connection connection;
+  link::InputPlace place;
+};
+struct CloseHalf {
+  model::Connection connection;
+  Side side = Side::Output;
+  bool peer_closed = false;  ///< Input: the writer's half is gone or never was, so its ring's place is free
+};
+
+/// What a process with tasks offers, in the same process or (control/) in another. Functions may be called
+/// from any thread and block until their deadline at most; those without one answer within moments, or
+/// Unavailable where the process is gone and DeadlineExceeded where it does not answer. Lists of outcomes
+/// have one entry for each thing asked.
+class DeploymentService {
+ public:
+  virtual ~DeploymentService() = default;
+
+  virtual Result<DeploymentInfo> info() = 0;
+  virtual Result<Snapshot> snapshot() = 0;
+
+  /// Stand-ins made from now on have the ports that `network` names (the part that concerns this process).
+  virtual Result<void> expect(const model::Network& network) = 0;
+  /// Carries out actions on tasks and connections of this process, one after the other. After one that fails
+  /// the rest answer Cancelled. Each has until `deadline`.
+  virtual std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) = 0;
+  /// Forgets and redefines tasks as TaskHost::conclude does.
+  virtual Result<void> conclude(const model::Transition& transition) = 0;
+
+  virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
+  virtual Result<type::Value> properties(const model::TaskId& task) = 0;
+  virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
+                                    const type::Value& value, TimePoint deadline) = 0;
+  virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                                   const type::Value& arguments, TimePoint deadline) = 0;
+  virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                                std::size_t buffer) = 0;
+
+  /// For connections between processes: first offers are exchanged, then describe, open, attach; halves are
+  /// closed the other way round.
+  virtual Result<link::MemoryOffer> memory() = 0;
+  virtual Result<void> admit(const link::MemoryOffer& peer) = 0;
+  virtual Result<void> forget(link::Incarnation peer) = 0;
+  virtual std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                                   TimePoint deadline) = 0;
+  virtual std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
+                                                            TimePoint deadline) = 0;
+  virtual std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
+                                                   TimePoint deadline) = 0;
+  virtual std::vector<Result<void>> close_halves(std::span<const CloseHalf> halves, TimePoint deadline) = 0;
+
+  /// What happens to tasks by themselves. Called from any thread; must not block nor call back into this. No
+  /// call is under way any more when set_listener returns.
+  using Listener = std::function<void(const host::TaskEvent&)>;
+  virtual void set_listener(Listener listener) = 0;
+};
+
+}  // namespace segue::deploy

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/model/network.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace segue::deploy {
+
+/// What a deployment process needs to know to begin. Handed over as JSON through an inherited descriptor.
+struct Launch {
+  std::string robot;
+  model::Deployment deployment;        ///< tasks: empty
+  std::vector<std::string> libraries;  ///< component libraries to load, by name
+  std::vector<std::string> models;     ///< component model files for stand-ins, absolute paths
+  bool stand_in = false;               ///< as host::LocalOptions
+  bool only_stand_ins = false;
+  std::string stand_ins;  ///< the text of a stand-in file; may be empty
+  std::string log_level = "info";
+  link::SharedMemoryOptions memory;
+
+  friend bool operator==(const Launch& a, const Launch& b);
+};
+
+type::Value to_value(const Launch& launch);
+Result<Launch> launch_from(const type::Value& value);
+
+/// Where the processes of a robot have their sockets, logs and locks: `<control folder>/<robot>/`. Made with
+/// mode 0700; refused where it belongs to somebody else. Names are checked: never a path.
+Result<std::filesystem::path> process_folder(const std::string& robot);
+/// `<process folder>/<process>.sock`
+Result<std::filesystem::path> process_socket(const std::string& robot, const model::DeploymentKey& key);
+
+}  // namespace segue::deploy

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/link/shared_memory.hpp>
+
+#include <memory>
+
+namespace segue::deploy {
+
+/// The tasks of this process as a deployment: those of a deployment process, or the runtime's own.
+class LocalDeployment final : public DeploymentService {
+ public:
+  /// `host` must outlive this, and holds only tasks of `info.deployment` (whose empty process name stands for
+  /// the runtime's own). `memory` may be null: no connections to other processes then.
+  LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory);
+  ~LocalDeployment() override;
+
+  /// Stops and cleans up all tasks, consumers last; what hangs is given up at `deadline`.
+  void shut_down(TimePoint deadline);
+
+  Result<DeploymentInfo> info() override;
+  Result<Snapshot> snapshot() override;
+  Result<void> expect(const model::Network& network) override;
+  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override;
+  Result<void> conclude(const model::Transition& transition) override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) override;
+  Result<type::Value> properties(const model::TaskId& task) override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override;
+  Result<link::MemoryOffer> memory() override;
+  Result<void> admit(const link::MemoryOffer& peer) override;
+  Result<void> forget(link::Incarnation peer) override;
+  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                           TimePoint deadline) override;
+  std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
+                                                    TimePoint deadline) override;
+  std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
+                                           TimePoint deadline) override;
+  std::vector<Result<void>> close_halves(std::span<const CloseHalf> halves, TimePoint deadline) override;
+  void set_listener(Listener listener) override;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::deploy

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/descriptor.hpp>
+#include <segue/base/result.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace segue::link {
+
+/// Names the memory of one life of one process; random, never 0, never used again.
+using Incarnation = std::uint64_t;
+
+struct SharedMemoryOptions {
+  std::size_t prefault = std::size_t{1} << 20;  ///< bytes of the payload pool made present at once
+  std::size_t payload = std::size_t{4} << 30;   ///< the most that samples may take; address space, not memory
+  std::size_t control = std::size_t{64} << 20;  ///< likewise for the rings of connections
+};
+
+/// What another process needs to map this one's memory: two sealed memfds. Payloads can only be mapped for
+/// reading by others.
+struct MemoryOffer {
+  Incarnation incarnation = 0;
+  Descriptor payload;
+  Descriptor control;
+};
+
+struct MemoryUsage {
+  std::size_t payload_used = 0;  ///< bytes in blocks that are handed out
+  std::size_t payload_touched = 0;
+  std::size_t control_used = 0;
+  std::size_t connections = 0;  ///< halves that stand
+  std::size_t peers = 0;        ///< processes mapped
+};
+
+/// This process's part of the memory that the processes of a host share, and its maps of the others'.
+///
+/// Payload pool: where samples lie that leave the process, written by it alone. Control pool: the rings of
+/// connections into this process and the bells by which other processes wake its threads. Once it exists,
+/// output ports of types without pointers take their samples from the payload pool. All functions are thread
+/// safe.
+class SharedMemory {
+ public:
+  /// One for each process; AlreadyExists for a second while the first lives. Make it before the first port.
+  /// Prefaulting takes about 0.9 ms for each MB.
+  static Result<std::shared_ptr<SharedMemory>> create(const SharedMemoryOptions& options = {});
+  virtual ~SharedMemory() = default;
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+
+  [[nodiscard]] virtual Incarnation incarnation() const = 0;
+  /// Fresh descriptors for a peer; ResourceExhausted where there are none.
+  [[nodiscard]] virtual Result<MemoryOffer> offer() const = 0;
+
+  /// Maps a peer's memory (once; again is free). The offer is untrusted: sizes and seals are checked.
+  virtual Result<void> admit(const MemoryOffer& peer) = 0;
+  [[nodiscard]] virtual bool knows(Incarnation peer) const = 0;
+  /// The peer is dead, or is never to be talked to again: every connection with it ends, what it held comes
+  /// back, its memory is unmapped when the last sample that lies there is given back.
+  virtual void forget(Incarnation peer) = 0;
+
+  [[nodiscard]] virtual MemoryUsage usage() const = 0;
+
+ protected:
+  SharedMemory() = default;
+};
+
+}  // namespace segue::link
