@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -20,6 +21,21 @@ struct Unit {
 };
 constexpr std::array<Unit, 6> kUnits = {
     {{"ns", 1.0}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}, {"min", 60e9}, {"h", 3600e9}}};
+
+struct SizeUnit {
+  std::string_view name;
+  std::uint64_t bytes;
+};
+/// Decreasing; what is written is the first that divides.
+constexpr std::array<SizeUnit, 9> kSizeUnits = {{{"TiB", std::uint64_t{1} << 40},
+                                                 {"TB", 1'000'000'000'000},
+                                                 {"GiB", std::uint64_t{1} << 30},
+                                                 {"GB", 1'000'000'000},
+                                                 {"MiB", std::uint64_t{1} << 20},
+                                                 {"MB", 1'000'000},
+                                                 {"KiB", 1024},
+                                                 {"kB", 1000},
+                                                 {"B", 1}}};
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -114,6 +130,31 @@ std::string format_duration(Duration duration) {
     return std::string(buffer.data(), end) + std::string(unit->name);
   }
   return std::to_string(count) + "ns";
+}
+
+Result<std::uint64_t> parse_size(std::string_view text) {
+  auto refuse = [&] {
+    return fail(ErrorCode::InvalidArgument,
+                "expected a size with a unit such as '512MB' or '64MiB', got " + quote(text));
+  };
+  std::uint64_t number = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{}) return refuse();
+  std::string_view name(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  if (name.empty() && number == 0) return number;
+  while (name.starts_with(' '))
+    name.remove_prefix(1);
+  const auto* unit = std::ranges::find(kSizeUnits, name, &SizeUnit::name);
+  if (unit == kSizeUnits.end()) return refuse();
+  if (number > std::numeric_limits<std::uint64_t>::max() / unit->bytes) return refuse();
+  return number * unit->bytes;
+}
+
+std::string format_size(std::uint64_t bytes) {
+  if (bytes == 0) return "0";
+  const auto* unit =
+      std::ranges::find_if(kSizeUnits, [&](const SizeUnit& each) { return bytes % each.bytes == 0; });
+  return std::to_string(bytes / unit->bytes) + std::string(unit->name);
 }
 
 bool is_identifier(std::string_view text) {

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,12 @@ Result<Duration> parse_duration(std::string_view text);
 
 /// The shortest exact form with a unit: "100ms", "1.5s".
 std::string format_duration(Duration duration);
+
+/// "512MB" (millions), "64MiB" (2^20), "10 kB", "100B"; of bare numbers only 0 (units belong to the text).
+Result<std::uint64_t> parse_size(std::string_view text);
+
+/// The shortest exact form with a unit: "512MB", "64MiB", "4097B".
+std::string format_size(std::uint64_t bytes);
 
 /// A letter or '_' first, then letters, digits, '_', '-', '.' or ':' (as in "demo::Filter"): an identifier,
 /// never a path. At most 255 bytes.

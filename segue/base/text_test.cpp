@@ -49,6 +49,23 @@ TEST(FormatDuration, PicksAUnitThatReadsWell) {
   EXPECT_EQ(format_duration(nanoseconds(0)), "0s");
 }
 
+TEST(SizeTest, readsNumberAndUnit) {
+  EXPECT_EQ(parse_size("512MB").value(), 512'000'000U);
+  EXPECT_EQ(parse_size("64 MiB").value(), 64U << 20);
+  EXPECT_EQ(parse_size("7B").value(), 7U);
+  EXPECT_EQ(parse_size("0").value(), 0U);
+}
+
+TEST(SizeTest, refusesWhatIsNoSize) {
+  for (const auto* wrong : {"", "MB", "10", "-1MB", "1.5MB", "1mb", "20000000TB", "18446744073709551616B"})
+    EXPECT_FALSE(parse_size(wrong)) << wrong;
+}
+
+RC_GTEST_PROP(SizeTest, whatIsWrittenReadsTheSame, (std::uint64_t size, std::uint8_t zeros)) {
+  const std::uint64_t bytes = size << (zeros % 50);
+  RC_ASSERT(parse_size(format_size(bytes)).value() == bytes);
+}
+
 TEST(IsIdentifier, AcceptsNamesAndRefusesPaths) {
   EXPECT_TRUE(is_identifier("demo::Filter"));
   EXPECT_TRUE(is_identifier("head_demo_control-Task1"));

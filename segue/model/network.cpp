@@ -18,9 +18,10 @@ bool Task::same_configuration(const Task& other) const {
 
 bool Deployment::same_process(const Deployment& other) const {
   auto attributes = [](const Deployment& d) {
-    return std::tie(d.host, d.process, d.deployer, d.scheduler, d.priority, d.cpus, d.environment);
+    return std::tie(d.host, d.process, d.deployer, d.scheduler, d.priority, d.cpus, d.optional,
+                    d.environment);
   };
-  return attributes(*this) == attributes(other);
+  return attributes(*this) == attributes(other) && limits == other.limits;
 }
 
 bool operator==(const Deployment& a, const Deployment& b) {

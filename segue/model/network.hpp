@@ -2,14 +2,17 @@
 #pragma once
 
 #include <segue/base/activity.hpp>
+#include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/policy.hpp>
 #include <segue/model/ids.hpp>
 #include <segue/type/value.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace segue::model {
@@ -53,6 +56,19 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
+/// What a process may use at most. Nothing: as the process server itself.
+struct ResourceLimits {
+  /// Bytes of memory of its own (RLIMIT_DATA): what it shares with other processes and its programs' code do
+  /// not count.
+  std::optional<std::uint64_t> memory;
+  std::optional<std::uint64_t> open_files;  ///< descriptors
+  std::optional<Duration> cpu_time;         ///< of all threads together; whole seconds
+  std::optional<std::uint64_t> core;        ///< bytes of the file that a crash leaves; 0: none
+
+  friend bool operator==(const ResourceLimits&, const ResourceLimits&) = default;
+  [[nodiscard]] bool empty() const { return *this == ResourceLimits{}; }
+};
+
 /// A process on a host that holds tasks. Identity: key().
 struct Deployment {
   HostName host = kLocalHost;
@@ -62,7 +78,9 @@ struct Deployment {
   Scheduler scheduler = Scheduler::Normal;
   int priority = 0;
   std::vector<int> cpus;
+  bool optional = false;  ///< run as Normal where the system does not permit the scheduler
   std::vector<std::pair<std::string, std::string>> environment;
+  ResourceLimits limits{};
   SourceLocation where;
 
   [[nodiscard]] DeploymentKey key() const { return {host, process}; }

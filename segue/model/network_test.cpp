@@ -58,6 +58,17 @@ TEST(NetworkTest, listOfTasksIsNotPartOfTheProcess) {
   EXPECT_FALSE(one.same_process(other));
 }
 
+TEST(NetworkTest, limitsAndLeniencyArePartOfTheProcess) {
+  Deployment one;
+  one.process = ProcessName("drivers");
+  Deployment other = one;
+  other.limits.core = 0;
+  EXPECT_FALSE(one.same_process(other));
+  other = one;
+  other.optional = true;
+  EXPECT_FALSE(one.same_process(other));
+}
+
 TEST(NetworkTest, connectionTellsOnlyWhatIsNotPlain) {
   Connection connection = two_tasks().connections[0];
   EXPECT_EQ(to_string(connection), "a.out -> b.in");

@@ -38,7 +38,14 @@ std::optional<Connection> read_connection(Fields& fields, const Source& source);
 void write_connection(type::ValueMap& map, const Connection& connection);
 Policy read_policy(Fields& fields, const Source& source);
 
-/// From the keys host, deployer, scheduler, priority, cpu, environment; not process and tasks.
+/// Why limits cannot be, or nothing.
+std::optional<std::string> problem_of(const ResourceLimits& limits);
+/// From the map under `limits`: {memory: 512MB, open_files: 1024, cpu_time: 60s, core: 0}.
+ResourceLimits read_limits(const type::Value& value, const std::string& what, const Source& source);
+type::Value write_limits(const ResourceLimits& limits);
+
+/// From the keys host, deployer, scheduler, priority, cpu, optional, environment, limits; not process and
+/// tasks.
 void read_process(Fields& fields, Deployment& deployment, const Source& source);
 void write_process(type::ValueMap& map, const Deployment& deployment);
 

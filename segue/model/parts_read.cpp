@@ -233,6 +233,10 @@ void read_process(Fields& fields, Deployment& deployment, const Source& source) 
   deployment.scheduler = scheduling.scheduler;
   deployment.priority = scheduling.priority;
   deployment.cpus = std::move(scheduling.cpus);
+  deployment.optional = fields.boolean("optional", false);
+  if (const Value* limits = fields.find("limits")) {
+    deployment.limits = read_limits(*limits, "the limits of " + fields.what(), source);
+  }
   const Value* environment = fields.find("environment", Value::Kind::Map);
   if (environment == nullptr) return;
   for (const auto& [key, value] : environment->as_map()) {

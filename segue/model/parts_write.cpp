@@ -71,6 +71,8 @@ void write_process(ValueMap& map, const Deployment& deployment) {
   if (deployment.host != kLocalHost) map.append("host", deployment.host.str());
   if (deployment.deployer != plain.deployer) map.append("deployer", deployment.deployer);
   write_scheduling(map, deployment.scheduler, deployment.priority, deployment.cpus);
+  if (deployment.optional) map.append("optional", true);
+  if (!deployment.limits.empty()) map.append("limits", write_limits(deployment.limits));
   if (deployment.environment.empty()) return;
   ValueMap environment;
   for (const auto& [key, text] : deployment.environment)

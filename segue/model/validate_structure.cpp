@@ -93,6 +93,8 @@ class StructureCheck {
     scheduling.priority = deployment.priority;
     if (const auto problem = problem_of(scheduling))
       error("bad-priority", what + ": " + *problem, deployment.where);
+    if (const auto problem = problem_of(deployment.limits))
+      error("bad-limit", what + ": " + *problem, deployment.where);
     std::unordered_set<std::string_view> names;
     for (const Placement& placement : deployment.tasks) {
       check_placement(placement, deployment, what);

@@ -26,15 +26,8 @@ model::DeploymentKey key_of(const Index& index, int process) {
 model::DeploymentAction deployment_action(const Index& index, const Node& node) {
   const ProcessEntry& entry = index.process(node.subject);
   const model::Deployment& from = node.kind == ActionKind::Deploy ? *entry.target() : *entry.current();
-  model::Deployment process;
-  process.host = from.host;
-  process.process = from.process;
-  process.deployer = from.deployer;
-  process.scheduler = from.scheduler;
-  process.priority = from.priority;
-  process.cpus = from.cpus;
-  process.environment = from.environment;
-  process.where = from.where;
+  model::Deployment process = from;
+  process.tasks.clear();
   return {std::move(process)};
 }
 

@@ -155,6 +155,19 @@ inline model::Task random_task(Random& random, const NetworkShape& shape, std::s
   return task;
 }
 
+inline model::ResourceLimits random_limits(Random& random) {
+  model::ResourceLimits limits;
+  const auto size = [&random] {
+    const auto number = static_cast<std::uint64_t>(up_to(random, 999));
+    return one_in(random, 2) ? number * 1'000'000 : number * 4096 + 1;
+  };
+  if (one_in(random, 2)) limits.memory = (std::uint64_t{16} << 20) + size();
+  if (one_in(random, 3)) limits.open_files = 64 + static_cast<std::uint64_t>(up_to(random, 4000));
+  if (one_in(random, 3)) limits.cpu_time = std::chrono::seconds(1 + up_to(random, 9999));
+  if (one_in(random, 3)) limits.core = one_in(random, 2) ? 0 : size();
+  return limits;
+}
+
 inline model::Deployment random_deployment(Random& random, const NetworkShape& shape, int number) {
   model::Deployment deployment;
   // Few names, so that the same process occurs in related networks and on several hosts.
@@ -167,6 +180,8 @@ inline model::Deployment random_deployment(Random& random, const NetworkShape& s
     deployment.priority = 1 + up_to(random, 98);
   }
   deployment.cpus = random_cpus(random);
+  deployment.optional = one_in(random, 5);
+  if (one_in(random, 4)) deployment.limits = random_limits(random);
   if (one_in(random, 4)) deployment.environment.emplace_back("KEY", random_text(random, shape.awkward_text));
   return deployment;
 }

@@ -110,6 +110,8 @@ class PairGenerator {
     process.process = model::ProcessName("p" + std::to_string(number));
     if (shape_.foreign && number == 1) process.deployer = "orogen";
     if (!shape_.same_processes && one_in(6)) process.priority = 1;
+    if (!shape_.same_processes && one_in(12)) process.limits.core = 0;
+    if (!shape_.same_processes && one_in(12)) process.optional = true;
     return process;
   }
 
