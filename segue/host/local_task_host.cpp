@@ -47,7 +47,8 @@ struct LocalTaskHost::Implementation {
   detail::Notifier notifier;
   detail::TaskMaker maker;
   detail::TaskTable table;
-  detail::TaskActions actions{table, maker, notifier};
+  detail::TaskConnections connections{table, maker};
+  detail::TaskActions actions{table, maker, connections, notifier};
 };
 
 LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
@@ -181,6 +182,20 @@ Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::Port
                 port.task.str());
   }
   return detail::tap(*output, buffer);
+}
+
+Result<void> LocalTaskHost::with_output(const model::PortRef& port, TimePoint deadline,
+                                        const std::function<Result<void>(task::OutputPortBase&)>& use) {
+  return implementation_->connections.with_output(port, deadline, use);
+}
+
+Result<void> LocalTaskHost::with_input(const model::PortRef& port, TimePoint deadline,
+                                       const std::function<Result<void>(task::InputPortBase&)>& use) {
+  return implementation_->connections.with_input(port, deadline, use);
+}
+
+std::vector<model::TaskId> LocalTaskHost::hanging() const {
+  return implementation_->actions.hanging();
 }
 
 void LocalTaskHost::set_listener(Listener listener) {

@@ -5,7 +5,9 @@
 #include <segue/host/stand_in.hpp>
 #include <segue/host/task_host.hpp>
 
+#include <functional>
 #include <memory>
+#include <vector>
 
 namespace segue::host {
 
@@ -46,6 +48,18 @@ class LocalTaskHost final : public TaskHost {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) override;
   void set_listener(Listener listener) override;
+
+  /// Calls `use` with a port of a task here that is to be connected with another process, and answers what it
+  /// answers. The port does not go meanwhile, and a stand-in gets one that it lacks, as for connections here.
+  /// `use` must be brief and must not call back. DeadlineExceeded while a hook that makes or unmakes ports
+  /// runs, NotFound with the ports that there are.
+  Result<void> with_output(const model::PortRef& port, TimePoint deadline,
+                           const std::function<Result<void>(task::OutputPortBase&)>& use);
+  Result<void> with_input(const model::PortRef& port, TimePoint deadline,
+                          const std::function<Result<void>(task::InputPortBase&)>& use);
+
+  /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
+  [[nodiscard]] std::vector<model::TaskId> hanging() const;
 
  private:
   struct Implementation;

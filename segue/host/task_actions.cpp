@@ -30,10 +30,6 @@ std::string state_text(const TaskEntry& entry) {
   return quote(to_string(entry.state()));
 }
 
-Error busy(const model::TaskId& id) {
-  return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned", id.str());
-}
-
 /// A new value over the present one: a compound's fields one by one, everything else as a whole.
 void change(type::Value& present, const type::Value& value, const task::PropertyBase* property) {
   if (property != nullptr && property->takes_parts()) {
@@ -122,8 +118,8 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
       return self.perform_on_task(kind, what.task, deadline);
     }
     Result<void> operator()(const model::ConnectionAction& what) const {
-      return kind == ActionKind::Connect ? self.connect(what.connection, deadline)
-                                         : self.disconnect(what.connection);
+      return kind == ActionKind::Connect ? self.connections_.connect(what.connection, deadline)
+                                         : self.connections_.disconnect(what.connection);
     }
     Result<void> operator()(const model::DeploymentAction& what) const {
       return kind == ActionKind::Deploy ? self.deploy(what.deployment) : self.undeploy(what.deployment.key());
@@ -157,7 +153,16 @@ Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& 
       return free;
     }
   }
-  task::Task& task = *entry->task;
+  const VerbWatch::Verb verb(verbs_, id, deadline);
+  auto done = run_verb(kind, *entry, deadline);
+  if (!done && done.error().code == ErrorCode::DeadlineExceeded) {
+    verbs_.blocked(id, entry->task);
+  }
+  return done;
+}
+
+Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, TimePoint deadline) {
+  task::Task& task = *entry.task;
   const Acting acting(task);
   if (kind == ActionKind::Start) {
     return task.start(deadline);
@@ -166,9 +171,10 @@ Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& 
     return task.stop(deadline);
   }
   // The others make and unmake ports.
-  const std::unique_lock ports(*entry->ports, deadline);
+  const std::unique_lock ports(*entry.ports, deadline);
   if (!ports) {
-    return busy(id);
+    return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned",
+                entry.definition.id.str());
   }
   auto done = kind == ActionKind::Configure ? task.configure(deadline)
               : kind == ActionKind::Cleanup ? task.cleanup(deadline)
@@ -230,6 +236,7 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key) {
 }
 
 Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePoint deadline) {
+  const VerbWatch::Verb verb(verbs_, action.definition.id, deadline);
   std::optional<ProcessEntry> process;
   if (!action.process.is_runtime()) {
     process = table_.find_process(action.process);
@@ -320,65 +327,11 @@ Result<void> TaskActions::make_anew(const TaskEntry& old, const model::ConfigAct
   }
   table_.take_wires_of(id);
   for (const auto& connection : connections) {
-    if (auto connected = connect(connection, deadline); !connected) {
+    if (auto connected = connections_.connect(connection, deadline); !connected) {
       return fail(ErrorCode::Internal, "could not lay " + quote(to_string(connection)) + " again")
           .because_of(std::move(connected.error()));
     }
   }
-  return {};
-}
-
-Result<void> TaskActions::check_connectable(const TaskEntry& entry) const {
-  if (!entry.stand_in || !maker_.behaviour_of(entry.definition).fails("connect")) {
-    return {};
-  }
-  return fail(ErrorCode::HookFailed,
-              "stand_in.fail of task " + quote(entry.definition.id.str()) + " names 'connect'");
-}
-
-Result<void> TaskActions::connect(const model::Connection& connection, TimePoint deadline) {
-  if (table_.has_wire(connection)) {
-    return fail(ErrorCode::AlreadyExists, "is already connected");
-  }
-  auto from = table_.find(connection.from.task);
-  if (!from) {
-    return std::move(from.error());
-  }
-  auto to = table_.find(connection.to.task);
-  if (!to) {
-    return std::move(to.error());
-  }
-  for (const TaskEntry* end : {&*from, &*to}) {
-    if (auto connectable = check_connectable(*end); !connectable) {
-      return connectable;
-    }
-  }
-  const std::shared_lock from_ports(*from->ports, deadline);
-  if (!from_ports) {
-    return busy(connection.from.task);
-  }
-  std::shared_lock<PortsMutex> to_ports;  // a task may be connected with itself
-  if (to->ports != from->ports) {
-    to_ports = std::shared_lock(*to->ports, deadline);
-    if (!to_ports) {
-      return busy(connection.to.task);
-    }
-  }
-  const WireEnd output{from->task->component(), from->stand_in, from->configured()};
-  const WireEnd input{to->task->component(), to->stand_in, to->configured()};
-  auto wire = lay_wire(output, input, connection);
-  if (!wire) {
-    return std::move(wire.error());
-  }
-  return table_.add_wire({connection, std::move(*wire)});
-}
-
-Result<void> TaskActions::disconnect(const model::Connection& connection) {
-  auto wire = table_.take_wire(connection);
-  if (!wire) {
-    return std::move(wire.error());
-  }
-  wire->wire.disconnect();
   return {};
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <segue/host/notifier.hpp>
+#include <segue/host/task_connections.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
+#include <segue/host/verb_watch.hpp>
 #include <segue/model/transition.hpp>
 
 namespace segue::host::detail {
@@ -12,16 +14,19 @@ namespace segue::host::detail {
 /// table.
 class TaskActions {
  public:
-  TaskActions(TaskTable& table, TaskMaker& maker, Notifier& notifier)
-      : table_(table), maker_(maker), notifier_(notifier) {}
+  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, Notifier& notifier)
+      : table_(table), maker_(maker), connections_(connections), notifier_(notifier) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline);
   void conclude(const model::Transition& transition);
   Result<void> set_property(const model::TaskId& id, std::string_view path, const type::Value& value,
                             TimePoint deadline);
+  /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
+  [[nodiscard]] std::vector<model::TaskId> hanging() { return verbs_.overdue(); }
 
  private:
   Result<void> perform_on_task(model::ActionKind kind, const model::TaskId& id, TimePoint deadline);
+  Result<void> run_verb(model::ActionKind kind, const TaskEntry& entry, TimePoint deadline);
   Result<void> deploy(const model::Deployment& deployment);
   Result<void> undeploy(const model::DeploymentKey& key);
   Result<void> apply_config(const model::ConfigAction& action, TimePoint deadline);
@@ -30,15 +35,14 @@ class TaskActions {
                        TimePoint deadline);
   Result<void> make_anew(const TaskEntry& old, const model::ConfigAction& action, const ProcessEntry* process,
                          TimePoint deadline);
-  Result<void> connect(const model::Connection& connection, TimePoint deadline);
-  Result<void> disconnect(const model::Connection& connection);
   Result<void> check_devices(const TaskEntry& entry) const;
-  Result<void> check_connectable(const TaskEntry& entry) const;
   void listen_to(const TaskEntry& entry);
 
   TaskTable& table_;
   TaskMaker& maker_;
+  TaskConnections& connections_;
   Notifier& notifier_;
+  VerbWatch verbs_;
 };
 
 }  // namespace segue::host::detail

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/host/wire_end.hpp>
 #include <segue/link/connection.hpp>
 #include <segue/model/network.hpp>
-#include <segue/task/component.hpp>
 
 #include <memory>
 
@@ -23,13 +23,6 @@ class Wire {
 
  private:
   std::shared_ptr<link::Connection> connection_;
-};
-
-/// One end of a wire. A stand-in gets the port if it lacks it.
-struct WireEnd {
-  task::Component& component;
-  bool stand_in = false;
-  bool configured = false;
 };
 
 /// Connects two tasks' ports. Tasks may break meanwhile and unmake theirs.

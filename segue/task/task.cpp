@@ -178,6 +178,10 @@ Result<void> Task::recover(TimePoint deadline) {
   return implementation_->exclusive("recover", deadline, [this] { return implementation_->recover(); });
 }
 
+Result<void> Task::settle(TimePoint deadline) {
+  return implementation_->exclusive("settle", deadline, []() -> Result<void> { return {}; });
+}
+
 TaskState Task::state() const {
   return implementation_->state();
 }

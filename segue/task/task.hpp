@@ -53,6 +53,9 @@ class Task {
   /// RunTimeError -> Running; Exception -> PreOperational.
   Result<void> recover(TimePoint deadline);
 
+  /// Waits until no hook or update is in progress; DeadlineExceeded where one does not return.
+  Result<void> settle(TimePoint deadline);
+
   /// Lock free.
   [[nodiscard]] TaskState state() const;
   /// The named sub-state, or the state's own name.

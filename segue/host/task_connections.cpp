@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/task_connections.hpp>
+
+#include <segue/base/text.hpp>
+
+namespace segue::host::detail {
+
+namespace {
+
+using PortsLock = std::shared_lock<PortsMutex>;
+
+Result<PortsLock> hold(const TaskEntry& entry, TimePoint deadline) {
+  PortsLock lock(*entry.ports, deadline);
+  if (!lock) {
+    return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned",
+                entry.definition.id.str());
+  }
+  return lock;
+}
+
+WireEnd end_of(const TaskEntry& entry) {
+  return {entry.task->component(), entry.stand_in, entry.configured()};
+}
+
+}  // namespace
+
+Result<TaskEntry> TaskConnections::find(const model::TaskId& id) const {
+  auto entry = table_.find(id);
+  if (entry && entry->stand_in && maker_.behaviour_of(entry->definition).fails("connect")) {
+    return fail(ErrorCode::HookFailed, "stand_in.fail of task " + quote(id.str()) + " names 'connect'");
+  }
+  return entry;
+}
+
+Result<void> TaskConnections::connect(const model::Connection& connection, TimePoint deadline) {
+  if (table_.has_wire(connection)) {
+    return fail(ErrorCode::AlreadyExists, "is already connected");
+  }
+  auto from = find(connection.from.task);
+  if (!from) {
+    return std::move(from.error());
+  }
+  auto to = find(connection.to.task);
+  if (!to) {
+    return std::move(to.error());
+  }
+  const auto from_ports = hold(*from, deadline);
+  if (!from_ports) {
+    return from_ports.error();
+  }
+  Result<PortsLock> to_ports;  // a task may be connected with itself
+  if (to->ports != from->ports) {
+    to_ports = hold(*to, deadline);
+    if (!to_ports) {
+      return to_ports.error();
+    }
+  }
+  auto wire = lay_wire(end_of(*from), end_of(*to), connection);
+  if (!wire) {
+    return std::move(wire.error());
+  }
+  return table_.add_wire({connection, std::move(*wire)});
+}
+
+Result<void> TaskConnections::disconnect(const model::Connection& connection) {
+  auto wire = table_.take_wire(connection);
+  if (!wire) {
+    return std::move(wire.error());
+  }
+  wire->wire.disconnect();
+  return {};
+}
+
+Result<void> TaskConnections::with_output(const model::PortRef& port, TimePoint deadline,
+                                          const std::function<Result<void>(task::OutputPortBase&)>& use) {
+  const auto entry = find(port.task);
+  if (!entry) {
+    return entry.error();
+  }
+  const auto lock = hold(*entry, deadline);
+  if (!lock) {
+    return lock.error();
+  }
+  const WireEnd end = end_of(*entry);
+  if (auto grown = grow(end, port, model::Direction::Output); !grown) {
+    return grown;
+  }
+  const task::HeldPorts ports(end.component);
+  const auto output = find_output(ports, end, port);
+  return output ? use(**output) : output.error();
+}
+
+Result<void> TaskConnections::with_input(const model::PortRef& port, TimePoint deadline,
+                                         const std::function<Result<void>(task::InputPortBase&)>& use) {
+  const auto entry = find(port.task);
+  if (!entry) {
+    return entry.error();
+  }
+  const auto lock = hold(*entry, deadline);
+  if (!lock) {
+    return lock.error();
+  }
+  const WireEnd end = end_of(*entry);
+  if (auto grown = grow(end, port, model::Direction::Input); !grown) {
+    return grown;
+  }
+  const task::HeldPorts ports(end.component);
+  const auto input = find_input(ports, end, port);
+  return input ? use(**input) : input.error();
+}
+
+}  // namespace segue::host::detail

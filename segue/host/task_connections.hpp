@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/task_maker.hpp>
+#include <segue/host/task_table.hpp>
+
+#include <functional>
+
+namespace segue::host::detail {
+
+/// Connections between tasks of a table, and their ports for connections that leave the process. Thread
+/// safe. All wait until `deadline` at most for hooks that make or unmake ports (DeadlineExceeded).
+class TaskConnections {
+ public:
+  TaskConnections(TaskTable& table, const TaskMaker& maker) : table_(table), maker_(maker) {}
+
+  Result<void> connect(const model::Connection& connection, TimePoint deadline);
+  Result<void> disconnect(const model::Connection& connection);
+
+  /// Calls `use` with a port that is to be connected and does not go meanwhile.
+  Result<void> with_output(const model::PortRef& port, TimePoint deadline,
+                           const std::function<Result<void>(task::OutputPortBase&)>& use);
+  Result<void> with_input(const model::PortRef& port, TimePoint deadline,
+                          const std::function<Result<void>(task::InputPortBase&)>& use);
+
+ private:
+  /// The task at one end, unless it is told to refuse connections.
+  [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
+
+  TaskTable& table_;
+  const TaskMaker& maker_;
+};
+
+}  // namespace segue::host::detail

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/verb_watch.hpp>
+
+#include <set>
+
+namespace segue::host::detail {
+
+namespace {
+
+/// How long all blocked tasks together have to show that they are not any more: an update in progress is not
+/// a hook that hangs.
+constexpr Duration kPatience = std::chrono::milliseconds(20);
+
+}  // namespace
+
+VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId task, TimePoint deadline)
+    : watch_(watch), task_(std::move(task)), deadline_(deadline) {
+  const std::lock_guard lock(watch_.mutex_);
+  place_ = watch_.verbs_.insert(watch_.verbs_.end(), this);
+}
+
+VerbWatch::Verb::~Verb() {
+  const std::lock_guard lock(watch_.mutex_);
+  watch_.verbs_.erase(place_);
+}
+
+void VerbWatch::blocked(const model::TaskId& id, const std::shared_ptr<task::Task>& task) {
+  const std::lock_guard lock(mutex_);
+  blocked_.insert_or_assign(id, task);
+}
+
+std::vector<model::TaskId> VerbWatch::overdue() {
+  const TimePoint now = RealClock::instance().now();
+  std::set<model::TaskId> late;
+  std::map<model::TaskId, std::weak_ptr<task::Task>> blocked;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Verb* verb : verbs_) {
+      if (verb->deadline_ < now) {
+        late.insert(verb->task_);
+      }
+    }
+    blocked = blocked_;
+  }
+  for (const auto& [id, weak] : blocked) {
+    const auto task = weak.lock();
+    if (task != nullptr && !task->settle(now + kPatience)) {
+      late.insert(id);
+      continue;
+    }
+    const std::lock_guard lock(mutex_);
+    blocked_.erase(id);
+  }
+  return {late.begin(), late.end()};
+}
+
+}  // namespace segue::host::detail
