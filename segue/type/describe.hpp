@@ -49,8 +49,8 @@ concept Described = requires {
   Description<T>::kName;
 };
 
-/// How a C++ type is described: name(text), describe(shape), and where it needs them kSequence and
-/// kConversion. Specialised below and in eigen.hpp.
+/// How a C++ type is described: name(text), describe(shape), and where it needs them kSequence,
+/// kConversion and kGrid. Specialised below and in eigen.hpp.
 template <class T>
 struct Describe {
   static_assert(Described<T>,
@@ -105,6 +105,7 @@ constexpr DescribedType make_described() {
   described.describe = &Describe<T>::describe;
   if constexpr (requires { Describe<T>::kSequence; }) described.sequence = Describe<T>::kSequence;
   if constexpr (requires { Describe<T>::kConversion; }) described.conversion = Describe<T>::kConversion;
+  if constexpr (requires { Describe<T>::kGrid; }) described.grid = Describe<T>::kGrid;
   return described;
 }
 

@@ -89,7 +89,12 @@ struct Describe<std::vector<T>> {
     vector.resize(size);
     return vector.data();
   }
-  static constexpr Sequence kSequence{&size, &item, &resize};
+  static void* reuse(void* object, std::size_t size) {
+    auto& vector = *static_cast<Vector*>(object);
+    vector.resize(size);
+    return vector.data();
+  }
+  static constexpr Sequence kSequence{&size, &item, &resize, &reuse};
 };
 
 template <>
@@ -120,7 +125,7 @@ struct Describe<std::optional<T>> {
     if (size > 0 && !optional) optional.emplace();
     return size > 0 ? std::addressof(*optional) : nullptr;
   }
-  static constexpr Sequence kSequence{&size, &item, &resize};
+  static constexpr Sequence kSequence{&size, &item, &resize, &resize};
 };
 
 template <class Number, class Period>

@@ -6,6 +6,8 @@
 
 #include <segue/type/type_info.hpp>
 
+#include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +36,25 @@ struct Sequence {
   /// Makes it hold `size` items and gives the first; items are default values, but an optional keeps what it
   /// has.
   void* (*resize)(void* object, std::size_t size) = nullptr;
+  /// The same, but items that were there keep what they have, and with it their memory.
+  void* (*reuse)(void* object, std::size_t size) = nullptr;
+};
+
+/// A matrix whose sizes may change. Its numbers lie together, by rows or by columns as the type's name says.
+struct Grid {
+  DescribedType* number = nullptr;
+  std::array<std::size_t, 2> (*size)(const void* object) = nullptr;  ///< rows, columns
+  const void* (*numbers)(const void* object) = nullptr;
+  /// Makes it that large, which fits the memory there can be, and gives the first number, unset. Answers
+  /// false where the type has fixed another number of rows or columns.
+  bool (*resize)(void* object, const std::array<std::size_t, 2>& size, void*& numbers) = nullptr;
+};
+
+/// What flat.hpp needs to know of a type; set by plan_flat().
+struct FlatPlan {
+  bool possible = false;
+  bool checked = false;   ///< travels as bytes, but not every byte is allowed: has enums or booleans
+  std::size_t least = 0;  ///< the fewest bytes that an object takes, at least 1
 };
 
 /// Conversions of types whose values do not look like their type (matrices as lists of rows).
@@ -44,11 +65,13 @@ struct Conversion {
 
 /// One C++ type; constant initialised, one per type and process.
 struct DescribedType {
-  TypeInfo info;  ///< type and hash are set by complete()
+  TypeInfo info;  ///< type, hash and described are set by complete()
   void (*name)(std::string& text) = nullptr;
   void (*describe)(Shape& shape) = nullptr;
   Sequence sequence;
   Conversion conversion;
+  Grid grid;
+  FlatPlan flat;
   Shape* shape = nullptr;
   DescribedType* next_announced = nullptr;
 };
@@ -58,6 +81,9 @@ bool announce(DescribedType& described);
 
 /// Describes and registers the type and all it is made of when it is first used. Thread safe.
 const TypeInfo& complete(DescribedType& described);
+
+/// Plans types that are complete but for this. They may refer to one another, and to others planned before.
+void plan_flat(std::span<DescribedType* const> fresh);
 
 /// For describe(): the type of a part, which is described too if it has not been yet. Only within complete().
 const Type* part(DescribedType& described);

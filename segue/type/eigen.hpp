@@ -64,6 +64,25 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
     return vector.data();
   }
 
+  static void* reuse(void* object, std::size_t size) {
+    auto& vector = *static_cast<Matrix*>(object);
+    if constexpr (kVector && !kFixed) vector.resize(static_cast<Eigen::Index>(size));
+    return vector.data();
+  }
+
+  static std::array<std::size_t, 2> grid_size(const void* object) {
+    const auto& matrix = *static_cast<const Matrix*>(object);
+    return {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())};
+  }
+  static const void* numbers(const void* object) { return static_cast<const Matrix*>(object)->data(); }
+  static bool resize_grid(void* object, const std::array<std::size_t, 2>& size, void*& numbers) {
+    if (!fits(Rows, size[0]) || !fits(Columns, size[1])) return false;
+    auto& matrix = *static_cast<Matrix*>(object);
+    matrix.resize(static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1]));
+    numbers = matrix.data();
+    return true;
+  }
+
   /// Whether a size is the one fixed at compile time, if it is.
   static constexpr bool fits(int fixed, std::size_t size) {
     return fixed == Eigen::Dynamic || static_cast<std::size_t>(fixed) == size;
@@ -89,8 +108,10 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
     }
   }
 
-  static constexpr Sequence kSequence = kVector ? Sequence{&size, &item, &resize} : Sequence{};
+  static constexpr Sequence kSequence = kVector ? Sequence{&size, &item, &resize, &reuse} : Sequence{};
   static constexpr Conversion kConversion = kVector ? Conversion{} : Conversion{&to_value, &from_value};
+  static constexpr Grid kGrid =
+      kVector || kFixed ? Grid{} : Grid{&described_type<Number>, &grid_size, &numbers, &resize_grid};
 };
 
 template <class Number, int Options>

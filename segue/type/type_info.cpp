@@ -65,6 +65,7 @@ void finish_fresh(Registry& all) {
     described->info.trivially_copyable = travels_as_bytes(*described);
     described->info.hash = structural_hash(described->shape->type);
   }
+  detail::plan_flat(all.fresh);
   for (detail::DescribedType* described : std::exchange(all.fresh, {}))
     register_type_info(described->info);
 }
@@ -109,6 +110,7 @@ const Type* part(DescribedType& described) {
   described.shape = new Shape;  // never destroyed: ports keep its address until the process has gone
   Type& type = described.shape->type;
   described.info.type = &type;
+  described.info.described = &described;
   described.name(type.name);
   registry().fresh.push_back(&described);
   described.describe(*described.shape);

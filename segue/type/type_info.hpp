@@ -11,6 +11,10 @@
 
 namespace segue::type {
 
+namespace detail {
+struct DescribedType;
+}
+
 /// What ports and properties need to handle values of a C++ type without knowing it. One per described type
 /// and process, immutable, valid until the library that defined it is unloaded (component libraries never
 /// are).
@@ -26,6 +30,7 @@ struct TypeInfo {
   Value (*to_value)(const void* object) = nullptr;
   /// Leaves `object` unchanged on failure. `path` ("properties.range") begins the error message.
   Result<void> (*from_value)(void* object, const Value& value, std::string_view path) = nullptr;
+  const detail::DescribedType* described = nullptr;  ///< what it is made of, for read_flat and its like
 
   [[nodiscard]] std::string_view name() const { return type->name; }
 };

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Layout, without any padding of its own: what travels as bytes is as it is in memory (neighbours in a struct
+// in one run); strings, sequences and vector<bool> are a count and their items; an optional is 0 or 1 and its
+// item; a matrix is rows, columns and its numbers; a struct without members is one byte. Counts have 8 bytes.
+#include <segue/type/described_type.hpp>
+#include <segue/type/flat.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <string>
+
+namespace segue::type {
+namespace {
+
+using detail::DescribedField;
+using detail::DescribedType;
+using detail::Shape;
+
+using Count = std::uint64_t;
+
+/// How deep containers may nest in types that contain themselves, so that no input exhausts the stack.
+constexpr int kMostLevels = 100;
+
+const std::byte* at(const void* object, std::size_t offset) {
+  return static_cast<const std::byte*>(object) + offset;
+}
+
+std::byte* at(void* object, std::size_t offset) {
+  return static_cast<std::byte*>(object) + offset;
+}
+
+bool is_bits(const DescribedType& described) {
+  return described.conversion.to_value == &detail::bits_to_value;
+}
+
+/// Members that lie side by side and travel as bytes. Gaps are left alone: who knows what is there.
+struct Run {
+  std::size_t offset = 0;
+  std::size_t size = 0;
+  std::size_t fields = 0;  ///< 0: the first member does not travel as bytes
+};
+
+Run run_from(std::span<const DescribedField> fields) {
+  Run run{fields.front().offset, 0, 0};
+  for (const DescribedField& field : fields) {
+    const TypeInfo& info = field.type->info;
+    if (!info.trivially_copyable || field.offset != run.offset + run.size) break;
+    run.size += info.size;
+    ++run.fields;
+  }
+  return run;
+}
+
+/// Where write_flat() and flat_size() put what they find: counts it, and without memory does no more.
+class Sink {
+ public:
+  Sink() : limit_(std::numeric_limits<std::size_t>::max()) {}
+  explicit Sink(std::span<std::byte> bytes) : bytes_(bytes.data()), limit_(bytes.size()) {}
+
+  [[nodiscard]] std::size_t used() const { return used_; }
+
+  bool put(const void* from, std::size_t size) {
+    if (size > limit_ - used_) return false;
+    if (bytes_ != nullptr && size > 0) std::memcpy(bytes_ + used_, from, size);
+    used_ += size;
+    return true;
+  }
+  bool put_count(Count count) { return put(&count, sizeof count); }
+
+  bool enter() { return ++level_ <= kMostLevels; }
+  void leave() { --level_; }
+
+ private:
+  std::byte* bytes_ = nullptr;
+  std::size_t limit_;
+  std::size_t used_ = 0;
+  int level_ = 0;
+};
+
+bool put(const DescribedType& described, const void* object, Sink& sink);
+
+bool put_items(const DescribedType& element, const void* items, std::size_t count, Sink& sink) {
+  if (element.info.trivially_copyable) return sink.put(items, count * element.info.size);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!put(element, at(items, i * element.info.size), sink)) return false;
+  }
+  return true;
+}
+
+bool put_bits(const std::vector<bool>& bits, Sink& sink) {
+  if (!sink.put_count(bits.size())) return false;
+  for (const bool bit : bits) {
+    if (!sink.put(&bit, 1)) return false;
+  }
+  return true;
+}
+
+bool put_grid(const detail::Grid& grid, const void* object, Sink& sink) {
+  const auto [rows, columns] = grid.size(object);
+  return sink.put_count(rows) && sink.put_count(columns) &&
+         put_items(*grid.number, grid.numbers(object), rows * columns, sink);
+}
+
+bool put_container(const DescribedType& described, const void* object, Sink& sink) {
+  const Shape& shape = *described.shape;
+  if (shape.type.is_string()) {
+    const auto& text = *static_cast<const std::string*>(object);
+    return sink.put_count(text.size()) && sink.put(text.data(), text.size());
+  }
+  if (is_bits(described)) return put_bits(*static_cast<const std::vector<bool>*>(object), sink);
+  const std::size_t count = described.sequence.size(object);
+  const auto engaged = static_cast<std::uint8_t>(count);
+  const bool counted = shape.type.is_optional() ? sink.put(&engaged, 1) : sink.put_count(count);
+  if (!counted || count == 0) return counted;
+  if (!sink.enter()) return false;
+  const bool done = put_items(*shape.element, described.sequence.item(object, 0), count, sink);
+  sink.leave();
+  return done;
+}
+
+bool put_compound(const Shape& shape, const void* object, Sink& sink) {
+  std::span<const DescribedField> fields = shape.fields;
+  if (fields.empty()) return sink.put("", 1);
+  while (!fields.empty()) {
+    const Run run = run_from(fields);
+    const bool done = run.fields > 0 ? sink.put(at(object, run.offset), run.size)
+                                     : put(*fields.front().type, at(object, fields.front().offset), sink);
+    if (!done) return false;
+    fields = fields.subspan(std::max<std::size_t>(run.fields, 1));
+  }
+  return true;
+}
+
+bool put(const DescribedType& described, const void* object, Sink& sink) {
+  if (described.info.trivially_copyable) return sink.put(object, described.info.size);
+  if (described.grid.size != nullptr) return put_grid(described.grid, object, sink);
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Compound) return put_compound(shape, object, sink);
+  if (shape.type.kind == TypeKind::Array) return put_items(*shape.element, object, shape.type.count, sink);
+  return put_container(described, object, sink);
+}
+
+/// What of the input is left.
+class Source {
+ public:
+  explicit Source(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  [[nodiscard]] std::size_t left() const { return bytes_.size(); }
+
+  bool get(void* to, std::size_t size) {
+    if (size > bytes_.size()) return false;
+    if (size > 0) std::memcpy(to, bytes_.data(), size);
+    bytes_ = bytes_.subspan(size);
+    return true;
+  }
+  /// Numbers that decide over memory: taken once, however often they are looked at then.
+  bool get_once(void* to, std::size_t size) {
+    const bool done = get(to, size);
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    return done;
+  }
+  /// A count of items that take at least `least` bytes each; more than are left is refused.
+  bool get_count(Count& count, std::size_t least) {
+    return get_once(&count, sizeof count) && count <= bytes_.size() / least;
+  }
+  /// The next bytes, which the caller knows to be there.
+  const std::byte* skip(std::size_t size) {
+    const std::byte* skipped = bytes_.data();
+    bytes_ = bytes_.subspan(size);
+    return skipped;
+  }
+
+  bool enter() { return ++level_ <= kMostLevels; }
+  void leave() { --level_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+  int level_ = 0;
+};
+
+std::int64_t load_enum(const Type& type, const void* object) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, object, type.size);  // little endian, as all machines that Segue runs on
+  const auto unused = static_cast<int>(64 - 8 * type.size);
+  return type.category == NumericCategory::Signed ? static_cast<std::int64_t>(bits << unused) >> unused
+                                                  : static_cast<std::int64_t>(bits);
+}
+static_assert(std::endian::native == std::endian::little);
+
+/// C++'s own rule for enums: what the bits that their symbols need can express, so that flags may be
+/// combined.
+bool is_expressible(const Type& type, std::int64_t number) {
+  const bool is_signed = type.category == NumericCategory::Signed;
+  const auto magnitude = [&](std::int64_t value) {
+    return static_cast<std::uint64_t>(is_signed && value < 0 ? ~value : value);
+  };
+  std::uint64_t needed = 0;
+  bool negative = false;
+  for (const EnumSymbol& symbol : type.symbols) {
+    needed |= magnitude(symbol.value);
+    negative = negative || symbol.value < 0;
+  }
+  if (is_signed && number < 0 && !negative) return false;
+  return std::bit_width(magnitude(number)) <= std::bit_width(needed);
+}
+
+/// Whether all enums and booleans of an object that came as bytes are what they may be; those that are not
+/// are set to what they may be. The bytes are in the object already, since another process could change them
+/// between a look and the copy.
+bool mend(const DescribedType& described, void* object);
+
+bool mend_items(const DescribedType& element, void* items, std::size_t count) {
+  bool sound = true;
+  for (std::size_t i = 0; i < count; ++i)
+    sound = mend(element, at(items, i * element.info.size)) && sound;
+  return sound;
+}
+
+bool mend_enum(const Type& type, void* object) {
+  if (type.symbols.empty() || is_expressible(type, load_enum(type, object))) return true;
+  std::memcpy(object, &type.symbols.front().value, type.size);
+  return false;
+}
+
+bool mend(const DescribedType& described, void* object) {
+  if (!described.flat.checked) return true;
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Enum) return mend_enum(shape.type, object);
+  if (shape.type.kind == TypeKind::Array) return mend_items(*shape.element, object, shape.type.count);
+  if (shape.type.kind == TypeKind::Numeric) {
+    std::byte& boolean = *at(object, 0);
+    if (boolean <= std::byte{1}) return true;
+    boolean = std::byte{0};
+    return false;
+  }
+  bool sound = true;
+  for (const DescribedField& field : shape.fields)
+    sound = mend(*field.type, at(object, field.offset)) && sound;
+  return sound;
+}
+
+bool get(const DescribedType& described, void* object, Source& source);
+
+bool get_items(const DescribedType& element, void* items, std::size_t count, Source& source) {
+  if (element.info.trivially_copyable) {
+    if (!source.get(items, count * element.info.size)) return false;
+    return !element.flat.checked || mend_items(element, items, count);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!get(element, at(items, i * element.info.size), source)) return false;
+  }
+  return true;
+}
+
+bool get_bits(std::vector<bool>& bits, Source& source) {
+  Count count = 0;
+  if (!source.get_count(count, 1)) return false;
+  const std::span<const std::byte> values(source.skip(count), count);
+  if (!std::ranges::all_of(values, [](std::byte value) { return value <= std::byte{1}; })) return false;
+  bits.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    bits[i] = values[i] != std::byte{0};
+  return true;
+}
+
+bool get_grid(const detail::Grid& grid, void* object, Source& source) {
+  std::array<std::size_t, 2> size{};
+  auto& [rows, columns] = size;
+  if (!source.get_once(size.data(), sizeof size)) return false;
+  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max());
+  if (rows > kMost || columns > kMost) return false;
+  const std::size_t most = source.left() / grid.number->info.size;
+  if (columns != 0 && rows > most / columns) return false;
+  void* numbers = nullptr;
+  return grid.resize(object, size, numbers) && get_items(*grid.number, numbers, rows * columns, source);
+}
+
+bool get_string(std::string& text, Source& source) {
+  Count size = 0;
+  if (!source.get_count(size, 1)) return false;
+  text.assign(reinterpret_cast<const char*>(source.skip(size)), size);
+  return true;
+}
+
+bool get_container(const DescribedType& described, void* object, Source& source) {
+  const Shape& shape = *described.shape;
+  if (shape.type.is_string()) return get_string(*static_cast<std::string*>(object), source);
+  if (is_bits(described)) return get_bits(*static_cast<std::vector<bool>*>(object), source);
+  Count count = 0;
+  const bool counted = shape.type.is_optional() ? source.get_once(&count, 1) && count <= 1
+                                                : source.get_count(count, shape.element->flat.least);
+  if (!counted) return false;
+  void* items = described.sequence.reuse(object, count);
+  if (count == 0) return true;
+  if (!source.enter()) return false;
+  const bool done = get_items(*shape.element, items, count, source);
+  source.leave();
+  return done;
+}
+
+bool get_run(std::span<const DescribedField> fields, const Run& run, void* object, Source& source) {
+  if (!source.get(at(object, run.offset), run.size)) return false;
+  bool sound = true;
+  for (const DescribedField& field : fields.first(run.fields))
+    sound = mend(*field.type, at(object, field.offset)) && sound;
+  return sound;
+}
+
+bool get_compound(const Shape& shape, void* object, Source& source) {
+  std::span<const DescribedField> fields = shape.fields;
+  std::byte nothing{};
+  if (fields.empty()) return source.get(&nothing, 1);
+  while (!fields.empty()) {
+    const Run run = run_from(fields);
+    const bool done = run.fields > 0 ? get_run(fields, run, object, source)
+                                     : get(*fields.front().type, at(object, fields.front().offset), source);
+    if (!done) return false;
+    fields = fields.subspan(std::max<std::size_t>(run.fields, 1));
+  }
+  return true;
+}
+
+bool get(const DescribedType& described, void* object, Source& source) {
+  if (described.info.trivially_copyable) return get_items(described, object, 1, source);
+  if (described.grid.size != nullptr) return get_grid(described.grid, object, source);
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Compound) return get_compound(shape, object, source);
+  if (shape.type.kind == TypeKind::Array) return get_items(*shape.element, object, shape.type.count, source);
+  return get_container(described, object, source);
+}
+
+}  // namespace
+
+bool can_flatten(const TypeInfo& info) noexcept {
+  return info.described != nullptr && info.described->flat.possible;
+}
+
+std::size_t flat_size(const TypeInfo& info, const void* object) noexcept {
+  if (!can_flatten(info)) return 0;
+  Sink sink;
+  return put(*info.described, object, sink) ? sink.used() : 0;
+}
+
+std::optional<std::size_t> write_flat(const TypeInfo& info, const void* object,
+                                      std::span<std::byte> bytes) noexcept {
+  if (!can_flatten(info) || bytes.empty()) return std::nullopt;
+  Sink sink(bytes);
+  if (!put(*info.described, object, sink)) return std::nullopt;
+  return sink.used();
+}
+
+bool read_flat(const TypeInfo& info, void* object, std::span<const std::byte> bytes) {
+  if (!can_flatten(info)) return false;
+  Source source(bytes);
+  return get(*info.described, object, source) && source.left() == 0;
+}
+
+}  // namespace segue::type

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Reading the flat layout, as if a hostile process had written it. The first byte chooses the type.
+#include "require.hpp"
+
+#include <segue/type/describe.hpp>
+#include <segue/type/flat.hpp>
+
+#include <sanitizer/allocator_interface.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+namespace fuzzed {
+enum class Mode : std::int16_t { Back = -1, Idle, Drive = 5 };
+struct Sample {
+  double value = 0;
+  bool valid = false;
+  Mode mode = Mode::Idle;
+};
+struct Empty {};
+struct Tree {
+  std::int32_t value = 0;
+  std::vector<Tree> branches;
+};
+struct All {
+  std::string name;
+  std::vector<Sample> samples;
+  std::optional<std::string> remark;
+  std::vector<bool> bits;
+  std::array<std::vector<std::uint16_t>, 2> two;
+  std::vector<Empty> empty;
+  std::optional<Sample> last;
+  std::vector<std::vector<std::string>> texts;
+};
+}  // namespace fuzzed
+SEGUE_TYPE(fuzzed::Mode, Back, Idle, Drive)
+SEGUE_TYPE(fuzzed::Sample, value, valid, mode)
+SEGUE_TYPE(fuzzed::Empty)
+SEGUE_TYPE(fuzzed::Tree, value, branches)
+SEGUE_TYPE(fuzzed::All, name, samples, remark, bits, two, empty, last, texts)
+
+namespace segue::type {
+namespace {
+
+using fuzz::require;
+
+thread_local std::size_t allocated = 0;
+
+void count(const volatile void*, std::size_t size) {
+  allocated += size;
+}
+void ignore(const volatile void*) {}
+
+/// A sequence in memory has at the most so many times the bytes it has in the layout: of optionals, which
+/// take one byte there when they hold nothing.
+constexpr std::size_t kMostGrowth = sizeof(std::optional<fuzzed::Sample>);
+/// A vector that grows at least doubles, and what it holds moves.
+constexpr std::size_t kReallocation = 2;
+
+template <class T>
+void read(std::span<const std::byte> bytes) {
+  static const TypeInfo& info = type_info<T>();
+  static T used{};  // what inputs before this one left there
+  T object{};
+  allocated = 0;
+  const bool done = read_flat(info, &object, bytes);
+  require(allocated <= kMostGrowth * kReallocation * bytes.size(), "no more memory than the input justifies");
+  require(read_flat(info, &used, bytes) == done, "what was there before does not matter");
+  std::vector<std::byte> again(flat_size(info, &object));
+  require(write_flat(info, &object, again) == again.size(), "whatever was read can be written");
+  T copy{};
+  require(read_flat(info, &copy, again), "and read again");
+  require(info.to_value(&copy) == info.to_value(&object), "and is the same");
+  if (!done) return;
+  require(again.size() == bytes.size(), "what was accepted has one length");
+  require(info.to_value(&used) == info.to_value(&object), "an object that was used reads the same");
+}
+
+}  // namespace
+}  // namespace segue::type
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  return __sanitizer_install_malloc_and_free_hooks(&segue::type::count, &segue::type::ignore) > 0 ? 0 : 1;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::span bytes = std::as_bytes(std::span(data + 1, size - 1));
+  using segue::type::read;
+  switch (data[0] % 5) {
+    case 0:
+      read<fuzzed::Tree>(bytes);
+      break;
+    case 1:
+      read<std::vector<std::optional<fuzzed::Sample>>>(bytes);
+      break;
+    case 2:
+      read<std::vector<std::string>>(bytes);
+      break;
+    case 3:
+      read<std::vector<bool>>(bytes);
+      break;
+    default:
+      read<fuzzed::All>(bytes);
+  }
+  return 0;
+}
