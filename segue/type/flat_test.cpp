@@ -38,6 +38,7 @@ void operator delete(void* memory, std::size_t) noexcept {
 namespace demo {
 enum class Gait : std::uint8_t { Walk, Trot = 3, Jump = 4 };
 enum class Side : std::int16_t { Left = -1, None, Right };
+enum class Gear { Neutral, First };
 enum class Large : std::uint64_t { Low, High = 0x8000'0000'0000'0000 };
 struct Contact {
   double force = 0;
@@ -95,6 +96,7 @@ struct TreeOfOpaque {
 
 SEGUE_TYPE(demo::Gait, Walk, Trot, Jump)
 SEGUE_TYPE(demo::Side, Left, None, Right)
+SEGUE_TYPE(demo::Gear, Neutral, First)
 SEGUE_TYPE(demo::Large, Low, High)
 SEGUE_TYPE(demo::Contact, force, leg, firm, gait)
 SEGUE_TYPE(demo::Step, number, phase, name, length, duration, contacts, remark, firm, sides, texts, last,
@@ -374,6 +376,8 @@ TEST(Flat, booleans_are_false_or_true) {
   optional.front() = std::byte{2};
   std::optional<double> number;
   EXPECT_FALSE(read(number, optional));
+  optional.resize(1 + 2 * sizeof(double));
+  EXPECT_FALSE(read(number, optional)) << "two of them";
 }
 
 template <class Enum>
@@ -395,6 +399,7 @@ TEST(Flat, enums_are_what_the_bits_of_their_symbols_express) {
   EXPECT_TRUE(reads_number<demo::Side>(1));
   EXPECT_FALSE(reads_number<demo::Side>(2));
   EXPECT_FALSE(reads_number<demo::Side>(-3));
+  EXPECT_FALSE(reads_number<demo::Gear>(-1)) << "no symbol is negative";
   EXPECT_TRUE(reads_number<demo::Large>(-1)) << "all 64 bits";
 }
 
