@@ -17,8 +17,10 @@ class LocalDeployment final : public DeploymentService {
   LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory);
   ~LocalDeployment() override;
 
-  /// Stops and cleans up all tasks, consumers last; what hangs is given up at `deadline`.
-  void shut_down(TimePoint deadline);
+  /// Stops and cleans up all tasks, consumers last, and closes all halves; actions answer Unavailable from
+  /// now on. What hangs is given up at `deadline`: false then. Its thread still runs, so neither this nor the
+  /// host may be destroyed: end the process by std::_Exit.
+  bool shut_down(TimePoint deadline);
 
   Result<DeploymentInfo> info() override;
   Result<Snapshot> snapshot() override;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/link/shared_connection.hpp>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// One half of a connection between processes.
+struct Half {
+  model::Connection connection;
+  Side side = Side::Output;
+  link::InputPlace place;
+  link::Incarnation peer = 0;
+  std::shared_ptr<link::SharedHalf> half;
+
+  [[nodiscard]] bool stands() const { return half->connected(); }
+};
+
+/// The halves of a process. One that ended (it was closed, its port or its peer is gone) counts as absent;
+/// inputs are kept even so, since their places must be released once the writer's end is confirmed. Thread
+/// safe.
+class HalfTable {
+ public:
+  /// The half that stands.
+  [[nodiscard]] std::optional<Half> find(const model::Connection& connection, Side side) const;
+  /// AlreadyExists, and nothing is changed, where this one and another stand. Outputs that ended are
+  /// forgotten.
+  Result<void> add(Half half);
+  /// Out of the table: the halves of a connection that stand or ended, those of a peer, all.
+  std::vector<Half> take(const model::Connection& connection, Side side);
+  std::vector<Half> take_of_peer(link::Incarnation peer);
+  std::vector<Half> take_all();
+  /// Those that stand. Outputs that ended are forgotten.
+  [[nodiscard]] std::vector<Half> standing();
+
+ private:
+  struct Key {
+    model::Connection connection;
+    Side side;
+  };
+  struct ByIdentity {
+    bool operator()(const Key& a, const Key& b) const;
+  };
+
+  mutable std::mutex mutex_;
+  std::multimap<Key, Half, ByIdentity> halves_;
+};
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/half_table.hpp>
+#include <segue/deploy/shut_down.hpp>
+#include <segue/deploy/staggered.hpp>
+#include <segue/host/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <condition_variable>
+#include <mutex>
+
+namespace segue::deploy::detail {
+namespace {
+
+using host::testing::network_of;
+using host::testing::soon;
+using host::testing::wire;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class FakeHalf final : public link::SharedHalf {
+ public:
+  void disconnect() override { connected_ = false; }
+  [[nodiscard]] bool connected() const override { return connected_; }
+  [[nodiscard]] link::Counters counters() const override { return {}; }
+  [[nodiscard]] const Policy& policy() const override { return policy_; }
+  [[nodiscard]] link::Incarnation peer() const override { return 0; }
+
+ private:
+  std::atomic<bool> connected_ = true;
+  Policy policy_;
+};
+
+Half half_of(const model::Connection& connection, Side side, link::Incarnation peer = 1,
+             std::uint64_t offset = 0) {
+  Half half{connection, side, {}, peer, std::make_shared<FakeHalf>()};
+  half.place.offset = offset;
+  return half;
+}
+
+TEST(HalfTable, keeps_one_half_of_each_connection_and_side) {
+  const auto connection = wire("a", "out", "b", "in");
+  auto other = connection;
+  other.policy = {BufferKind::Buffer, 3, Transport::Automatic, false};
+  HalfTable table;
+  EXPECT_TRUE(table.add(half_of(connection, Side::Output)));
+  EXPECT_TRUE(table.add(half_of(connection, Side::Input)));
+  EXPECT_TRUE(table.add(half_of(other, Side::Output)));
+  const auto again = table.add(half_of(connection, Side::Output));
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, ErrorCode::AlreadyExists);
+  EXPECT_EQ(table.standing().size(), 3U);
+}
+
+TEST(HalfTable, halves_that_ended_by_themselves_count_as_absent) {
+  const auto connection = wire("a", "out", "b", "in");
+  HalfTable table;
+  const Half output = half_of(connection, Side::Output);
+  const Half input = half_of(connection, Side::Input);
+  ASSERT_TRUE(table.add(output));
+  ASSERT_TRUE(table.add(input));
+  output.half->disconnect();
+  input.half->disconnect();
+  EXPECT_FALSE(table.find(connection, Side::Output));
+  EXPECT_FALSE(table.find(connection, Side::Input));
+  EXPECT_THAT(table.standing(), IsEmpty());
+  EXPECT_TRUE(table.add(half_of(connection, Side::Output)));
+  EXPECT_TRUE(table.add(half_of(connection, Side::Input)));
+}
+
+TEST(HalfTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) {
+  const auto connection = wire("a", "out", "b", "in");
+  HalfTable table;
+  for (const std::uint64_t offset : {64U, 128U}) {
+    const Half input = half_of(connection, Side::Input, 1, offset);
+    ASSERT_TRUE(table.add(input));
+    input.half->disconnect();
+  }
+  EXPECT_THAT(table.standing(), IsEmpty());
+  const auto taken = table.take(connection, Side::Input);
+  ASSERT_EQ(taken.size(), 2U);
+  EXPECT_EQ(taken.front().place.offset + taken.back().place.offset, 192U);
+  EXPECT_THAT(table.take(connection, Side::Input), IsEmpty());
+}
+
+TEST(HalfTable, gives_out_the_halves_of_a_peer) {
+  HalfTable table;
+  ASSERT_TRUE(table.add(half_of(wire("a", "out", "b", "in"), Side::Output, 1)));
+  ASSERT_TRUE(table.add(half_of(wire("a", "out", "c", "in"), Side::Output, 2)));
+  const auto taken = table.take_of_peer(1);
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken.front().connection.to.task, model::TaskId("b"));
+  EXPECT_EQ(table.take_all().size(), 1U);
+  EXPECT_THAT(table.standing(), IsEmpty());
+}
+
+std::vector<std::string> names(const std::vector<model::TaskId>& ids) {
+  std::vector<std::string> names;
+  for (const auto& id : ids) {
+    names.push_back(id.str());
+  }
+  return names;
+}
+
+TEST(ProducersFirst, puts_each_task_after_those_it_reads_from) {
+  model::Network network;
+  for (const char* id : {"c", "x", "b", "a"}) {
+    network.tasks.push_back(host::testing::task_of(id, "any::Thing"));
+  }
+  network.connections = {wire("a", "o", "b", "i"), wire("b", "o", "c", "i"), wire("a", "o", "c", "i"),
+                         wire("a", "o", "a", "i")};
+  EXPECT_THAT(names(producers_first(network)), ElementsAre("x", "a", "b", "c"));
+}
+
+TEST(ProducersFirst, cuts_cycles_at_their_first_task) {
+  model::Network network;
+  for (const char* id : {"b", "a", "c"}) {
+    network.tasks.push_back(host::testing::task_of(id, "any::Thing"));
+  }
+  network.connections = {wire("a", "o", "b", "i"), wire("b", "o", "a", "i"), wire("b", "o", "c", "i")};
+  EXPECT_THAT(names(producers_first(network)), ElementsAre("b", "a", "c"));
+}
+
+TEST(Staggered, keeps_the_order_where_steps_return) {
+  auto order = std::make_shared<std::vector<int>>();
+  std::vector<std::function<void()>> steps;
+  for (int i = 0; i < 20; ++i) {
+    steps.emplace_back([order, i] { order->push_back(i); });
+  }
+  EXPECT_TRUE(Staggered(std::move(steps), std::chrono::seconds(60)).run(soon()));
+  ASSERT_EQ(order->size(), 20U);
+  EXPECT_TRUE(std::is_sorted(order->begin(), order->end()));
+  EXPECT_TRUE(Staggered({}, std::chrono::seconds(60)).run(soon()));
+}
+
+TEST(Staggered, goes_on_beside_steps_that_do_not_return) {
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int waiting = 0;
+  };
+  const auto shared = std::make_shared<Shared>();
+  // Each returns when all three are there: only possible side by side.
+  const auto step = [shared] {
+    std::unique_lock lock(shared->mutex);
+    ++shared->waiting;
+    shared->changed.notify_all();
+    shared->changed.wait(lock, [&] { return shared->waiting >= 3; });
+  };
+  EXPECT_TRUE(Staggered({step, step, step}, std::chrono::milliseconds(1)).run(soon()));
+  shared->waiting = -100;
+  Staggered slow({step}, std::chrono::milliseconds(1));
+  const TimePoint deadline = RealClock::instance().now() + std::chrono::milliseconds(50);
+  EXPECT_FALSE(slow.run(deadline));
+  EXPECT_GE(RealClock::instance().now(), deadline);
+  {
+    const std::lock_guard lock(shared->mutex);
+    shared->waiting = 3;
+    shared->changed.notify_all();
+  }
+  EXPECT_TRUE(slow.run(soon()));
+}
+
+}  // namespace
+}  // namespace segue::deploy::detail

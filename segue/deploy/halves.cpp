@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/halves.hpp>
+
+#include <segue/base/text.hpp>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+Error no_memory() {
+  return fail(ErrorCode::Unsupported,
+              "this process shares no memory with others; connect tasks of one process only");
+}
+
+Error stranger(link::Incarnation peer, const model::Connection& connection) {
+  return fail(ErrorCode::InvalidState,
+              "the process at the other end (" + std::to_string(peer) + ") has not been admitted",
+              to_string(connection));
+}
+
+Error about(Error error, const model::Connection& connection) {
+  if (error.subject.empty()) {
+    error.subject = to_string(connection);
+  }
+  return error;
+}
+
+}  // namespace
+
+Result<link::MemoryOffer> Halves::offer() const {
+  return memory_ == nullptr ? no_memory() : memory_->offer();
+}
+
+Result<void> Halves::admit(const link::MemoryOffer& peer) {
+  return memory_ == nullptr ? no_memory() : memory_->admit(peer);
+}
+
+Result<void> Halves::forget(link::Incarnation peer) {
+  if (memory_ == nullptr) {
+    return {};
+  }
+  memory_->forget(peer);
+  table_.take_of_peer(peer);
+  return {};
+}
+
+Result<link::OutputOrigin> Halves::describe(const model::PortRef& port, TimePoint deadline) {
+  if (memory_ == nullptr) {
+    return no_memory();
+  }
+  link::OutputOrigin origin;
+  auto described = host_.with_output(port, deadline, [&](task::OutputPortBase& output) -> Result<void> {
+    origin = link::describe_output(*memory_, output);
+    return {};
+  });
+  if (!described) {
+    return std::move(described.error());
+  }
+  return origin;
+}
+
+Result<link::InputPlace> Halves::open(const OpenInput& input, TimePoint deadline) {
+  if (memory_ == nullptr) {
+    return about(no_memory(), input.connection);
+  }
+  if (!memory_->knows(input.origin.writer)) {
+    return stranger(input.origin.writer, input.connection);
+  }
+  if (const auto present = table_.find(input.connection, Side::Input)) {
+    if (present->peer == input.origin.writer) {
+      return fail(ErrorCode::AlreadyExists, "is already connected", to_string(input.connection));
+    }
+    present->half->disconnect();  // a writer in another process: the old one is on its way out
+  }
+  Half made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
+  auto opened =
+      host_.with_input(input.connection.to, deadline, [&](task::InputPortBase& port) -> Result<void> {
+        auto half = link::open_input(*memory_, input.origin, port, input.connection.policy);
+        if (!half) {
+          return std::move(half.error());
+        }
+        made.half = std::move(half->half);
+        made.place = half->place;
+        return {};
+      });
+  if (!opened) {
+    return about(std::move(opened.error()), input.connection);
+  }
+  if (auto added = table_.add(made); !added) {
+    made.half->disconnect();
+    release(made);
+    return std::move(added.error());
+  }
+  return made.place;
+}
+
+Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
+  const link::Incarnation reader = output.place.reader;
+  if (memory_ == nullptr) {
+    return about(no_memory(), output.connection);
+  }
+  if (!memory_->knows(reader)) {
+    return stranger(reader, output.connection);
+  }
+  if (const auto present = table_.find(output.connection, Side::Output)) {
+    const link::InputPlace& place = present->place;
+    if (place.reader == reader && place.offset == output.place.offset &&
+        place.generation == output.place.generation) {
+      return fail(ErrorCode::AlreadyExists, "is already connected", to_string(output.connection));
+    }
+    present->half->disconnect();  // the reader has made itself another place: nobody reads from the old one
+  }
+  Half made{output.connection, Side::Output, output.place, reader, nullptr};
+  auto attached =
+      host_.with_output(output.connection.from, deadline, [&](task::OutputPortBase& port) -> Result<void> {
+        auto half = link::attach_output(*memory_, output.place, port, output.connection.policy);
+        if (!half) {
+          return std::move(half.error());
+        }
+        made.half = std::move(*half);
+        return {};
+      });
+  if (!attached) {
+    return about(std::move(attached.error()), output.connection);
+  }
+  auto added = table_.add(made);
+  if (!added) {
+    made.half->disconnect();
+  }
+  return added;
+}
+
+Result<void> Halves::close(const CloseHalf& what) {
+  for (auto& half : table_.take(what.connection, what.side)) {
+    half.half->disconnect();
+    if (what.side == Side::Output) {
+      continue;
+    }
+    if (what.peer_closed) {
+      release(half);
+    } else if (auto kept = table_.add(half); !kept) {
+      return kept;
+    }
+  }
+  return {};
+}
+
+void Halves::close_all() {
+  for (const auto& half : table_.take_all()) {
+    half.half->disconnect();
+  }
+}
+
+std::vector<HalfReport> Halves::reports() {
+  std::vector<HalfReport> reports;
+  for (auto& half : table_.standing()) {
+    reports.push_back(
+        {std::move(half.connection), half.side, half.peer, std::move(half.place), half.half->counters()});
+  }
+  return reports;
+}
+
+link::MemoryUsage Halves::usage() const {
+  return memory_ == nullptr ? link::MemoryUsage{} : memory_->usage();
+}
+
+void Halves::release(const Half& half) {
+  link::release_input(*memory_, half.place);
+}
+
+}  // namespace segue::deploy::detail

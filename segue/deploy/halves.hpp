@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/half_table.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/link/shared_memory.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// Makes and unmakes this process's halves of connections to other processes, at the ports of its tasks.
+/// Thread safe; deadlines bound the wait for hooks that make or unmake ports.
+class Halves {
+ public:
+  /// `memory` may be null: there are none then.
+  Halves(host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory)
+      : host_(host), memory_(std::move(memory)) {}
+
+  [[nodiscard]] Result<link::MemoryOffer> offer() const;
+  Result<void> admit(const link::MemoryOffer& peer);
+  Result<void> forget(link::Incarnation peer);
+
+  Result<link::OutputOrigin> describe(const model::PortRef& port, TimePoint deadline);
+  Result<link::InputPlace> open(const OpenInput& input, TimePoint deadline);
+  Result<void> attach(const AttachOutput& output, TimePoint deadline);
+  /// Idempotent.
+  Result<void> close(const CloseHalf& what);
+  void close_all();
+
+  [[nodiscard]] std::vector<HalfReport> reports();
+  [[nodiscard]] link::MemoryUsage usage() const;
+
+ private:
+  void release(const Half& half);
+
+  host::LocalTaskHost& host_;
+  const std::shared_ptr<link::SharedMemory> memory_;
+  HalfTable table_;
+};
+
+}  // namespace segue::deploy::detail

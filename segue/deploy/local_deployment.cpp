@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/local_deployment.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/deploy/gate.hpp>
+#include <segue/deploy/halves.hpp>
+#include <segue/deploy/shut_down.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::deploy {
+
+namespace {
+
+/// fn(item) for each, in order.
+template <class Outcome, class Items, class Function>
+std::vector<Outcome> each(const Items& items, Function&& function) {
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(items.size());
+  for (const auto& item : items) {
+    outcomes.push_back(function(item));
+  }
+  return outcomes;
+}
+
+}  // namespace
+
+struct LocalDeployment::Implementation {
+  Implementation(DeploymentInfo information, host::LocalTaskHost& task_host,
+                 std::shared_ptr<link::SharedMemory> memory)
+      : info(std::move(information)), host(task_host), halves(task_host, std::move(memory)) {}
+
+  [[nodiscard]] model::DeploymentKey key() const { return info.deployment.key(); }
+  Result<void> perform(const model::Action& action, TimePoint deadline);
+  /// Whether the action is one for this process.
+  [[nodiscard]] Result<void> check(const model::Action& action) const;
+  [[nodiscard]] Error going(const std::string& subject) const {
+    return fail(ErrorCode::Unavailable, "process " + quote(to_string(key())) + " is going down", subject);
+  }
+
+  DeploymentInfo info;
+  host::LocalTaskHost& host;
+  detail::Halves halves;
+  detail::Gate gate;  ///< for all that runs hooks; closed when this goes down
+};
+
+Result<void> LocalDeployment::Implementation::check(const model::Action& action) const {
+  if (std::holds_alternative<model::DeploymentAction>(action.what)) {
+    return fail(ErrorCode::InvalidArgument,
+                "a process neither starts nor ends processes; its process server does", action.label());
+  }
+  const auto* config = std::get_if<model::ConfigAction>(&action.what);
+  const bool elsewhere =
+      config != nullptr && config->process != key() && !(config->process.is_runtime() && key().is_runtime());
+  if (elsewhere) {
+    return fail(
+        ErrorCode::InvalidArgument,
+        "is for process " + quote(to_string(config->process)) + ", and this is " + quote(to_string(key())),
+        action.label());
+  }
+  return {};
+}
+
+Result<void> LocalDeployment::Implementation::perform(const model::Action& action, TimePoint deadline) {
+  if (auto checked = check(action); !checked) {
+    return checked;
+  }
+  const detail::Gate::Pass pass(gate);
+  if (!pass) {
+    return going(action.label());
+  }
+  return host.perform(action, deadline);
+}
+
+LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
+                                 std::shared_ptr<link::SharedMemory> memory)
+    : implementation_(std::make_unique<Implementation>(std::move(info), host, std::move(memory))) {
+  model::Deployment& own = implementation_->info.deployment;
+  own.tasks.clear();
+  if (!own.key().is_runtime()) {
+    const model::Action deploy{0, model::ActionKind::Deploy, model::DeploymentAction{own}, {}, {}};
+    static_cast<void>(host.perform(deploy, TimePoint::max()));
+  }
+}
+
+LocalDeployment::~LocalDeployment() {
+  implementation_->host.set_listener({});
+  implementation_->halves.close_all();
+}
+
+bool LocalDeployment::shut_down(TimePoint deadline) {
+  // Half of the time for what is under way, half for what is to be stopped then.
+  const TimePoint now = RealClock::instance().now();
+  implementation_->gate.close(std::min(deadline, now + (deadline - now) / 2));
+  const bool stopped = detail::shut_down(implementation_->host, deadline);
+  const bool left = implementation_->gate.close(deadline);
+  implementation_->halves.close_all();
+  return stopped && left;
+}
+
+Result<DeploymentInfo> LocalDeployment::info() {
+  return implementation_->info;
+}
+
+Result<Snapshot> LocalDeployment::snapshot() {
+  host::LocalTaskHost& host = implementation_->host;
+  Snapshot snapshot;
+  snapshot.network = host.observe();
+  snapshot.tasks = host.tasks();
+  snapshot.connections = host.connections();
+  snapshot.halves = implementation_->halves.reports();
+  snapshot.memory = implementation_->halves.usage();
+  snapshot.hanging = host.hanging();
+  return snapshot;
+}
+
+Result<void> LocalDeployment::expect(const model::Network& network) {
+  implementation_->host.expect(network);
+  return {};
+}
+
+std::vector<Result<void>> LocalDeployment::perform(std::span<const model::Action> actions,
+                                                   TimePoint deadline) {
+  bool failed = false;
+  return each<Result<void>>(actions, [&](const model::Action& action) -> Result<void> {
+    if (failed) {
+      return fail(ErrorCode::Cancelled, "not begun, since an action before it failed", action.label());
+    }
+    auto done = implementation_->perform(action, deadline);
+    failed = !done;
+    return done;
+  });
+}
+
+Result<void> LocalDeployment::conclude(const model::Transition& transition) {
+  implementation_->host.conclude(transition);
+  return {};
+}
+
+Result<model::ComponentModel> LocalDeployment::describe(const model::TaskId& task) {
+  return implementation_->host.describe(task);
+}
+
+Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
+  return implementation_->host.properties(task);
+}
+
+Result<void> LocalDeployment::set_property(const model::TaskId& task, std::string_view path,
+                                           const type::Value& value, TimePoint deadline) {
+  const detail::Gate::Pass pass(implementation_->gate);
+  if (!pass) {
+    return implementation_->going(task.str());
+  }
+  return implementation_->host.set_property(task, path, value, deadline);
+}
+
+Result<type::Value> LocalDeployment::call(const model::TaskId& task, std::string_view operation,
+                                          const type::Value& arguments, TimePoint deadline) {
+  const detail::Gate::Pass pass(implementation_->gate);
+  if (!pass) {
+    return implementation_->going(task.str());
+  }
+  return implementation_->host.call(task, operation, arguments, deadline);
+}
+
+Result<std::unique_ptr<host::PortReader>> LocalDeployment::open_reader(const model::PortRef& port,
+                                                                       std::size_t buffer) {
+  return implementation_->host.open_reader(port, buffer);
+}
+
+Result<link::MemoryOffer> LocalDeployment::memory() {
+  return implementation_->halves.offer();
+}
+
+Result<void> LocalDeployment::admit(const link::MemoryOffer& peer) {
+  return implementation_->halves.admit(peer);
+}
+
+Result<void> LocalDeployment::forget(link::Incarnation peer) {
+  return implementation_->halves.forget(peer);
+}
+
+std::vector<Result<link::OutputOrigin>> LocalDeployment::describe_outputs(
+    std::span<const model::PortRef> ports, TimePoint deadline) {
+  return each<Result<link::OutputOrigin>>(
+      ports, [&](const model::PortRef& port) { return implementation_->halves.describe(port, deadline); });
+}
+
+std::vector<Result<link::InputPlace>> LocalDeployment::open_inputs(std::span<const OpenInput> inputs,
+                                                                   TimePoint deadline) {
+  return each<Result<link::InputPlace>>(
+      inputs, [&](const OpenInput& input) { return implementation_->halves.open(input, deadline); });
+}
+
+std::vector<Result<void>> LocalDeployment::attach_outputs(std::span<const AttachOutput> outputs,
+                                                          TimePoint deadline) {
+  return each<Result<void>>(
+      outputs, [&](const AttachOutput& output) { return implementation_->halves.attach(output, deadline); });
+}
+
+std::vector<Result<void>> LocalDeployment::close_halves(std::span<const CloseHalf> halves,
+                                                        TimePoint /*deadline*/) {
+  return each<Result<void>>(halves,
+                            [&](const CloseHalf& half) { return implementation_->halves.close(half); });
+}
+
+void LocalDeployment::set_listener(Listener listener) {
+  if (!listener) {
+    implementation_->host.set_listener({});
+    return;
+  }
+  implementation_->host.set_listener([listener = std::move(listener)](const host::HostEvent& event) {
+    if (const auto* happened = std::get_if<host::TaskEvent>(&event)) {
+      listener(*happened);
+    }
+  });
+}
+
+}  // namespace segue::deploy

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tasks of one process as a deployment, without memory that it shares with others.
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/deploy/test_hooks.hpp>
+#include <segue/host/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+SEGUE_COMPONENT(hooks::Stuck)
+
+namespace segue::deploy {
+namespace {
+
+using host::testing::apply;
+using host::testing::on_connection;
+using host::testing::on_process;
+using host::testing::on_task;
+using host::testing::soon;
+using host::testing::task_of;
+using host::testing::wire;
+using model::ActionKind;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TimePoint in(std::chrono::milliseconds time) {
+  return RealClock::instance().now() + time;
+}
+
+DeploymentInfo info_of(std::string_view process) {
+  DeploymentInfo info;
+  info.robot = "crawler";
+  info.deployment.process = model::ProcessName(process);
+  info.pid = 7;
+  return info;
+}
+
+model::Task stuck_in(std::string_view id, std::string_view hook) {
+  return task_of(id, "hooks::Stuck", type::Value::map({{"hook", std::string(hook)}}));
+}
+
+class LocalDeploymentTest : public ::testing::Test {
+ protected:
+  LocalDeploymentTest() { hooks::reset(); }
+  ~LocalDeploymentTest() override { hooks::release_all(); }
+
+  std::vector<Result<void>> perform(const std::vector<model::Action>& actions) {
+    return deployment_.perform(actions, soon());
+  }
+  void expect_done(const std::vector<model::Action>& actions) {
+    for (const auto& done : perform(actions)) {
+      EXPECT_TRUE(done) << to_string(done.error());
+    }
+  }
+  void expect_refused(const model::Action& action, ErrorCode code, std::string_view words) {
+    const auto outcomes = perform({action});
+    ASSERT_EQ(outcomes.size(), 1U);
+    ASSERT_FALSE(outcomes.front()) << action.label();
+    EXPECT_EQ(outcomes.front().error().code, code);
+    EXPECT_THAT(to_string(outcomes.front().error()), HasSubstr(words));
+  }
+  void bring_to_running(const model::Task& task) {
+    expect_done({apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
+                 on_task(ActionKind::Start, task.id.str())});
+  }
+  TaskState state_of(std::string_view id) {
+    const auto network = deployment_.snapshot()->network;
+    const auto* task = network.find_task(model::TaskId(id));
+    return task == nullptr ? TaskState::Fatal : task->state;
+  }
+  /// Waits until just these tasks are told to hang.
+  [[nodiscard]] bool hang_now(const std::vector<model::TaskId>& expected) {
+    const TimePoint limit = soon();
+    while (RealClock::instance().now() < limit) {
+      if (deployment_.snapshot()->hanging == expected) return true;
+      std::this_thread::yield();
+    }
+    return false;
+  }
+
+  model::ComponentCatalog catalog_;
+  host::LibrarySet libraries_;
+  host::LocalTaskHost host_{
+      libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  LocalDeployment deployment_{info_of("p"), host_, nullptr};
+};
+
+TEST_F(LocalDeploymentTest, is_there_from_the_beginning_and_holds_its_tasks) {
+  bring_to_running(task_of("a", "any::Thing"));
+  const auto snapshot = deployment_.snapshot();
+  ASSERT_TRUE(snapshot);
+  ASSERT_EQ(snapshot->network.deployments.size(), 1U);
+  EXPECT_EQ(snapshot->network.deployments.front().process, model::ProcessName("p"));
+  ASSERT_EQ(snapshot->network.deployments.front().tasks.size(), 1U);
+  EXPECT_EQ(snapshot->network.deployments.front().tasks.front().task, model::TaskId("a"));
+  ASSERT_EQ(snapshot->tasks.size(), 1U);
+  EXPECT_EQ(snapshot->tasks.front().process.process, model::ProcessName("p"));
+  EXPECT_EQ(snapshot->tasks.front().state, TaskState::Running);
+  EXPECT_THAT(snapshot->hanging, IsEmpty());
+  EXPECT_EQ(deployment_.info()->pid, 7);
+}
+
+TEST_F(LocalDeploymentTest, holds_tasks_of_the_runtime_without_a_deployment_where_it_is_the_runtimes_own) {
+  host::LocalTaskHost host{
+      libraries_, catalog_, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  LocalDeployment own(info_of(""), host, nullptr);
+  const auto outcomes = own.perform(std::vector{apply(task_of("a", "any::Thing"))}, soon());
+  ASSERT_TRUE(outcomes.front()) << to_string(outcomes.front().error());
+  EXPECT_THAT(own.snapshot()->network.deployments, IsEmpty());
+  EXPECT_EQ(own.snapshot()->network.tasks.size(), 1U);
+  EXPECT_FALSE(own.perform(std::vector{apply(task_of("b", "any::Thing"), "p")}, soon()).front());
+}
+
+TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
+  const model::ComponentCatalog catalog;
+  const host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  auto info = info_of("p");
+  info.deployment.cpus = {0};
+  LocalDeployment deployment(info, host, nullptr);
+  const auto outcomes = deployment.perform(std::vector{apply(task_of("a", "any::Thing"), "p")}, soon());
+  ASSERT_TRUE(outcomes.front()) << to_string(outcomes.front().error());
+  EXPECT_EQ(deployment.snapshot()->tasks.front().activity.cpus, std::vector{0});
+}
+
+TEST_F(LocalDeploymentTest, carries_out_a_batch_in_order_until_one_fails) {
+  const auto outcomes = perform({apply(task_of("a", "any::Thing"), "p"), on_task(ActionKind::Start, "a"),
+                                 on_task(ActionKind::Configure, "a")});
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_TRUE(outcomes[0]);
+  ASSERT_FALSE(outcomes[1]);
+  EXPECT_EQ(outcomes[1].error().code, ErrorCode::InvalidState);
+  ASSERT_FALSE(outcomes[2]);
+  EXPECT_EQ(outcomes[2].error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(outcomes[2].error().subject, "configure a");
+  EXPECT_EQ(state_of("a"), TaskState::PreOperational);
+}
+
+TEST_F(LocalDeploymentTest, refuses_what_is_not_for_it) {
+  expect_refused(on_process(ActionKind::Deploy, "q"), ErrorCode::InvalidArgument, "process server");
+  expect_refused(on_process(ActionKind::Undeploy, "p"), ErrorCode::InvalidArgument, "process server");
+  expect_refused(apply(task_of("a", "any::Thing"), "q"), ErrorCode::InvalidArgument, "'localhost/q'");
+  expect_refused(apply(task_of("a", "any::Thing")), ErrorCode::InvalidArgument, "'localhost/p'");
+  EXPECT_THAT(deployment_.snapshot()->network.tasks, IsEmpty());
+}
+
+TEST_F(LocalDeploymentTest, connects_tasks_inside) {
+  bring_to_running(task_of("a", "any::Thing"));
+  bring_to_running(task_of("b", "any::Thing"));
+  const auto connection = wire("a", "out", "b", "in");
+  expect_done({on_connection(ActionKind::Connect, connection)});
+  EXPECT_EQ(deployment_.snapshot()->network.connections, std::vector{connection});
+  EXPECT_EQ(deployment_.snapshot()->connections.size(), 1U);
+}
+
+TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
+  bring_to_running(task_of("a", "any::Thing"));
+  const auto connection = wire("a", "out", "b", "in");
+  EXPECT_EQ(deployment_.memory().error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(deployment_.admit(link::MemoryOffer()).error().code, ErrorCode::Unsupported);
+  EXPECT_TRUE(deployment_.forget(3));
+  const std::vector<model::PortRef> ports{connection.from};
+  EXPECT_EQ(deployment_.describe_outputs(ports, soon()).at(0).error().code, ErrorCode::Unsupported);
+  const std::vector<OpenInput> inputs{{connection, {}}};
+  EXPECT_EQ(deployment_.open_inputs(inputs, soon()).at(0).error().code, ErrorCode::Unsupported);
+  const std::vector<AttachOutput> outputs{{connection, {}}};
+  EXPECT_EQ(deployment_.attach_outputs(outputs, soon()).at(0).error().code, ErrorCode::Unsupported);
+  const std::vector<CloseHalf> halves{{connection, Side::Input, true}, {connection, Side::Output, false}};
+  for (const auto& closed : deployment_.close_halves(halves, soon())) {
+    EXPECT_TRUE(closed) << "what is not there need not be closed";
+  }
+}
+
+TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on) {
+  expect_done({apply(stuck_in("s", "configure"), "p")});
+  std::thread caller([&] {
+    const std::vector actions{on_task(ActionKind::Configure, "s")};
+    EXPECT_TRUE(deployment_.perform(actions, in(std::chrono::milliseconds(1))).front());
+  });
+  EXPECT_TRUE(hang_now({model::TaskId("s")}));
+  bring_to_running(task_of("a", "any::Thing"));
+  hooks::release("s");
+  caller.join();
+  EXPECT_TRUE(hang_now({}));
+  EXPECT_EQ(state_of("s"), TaskState::Stopped);
+}
+
+TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
+  bring_to_running(stuck_in("s", "update"));
+  ASSERT_TRUE(hooks::wait_until_inside("s"));
+  EXPECT_TRUE(hang_now({})) << "nobody wants anything of it yet";
+  const std::vector actions{on_task(ActionKind::Stop, "s")};
+  const auto stopped = deployment_.perform(actions, in(std::chrono::milliseconds(5)));
+  ASSERT_FALSE(stopped.front());
+  EXPECT_EQ(stopped.front().error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_TRUE(hang_now({model::TaskId("s")}));
+  hooks::release("s");
+  EXPECT_TRUE(hang_now({}));
+  expect_done({on_task(ActionKind::Stop, "s")});
+}
+
+TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
+  std::mutex mutex;
+  std::condition_variable told;
+  std::vector<host::TaskEvent> events;
+  deployment_.set_listener([&](const host::TaskEvent& event) {
+    const std::lock_guard lock(mutex);
+    events.push_back(event);
+    told.notify_all();
+  });
+  const type::Value behaviour = type::Value::map({{"fail", "update"}, {"rate", 1000}});
+  bring_to_running(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}})));
+  std::unique_lock lock(mutex);
+  ASSERT_TRUE(told.wait_for(lock, std::chrono::seconds(60), [&] { return !events.empty(); }));
+  EXPECT_EQ(events.front().task, model::TaskId("a"));
+  lock.unlock();
+  deployment_.set_listener({});
+}
+
+TEST_F(LocalDeploymentTest, goes_down_in_order) {
+  bring_to_running(stuck_in("c", ""));
+  bring_to_running(stuck_in("b", ""));
+  bring_to_running(stuck_in("a", ""));
+  expect_done({on_connection(ActionKind::Connect, wire("a", "out", "b", "in")),
+               on_connection(ActionKind::Connect, wire("b", "out", "c", "in"))});
+  hooks::forget_log();
+  EXPECT_TRUE(deployment_.shut_down(soon()));
+  EXPECT_THAT(hooks::log(), ElementsAre("stop a", "stop b", "stop c", "cleanup a", "cleanup b", "cleanup c"));
+  for (const char* id : {"a", "b", "c"}) {
+    EXPECT_EQ(state_of(id), TaskState::PreOperational);
+  }
+  expect_refused(on_task(ActionKind::Configure, "a"), ErrorCode::Unavailable, "going down");
+  EXPECT_FALSE(deployment_.call(model::TaskId("a"), "x", {}, soon()));
+  EXPECT_TRUE(deployment_.shut_down(soon())) << "again is free";
+}
+
+TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
+  hooks::reset();
+  // As in a process that ends by std::_Exit: nothing is destroyed that the hanging thread needs.
+  static const model::ComponentCatalog& catalog = *new model::ComponentCatalog;
+  static const host::LibrarySet& libraries = *new host::LibrarySet;
+  static auto& host = *new host::LocalTaskHost(libraries, catalog);
+  LocalDeployment deployment(info_of("p"), host, nullptr);
+  for (const auto& task : {stuck_in("s", "stop"), stuck_in("a", "")}) {
+    const std::vector actions{apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
+                              on_task(ActionKind::Start, task.id.str())};
+    for (const auto& done : deployment.perform(actions, soon())) {
+      ASSERT_TRUE(done) << to_string(done.error());
+    }
+  }
+  EXPECT_FALSE(deployment.shut_down(in(std::chrono::seconds(2))));
+  EXPECT_EQ(host.observe().find_task(model::TaskId("a"))->state, TaskState::PreOperational);
+  EXPECT_EQ(host.observe().find_task(model::TaskId("s"))->state, TaskState::Running);
+  hooks::release_all();
+}
+
+TEST_F(LocalDeploymentTest, waits_for_actions_under_way_when_it_goes_down) {
+  expect_done({apply(stuck_in("s", "configure"), "p")});
+  std::thread caller([&] { expect_done({on_task(ActionKind::Configure, "s")}); });
+  ASSERT_TRUE(hooks::wait_until_inside("s"));
+  std::thread going([&] { EXPECT_TRUE(deployment_.shut_down(soon())); });
+  TimePoint limit = soon();
+  while (deployment_.perform(std::vector{on_task(ActionKind::Stop, "x")}, soon()).front().error().code !=
+         ErrorCode::Unavailable) {
+    ASSERT_LT(RealClock::instance().now(), limit);
+  }
+  hooks::release("s");
+  caller.join();
+  going.join();
+  EXPECT_EQ(state_of("s"), TaskState::PreOperational);
+}
+
+}  // namespace
+}  // namespace segue::deploy

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/task/component.hpp>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+/// For tests only: a component that stays in one of its hooks until the test lets it go, and tells which
+/// hooks ran.
+namespace hooks {
+
+struct State {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::string> log;
+  std::set<std::string> inside;
+  std::set<std::string> released;
+  bool all_released = false;
+};
+
+/// Outlives threads that are given up.
+inline State& state() {
+  static State& state = *new State;
+  return state;
+}
+
+inline bool wait_for(const std::function<bool(State&)>& wanted) {
+  std::unique_lock lock(state().mutex);
+  return state().changed.wait_for(lock, std::chrono::seconds(60), [&] { return wanted(state()); });
+}
+inline bool wait_until_inside(const std::string& task) {
+  return wait_for([&](State& now) { return now.inside.contains(task); });
+}
+inline std::vector<std::string> log() {
+  const std::lock_guard lock(state().mutex);
+  return state().log;
+}
+inline void forget_log() {
+  const std::lock_guard lock(state().mutex);
+  state().log.clear();
+}
+inline void release(const std::string& task) {
+  const std::lock_guard lock(state().mutex);
+  state().released.insert(task);
+  state().changed.notify_all();
+}
+inline void release_all() {
+  const std::lock_guard lock(state().mutex);
+  state().all_released = true;
+  state().changed.notify_all();
+}
+/// As if nothing had ever happened.
+inline void reset() {
+  const std::lock_guard lock(state().mutex);
+  state().log.clear();
+  state().inside.clear();
+  state().released.clear();
+  state().all_released = false;
+}
+
+class Stuck : public segue::task::Component {
+ public:
+  segue::task::InputPort<double> in{*this, "in"};
+  segue::task::OutputPort<double> out{*this, "out"};
+  segue::task::Property<std::string> hook{*this, "hook", "", {}};
+
+  Stuck() { default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)}); }
+
+ protected:
+  segue::Result<void> on_configure() override { return note("configure"); }
+  segue::Result<void> on_start() override { return note("start"); }
+  void on_update() override {
+    if (hook.get() == "update") static_cast<void>(note("update"));
+  }
+  void on_stop() override { static_cast<void>(note("stop")); }
+  void on_cleanup() override { static_cast<void>(note("cleanup")); }
+
+ private:
+  segue::Result<void> note(const std::string& name) {
+    std::unique_lock lock(state().mutex);
+    state().log.push_back(name + " " + id());
+    if (hook.get() == name) {
+      state().inside.insert(id());
+      state().changed.notify_all();
+      state().changed.wait(lock, [&] { return state().all_released || state().released.contains(id()); });
+    }
+    state().changed.notify_all();
+    return {};
+  }
+};
+
+}  // namespace hooks
