@@ -155,7 +155,7 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   const auto socket = control::socket_path(robot.robot().name);
   if (!socket) return failed(context, socket.error());
   runtime::RuntimeService service(runtime, [&stop] { stop.request("asked to end"); });
-  const auto server = control::Server::listen(*socket, service);
+  const auto server = control::Server::listen(*socket, &service);
   if (!server) return failed(context, server.error());
   const EventPrinter printer(runtime, context, options.verbose);
   announce(context,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/robot.capnp.h>
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/socket.hpp>
 #include <segue/control/detail/wire.hpp>
@@ -97,9 +98,11 @@ class Speaker {
       auto request = client_->bootstrap().castAs<wire::Gate>().helloRequest();
       request.setVersion(version);
       request.setSoftware("99.0");
+      request.setWants("robot");
       promise_ = request.send()
                      .then([this, done](auto&& response) {
-                       if (response.hasRobot()) robot_ = response.getRobot();
+                       if (response.hasService())
+                         robot_ = response.getService().template castAs<wire::Robot>();
                        done->set_value(response.hasError() ? detail::decode(response.getError())
                                                            : fail(ErrorCode::Internal, ""));
                      })
@@ -196,7 +199,7 @@ TEST_F(ControlTest, AnotherVersionIsToldBothVersions) {
   const Error refused = other.hello(999);
   EXPECT_EQ(refused.code, ErrorCode::Unsupported);
   EXPECT_NE(refused.message.find("999"), std::string::npos) << refused.message;
-  EXPECT_NE(refused.message.find("speaks version 1 "), std::string::npos) << refused.message;
+  EXPECT_NE(refused.message.find("speaks version 2 "), std::string::npos) << refused.message;
   EXPECT_EQ(Speaker(socket_).hello(detail::kProtocolVersion).message, "");
 }
 

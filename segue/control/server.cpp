@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
-#include <segue/control/detail/robot_server.hpp>
+#include <segue/control/detail/caller.hpp>
 #include <segue/control/detail/session.hpp>
 #include <segue/control/detail/socket.hpp>
 #include <segue/control/server.hpp>
@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 
 namespace segue::control {
 
@@ -20,21 +21,49 @@ constexpr auto kFlushLimit = std::chrono::milliseconds(500);
 }  // namespace
 
 struct Server::Implementation {
-  Implementation(detail::ListeningSocket listening, RobotService& service)
+  Implementation(detail::ListeningSocket listening, Served service)
       : socket(std::move(listening)), core(service) {
     core.loop.run(
         [this](kj::AsyncIoContext& io) { sessions = std::make_unique<detail::Sessions>(core, io, socket); });
+    listen_to_service(true);
   }
 
   /// Calls in progress end first, since the service may be gone afterwards; their answers are still sent.
   ~Implementation() {
     core.stopping = true;
+    listen_to_service(false);
     core.loop.run([this](kj::AsyncIoContext&) {
       if (sessions) sessions->stop_accepting();
     });
     core.pool.finish();
     flush();
     core.loop.run([this](kj::AsyncIoContext&) { sessions.reset(); });
+  }
+
+  static Result<std::unique_ptr<Server>> start(detail::ListeningSocket listening, Served service) {
+    try {
+      auto implementation = std::make_unique<Implementation>(std::move(listening), service);
+      if (!implementation->sessions) return fail(ErrorCode::Internal, "the control server did not start");
+      return std::unique_ptr<Server>(new Server(std::move(implementation)));
+    } catch (const std::exception& exception) {
+      return fail(ErrorCode::ResourceExhausted,
+                  std::string("the control server cannot start: ") + exception.what());
+    }
+  }
+
+  void listen_to_service(bool on) {
+    if (auto* const* deployment = std::get_if<deploy::DeploymentService*>(&core.served)) {
+      (*deployment)
+          ->set_listener(
+              on ? [this](const host::TaskEvent& event) { core.task_events.tell(event, core.loop); }
+                 : deploy::DeploymentService::Listener());
+    }
+    if (auto* const* processes = std::get_if<deploy::ProcessService*>(&core.served)) {
+      (*processes)
+          ->set_listener(
+              on ? [this](const deploy::ProcessInfo& event) { core.process_events.tell(event, core.loop); }
+                 : deploy::ProcessService::Listener());
+    }
   }
 
   void flush() {
@@ -56,17 +85,16 @@ Server::Server(std::unique_ptr<Implementation> implementation) : implementation_
 
 Server::~Server() = default;
 
-Result<std::unique_ptr<Server>> Server::listen(const std::filesystem::path& socket, RobotService& service) {
+Result<std::unique_ptr<Server>> Server::listen(const std::filesystem::path& socket, Served service) {
   auto listening = detail::ListeningSocket::open(socket);
   if (!listening) return listening.error();
-  try {
-    auto implementation = std::make_unique<Implementation>(std::move(*listening), service);
-    if (!implementation->sessions) return fail(ErrorCode::Internal, "the control server did not start");
-    return std::unique_ptr<Server>(new Server(std::move(implementation)));
-  } catch (const std::exception& exception) {
-    return fail(ErrorCode::ResourceExhausted,
-                std::string("the control server cannot start: ") + exception.what());
-  }
+  return Implementation::start(std::move(*listening), service);
+}
+
+Result<std::unique_ptr<Server>> Server::serve(Descriptor listening, Served service) {
+  auto adopted = detail::ListeningSocket::adopt(std::move(listening));
+  if (!adopted) return adopted.error();
+  return Implementation::start(std::move(*adopted), service);
 }
 
 }  // namespace segue::control

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
 #include <segue/control/robot_service.hpp>
 
@@ -8,7 +9,13 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
+
+namespace segue::deploy {
+class DeploymentService;
+class ProcessService;
+}  // namespace segue::deploy
 
 namespace segue::control {
 
@@ -20,16 +27,23 @@ Result<std::filesystem::path> socket_path(std::string_view robot);
 /// Names of robots whose sockets answer, sorted. Sockets that nobody serves any more are removed.
 std::vector<std::string> running_robots();
 
-/// Serves a RobotService on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
+/// What a server offers; never null. The server takes the one listener of a deployment or process service.
+using Served = std::variant<RobotService*, deploy::DeploymentService*, deploy::ProcessService*>;
+
+/// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
 /// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the
 /// limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB) is refused with
-/// ResourceExhausted.
+/// ResourceExhausted. Events of the service are told to the clients that listen; one that does not keep up
+/// loses the oldest and is told how many.
 class Server {
  public:
-  /// AlreadyExists where a living runtime holds the socket; a stale one is replaced.
-  static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, RobotService& service);
+  /// AlreadyExists where a living server holds the socket; a stale one is replaced.
+  static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
+  /// On a socket that somebody else has bound and listens already; it stays in the file system at the end.
+  /// InvalidArgument where it is no such socket.
+  static Result<std::unique_ptr<Server>> serve(Descriptor listening, Served service);
   /// Refuses new calls, waits for those in progress (until their deadlines at most) and sends their answers,
-  /// then closes all clients and removes the socket.
+  /// then closes all clients and removes the socket that listen() made.
   ~Server();
 
  private:

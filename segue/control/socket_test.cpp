@@ -47,7 +47,7 @@ TEST_F(ControlTest, AFolderThatIsALinkIsRefused) {
 TEST_F(ControlTest, ASecondServerOnTheSameSocketIsRefused) {
   serve();
   FakeRobot other;
-  const auto second = Server::listen(socket_, other);
+  const auto second = Server::listen(socket_, &other);
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::AlreadyExists);
   EXPECT_TRUE(client()->status());
@@ -73,7 +73,7 @@ TEST_F(ControlTest, RunningRobotsAreThoseThatAnswer) {
   leave_stale_socket(socket_path("dead").value());
   serve();
   FakeRobot other;
-  const auto second = Server::listen(socket_path("a_second").value(), other);
+  const auto second = Server::listen(socket_path("a_second").value(), &other);
   ASSERT_TRUE(second);
   EXPECT_EQ(running_robots(), (std::vector<std::string>{"a_second", "fake"}));
   EXPECT_FALSE(std::filesystem::exists(socket_path("dead").value()));
@@ -89,7 +89,7 @@ TEST_F(ControlTest, ANameThatIsAPathIsNoRobot) {
 }
 
 TEST_F(ControlTest, APathThatIsTooLongForASocketSaysWhatToDo) {
-  const auto failed = Server::listen(folder_ / std::string(120, 'x'), robot_);
+  const auto failed = Server::listen(folder_ / std::string(120, 'x'), &robot_);
   ASSERT_FALSE(failed);
   EXPECT_NE(failed.error().message.find("XDG_RUNTIME_DIR"), std::string::npos);
 }

@@ -154,7 +154,7 @@ class ControlTest : public ::testing::Test {
   }
 
   void serve() {
-    auto server = Server::listen(socket_, robot_);
+    auto server = Server::listen(socket_, &robot_);
     ASSERT_TRUE(server) << to_string(server.error());
     server_ = std::move(*server);
   }

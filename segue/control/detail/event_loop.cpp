@@ -105,6 +105,7 @@ void EventLoop::main(std::promise<void>& ready) {
   std::optional<kj::AsyncIoContext> io;
   try {
     io.emplace(kj::setupAsyncIo());
+    timer_ = &io->provider->getTimer();
   } catch (...) {
     ready.set_exception(std::make_exception_ptr(
         std::system_error(std::make_error_code(std::errc::too_many_files_open), "event loop")));

@@ -32,6 +32,8 @@ class EventLoop {
   bool run(const Work& work);
   /// What was posted before is still done. Returns at once.
   void stop();
+  /// Only in the loop's thread.
+  [[nodiscard]] kj::Timer& timer() const { return *timer_; }
 
  private:
   void main(std::promise<void>& ready);
@@ -43,6 +45,7 @@ class EventLoop {
   std::mutex mutex_;
   std::vector<Work> queue_;
   bool stopped_ = false;
+  kj::Timer* timer_ = nullptr;
   std::thread thread_;
 };
 

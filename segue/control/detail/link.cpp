@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <future>
 #include <string>
 #include <utility>
 
@@ -41,21 +40,37 @@ wire::Gate::Client gate_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
   return rpc.bootstrap(id).castAs<wire::Gate>();
 }
 
+/// What a deployment offers as memory is two descriptors; nothing else carries any.
+constexpr unsigned kMaxDescriptors = 2;
+
 }  // namespace
 
+Duration time_left(TimePoint deadline) {
+  const TimePoint now = RealClock::instance().now();
+  return deadline > now ? deadline - now : Duration(0);
+}
+
+Result<void> check_request(std::uint64_t words) {
+  // Half: what reads a message counts some parts twice.
+  if (words <= kServerMessageWords / 2) return {};
+  return fail(ErrorCode::ResourceExhausted,
+              "a message of " + std::to_string(words * 8 >> 20) + " MiB is too large to be sent; at most " +
+                  std::to_string(kServerMessageWords * 8 / 2 >> 20) + " MiB are");
+}
+
 struct Link::Failures final : kj::TaskSet::ErrorHandler {
-  /// ask() handles all failures itself.
+  /// begin() handles all failures itself.
   void taskFailed(kj::Exception&&) override {}
 };
 
-Link::Connection::Connection(kj::AsyncIoContext& io, int descriptor)
-    : stream_(
-          io.lowLevelProvider->wrapSocketFd(descriptor, kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP |
-                                                            kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
-                                                            kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
-      network_(*stream_, capnp::rpc::twoparty::Side::CLIENT, reader_options()),
+Link::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors)
+    : stream_(io.lowLevelProvider->wrapUnixSocketFd(descriptor,
+                                                    kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP |
+                                                        kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
+                                                        kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
+      network_(*stream_, descriptors, capnp::rpc::twoparty::Side::CLIENT, reader_options()),
       rpc_(capnp::makeRpcClient(network_)),
-      robot_(kj::Exception(not_connected())) {}
+      service_(kj::Exception(not_connected())) {}
 
 wire::SampleStream::Client Link::Connection::stream(StreamId id) {
   const auto found = streams_.find(id);
@@ -63,18 +78,32 @@ wire::SampleStream::Client Link::Connection::stream(StreamId id) {
   return found->second;
 }
 
-Link::Answer Link::Connection::hello() {
+Link::Answer Link::Connection::hello(std::string_view kind) {
   auto request = gate_of(rpc_).helloRequest();
   request.setVersion(kProtocolVersion);
   request.setSoftware(SEGUE_VERSION);
+  request.setWants(as_text(std::string(kind)));
   return request.send().then([this](auto&& response) -> Result<Value> {
+    if (const auto version = response.getVersion(); version != kProtocolVersion) {
+      return fail(ErrorCode::InvalidState, "segue " + as_string(response.getSoftware()) +
+                                               " answers, which speaks version " + std::to_string(version) +
+                                               " of the control protocol; this is segue " SEGUE_VERSION
+                                               ", which speaks version " +
+                                               std::to_string(kProtocolVersion) +
+                                               "; use programs of one version, or start that one anew");
+    }
     if (response.hasError()) return decode(response.getError());
-    robot_ = response.getRobot();
+    service_ = response.getService();
     return Value(as_string(response.getSoftware()));
   });
 }
 
-Link::Link(std::string name) : name_(std::move(name)) {}
+void Link::Connection::watch(std::function<void()> gone) {
+  watch_ = nullptr;
+  if (gone) watch_ = network_.onDisconnect().then(std::move(gone)).eagerlyEvaluate(nullptr);
+}
+
+Link::Link(std::string who) : who_(std::move(who)) {}
 
 Link::~Link() {
   loop_.run([this](kj::AsyncIoContext&) {
@@ -84,17 +113,21 @@ Link::~Link() {
   });
 }
 
-Result<std::shared_ptr<Link>> Link::open(const std::filesystem::path& socket, Duration timeout) {
+Result<std::shared_ptr<Link>> Link::open(const std::filesystem::path& socket, std::string_view kind,
+                                         std::string who, Duration timeout) {
+  const TimePoint deadline = RealClock::instance().now() + timeout;
   auto connected = connect_socket(socket, timeout);
   if (!connected) return connected.error();
   try {
-    const std::shared_ptr<Link> link(new Link(socket.stem().string()));
+    const std::shared_ptr<Link> link(new Link(std::move(who)));
     link->loop_.run([&](kj::AsyncIoContext& io) {
       link->failures_ = std::make_unique<Failures>();
       link->calls_ = std::make_unique<kj::TaskSet>(*link->failures_);
-      link->connection_ = std::make_unique<Connection>(io, connected->release());
+      link->connection_ = std::make_unique<Connection>(io, connected->release(),
+                                                       kind == kDeploymentKind ? kMaxDescriptors : 0);
     });
-    const auto greeted = link->ask(timeout, [](Connection& connection) { return connection.hello(); });
+    const auto greeted =
+        link->ask(time_left(deadline), [kind](Connection& connection) { return connection.hello(kind); });
     if (!greeted) return greeted.error();
     return link;
   } catch (const std::exception& exception) {
@@ -102,24 +135,37 @@ Result<std::shared_ptr<Link>> Link::open(const std::filesystem::path& socket, Du
   }
 }
 
-Result<Value> Link::ask(Duration timeout, const std::function<Answer(Connection&)>& build) {
-  // Shared, since the waiter may be gone before set_value() returns.
-  const auto done = std::make_shared<std::promise<Result<Value>>>();
-  auto answer = done->get_future();
-  const bool posted = loop_.post([this, done, &build, timeout](kj::AsyncIoContext& io) {
-    auto late = io.provider->getTimer().afterDelay(to_kj(timeout)).then([this, timeout] {
-      return Result<Value>(
-          fail(ErrorCode::DeadlineExceeded,
-               "robot " + quote(name_) + " did not answer within " + format_duration(timeout)));
-    });
-    auto call = kj::evalNow([&] { return build(*connection_); })
-                    .exclusiveJoin(kj::mv(late))
-                    .then([done](Result<Value>&& outcome) { done->set_value(std::move(outcome)); },
-                          [this, done](kj::Exception&& exception) { done->set_value(translate(exception)); });
-    calls_->add(kj::mv(call));
-  });
-  if (!posted) return fail(ErrorCode::Unavailable, "the connection is closed");
-  return answer.get();
+bool Link::begin(Duration timeout, Begin begin, Failed failed) {
+  return loop_.post(
+      [this, begin = std::move(begin), failed = std::move(failed), timeout](kj::AsyncIoContext&) {
+        auto late = loop_.timer().afterDelay(to_kj(timeout)).then([] { return false; });
+        auto call = kj::evalNow([&]() -> kj::Promise<void> {
+                      try {
+                        return begin(*connection_);
+                      } catch (const WireError& error) {
+                        failed(error.error());
+                        return kj::READY_NOW;
+                      }
+                    })
+                        .then([] { return true; })
+                        .exclusiveJoin(kj::mv(late))
+                        .then(
+                            [this, failed, timeout](bool in_time) {
+                              if (in_time) return;
+                              failed(fail(ErrorCode::DeadlineExceeded,
+                                          who_ + " did not answer within " + format_duration(timeout)));
+                            },
+                            [this, failed](kj::Exception&& exception) { failed(translate(exception)); });
+        calls_->add(kj::mv(call));
+      });
+}
+
+void Link::watch(std::function<void()> gone) {
+  loop_.run([&](kj::AsyncIoContext&) { connection_->watch(std::move(gone)); });
+}
+
+void Link::unwatch() {
+  loop_.run([&](kj::AsyncIoContext&) { connection_->watch(nullptr); });
 }
 
 void Link::close_stream(StreamId id) {
@@ -131,16 +177,16 @@ void Link::close_stream(StreamId id) {
 Error Link::translate(const kj::Exception& exception) const {
   switch (exception.getType()) {
     case kj::Exception::Type::DISCONNECTED:
-      return fail(ErrorCode::Unavailable, "robot " + quote(name_) + " is gone");
+      return fail(ErrorCode::Unavailable, who_ + " is gone");
     case kj::Exception::Type::OVERLOADED:
-      return fail(ErrorCode::ResourceExhausted, "robot " + quote(name_) + " is overloaded; try again");
+      return fail(ErrorCode::ResourceExhausted, who_ + " is overloaded; try again");
     case kj::Exception::Type::UNIMPLEMENTED:
-      return fail(ErrorCode::Unsupported, "robot " + quote(name_) + " runs a segue that cannot do this");
+      return fail(ErrorCode::Unsupported, who_ + " runs a segue that cannot do this");
     case kj::Exception::Type::FAILED:
       break;
   }
-  return fail(ErrorCode::Internal, "robot " + quote(name_) + " could not answer: " +
-                                       std::string(exception.getDescription().cStr()));
+  return fail(ErrorCode::Internal,
+              who_ + " could not answer: " + std::string(exception.getDescription().cStr()));
 }
 
 }  // namespace segue::control::detail

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/robot.capnp.h>
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/control/detail/event_loop.hpp>
@@ -13,62 +12,106 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace segue::control::detail {
+
+/// For calls that only look; a service answers them in milliseconds.
+inline constexpr Duration kLookTimeout = std::chrono::seconds(10);
+/// A service tells of a passed deadline itself, with more to say; only when it does not, the client does.
+inline constexpr Duration kGrace = std::chrono::seconds(2);
+
+/// Not negative.
+Duration time_left(TimePoint deadline);
+/// ResourceExhausted where a request of so many words is more than a server takes.
+Result<void> check_request(std::uint64_t words);
 
 /// A client's connection: an event loop of its own, and calls into it that block until their answer or their
 /// timeout. Thread safe.
 class Link {
  public:
   using StreamId = std::uint64_t;
-  using Answer = kj::Promise<Result<type::Value>>;
+  template <class T>
+  using Reply = kj::Promise<Result<T>>;
+  using Answer = Reply<type::Value>;
   /// A client takes answers up to this many nodes.
   static constexpr std::uint64_t kMaxNodes = kClientMessageWords;
 
   /// What lives in the loop's thread.
   class Connection {
    public:
-    Connection(kj::AsyncIoContext& io, int descriptor);
+    /// Takes the descriptor; `descriptors`: as many a message may carry.
+    Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors);
 
-    [[nodiscard]] wire::Robot::Client& robot() { return robot_; }
+    /// What hello() got; before that every call answers with an exception.
+    template <class Interface>
+    typename Interface::Client as() {
+      return service_.castAs<Interface>();
+    }
     /// One that is not known answers every call with an exception.
     wire::SampleStream::Client stream(StreamId id);
     template <class Request>
     Answer open(StreamId id, Request& request);
     void close(StreamId id) { streams_.erase(id); }
-    /// Exchanges versions; afterwards robot() works. The value is the robot's software.
-    Answer hello();
+    /// Exchanges versions and asks for the service of that kind; the value is the other side's software.
+    Answer hello(std::string_view kind);
+    /// Calls `gone`, in the loop's thread, when the connection breaks.
+    void watch(std::function<void()> gone);
 
    private:
-    kj::Own<kj::AsyncIoStream> stream_;
+    kj::Own<kj::AsyncCapabilityStream> stream_;
     capnp::TwoPartyVatNetwork network_;
     capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
-    wire::Robot::Client robot_;
+    capnp::Capability::Client service_;
     std::map<StreamId, wire::SampleStream::Client> streams_;
+    kj::Promise<void> watch_ = nullptr;
   };
 
-  /// Connects and says hello.
-  static Result<std::shared_ptr<Link>> open(const std::filesystem::path& socket, Duration timeout);
+  /// Connects and says hello. `who` is the other side in messages: "robot 'spot'".
+  static Result<std::shared_ptr<Link>> open(const std::filesystem::path& socket, std::string_view kind,
+                                            std::string who, Duration timeout);
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Runs `build` in the loop and waits for its answer. What it refers to stays alive until then.
-  Result<type::Value> ask(Duration timeout, const std::function<Answer(Connection&)>& build);
+  /// Runs `build`, a Reply<T>(Connection&), in the loop and waits for its answer. What it refers to stays
+  /// alive until then. Not from the loop's own thread.
+  template <class T = type::Value, class Build>
+  Result<T> ask(Duration timeout, const Build& build);
+
+  /// Sends a request whose results are an `answer`.
   template <class Request>
   static Answer send(Request& request);
+  /// Sends a request whose results have an `error`; where that is none, the reply is `read(results)`.
+  template <class T, class Request, class Read>
+  static Reply<T> send(Request& request, Read read);
+
+  /// Calls `gone` once, from the loop's thread, when the connection breaks; at once where it has. It must not
+  /// wait for whoever calls unwatch() or destroys this.
+  void watch(std::function<void()> gone);
+  /// `gone` is not called any more when this returns.
+  void unwatch();
 
   StreamId new_stream_id() { return next_stream_++; }
   void close_stream(StreamId id);
+  [[nodiscard]] const std::string& who() const { return who_; }
 
  private:
-  explicit Link(std::string name);
+  using Begin = std::function<kj::Promise<void>(Connection&)>;
+  using Failed = std::function<void(Error)>;
+
+  explicit Link(std::string who);
+  /// False after the end of the loop. `failed` is called where what `begin` promised does not come.
+  bool begin(Duration timeout, Begin begin, Failed failed);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
   struct Failures;
-  const std::string name_;
+  const std::string who_;
   std::atomic<StreamId> next_stream_{1};
   EventLoop loop_;
   std::unique_ptr<Connection> connection_;  ///< used in the loop's thread only
@@ -76,10 +119,37 @@ class Link {
   std::unique_ptr<kj::TaskSet> calls_;      ///< likewise
 };
 
+template <class T, class Build>
+Result<T> Link::ask(Duration timeout, const Build& build) {
+  // Shared, since the waiter may be gone before set_value() returns.
+  const auto done = std::make_shared<std::promise<Result<T>>>();
+  auto answer = done->get_future();
+  const bool begun = begin(
+      timeout,
+      [done, &build](Connection& connection) {
+        return build(connection).then([done](Result<T>&& outcome) { done->set_value(std::move(outcome)); });
+      },
+      [done](Error error) { done->set_value(std::move(error)); });
+  if (!begun) return fail(ErrorCode::Unavailable, "the connection is closed");
+  return answer.get();
+}
+
 template <class Request>
 Link::Answer Link::send(Request& request) {
+  if (auto fits = check_request(request.totalSize().wordCount); !fits) {
+    return Result<type::Value>(fits.error());
+  }
   return request.send().then(
       [](auto&& response) -> Result<type::Value> { return decode(response.getAnswer(), kMaxNodes); });
+}
+
+template <class T, class Request, class Read>
+Link::Reply<T> Link::send(Request& request, Read read) {
+  if (auto fits = check_request(request.totalSize().wordCount); !fits) return Result<T>(fits.error());
+  return request.send().then([read](auto&& response) -> Result<T> {
+    if (response.hasError()) return decode(response.getError());
+    return read(response);
+  });
 }
 
 template <class Request>

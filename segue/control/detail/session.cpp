@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/detail/services.hpp>
 #include <segue/control/detail/session.hpp>
 #include <segue/control/detail/wire.hpp>
 
 #include <kj/debug.h>
+#include <kj/io.h>
+
+#include <fcntl.h>
 
 #include <algorithm>
 #include <optional>
@@ -29,38 +34,75 @@ capnp::ReaderOptions reader_options() {
   return options;
 }
 
+/// A deployment's memory is two descriptors; nothing else needs any.
+constexpr unsigned kMaxDescriptors = 2;
+
 /// Passes everything on, but does not read from a client that does not read.
-class GuardedStream final : public kj::AsyncIoStream {
+class GuardedStream final : public kj::AsyncCapabilityStream {
  public:
-  GuardedStream(kj::Own<kj::AsyncIoStream> inner, kj::Timer& timer) : inner_(kj::mv(inner)), timer_(timer) {}
+  GuardedStream(kj::Own<kj::AsyncCapabilityStream> inner, kj::Timer& timer)
+      : inner_(kj::mv(inner)), timer_(timer) {}
 
   void watch(capnp::TwoPartyVatNetwork& network) { network_ = &network; }
 
   kj::Promise<size_t> tryRead(void* buffer, size_t minimum, size_t maximum) override {
     if (!is_backed_up()) return inner_->tryRead(buffer, minimum, maximum);
-    return timer_.afterDelay(kUnreadPause).then([this, buffer, minimum, maximum] {
-      return tryRead(buffer, minimum, maximum);
+    return pause().then([this, buffer, minimum, maximum] { return tryRead(buffer, minimum, maximum); });
+  }
+  kj::Promise<ReadResult> tryReadWithFds(void* buffer, size_t minimum, size_t maximum, kj::AutoCloseFd* fds,
+                                         size_t max_fds) override {
+    if (!is_backed_up()) return inner_->tryReadWithFds(buffer, minimum, maximum, fds, max_fds);
+    return pause().then([this, buffer, minimum, maximum, fds, max_fds] {
+      return tryReadWithFds(buffer, minimum, maximum, fds, max_fds);
     });
+  }
+  kj::Promise<ReadResult> tryReadWithStreams(void* buffer, size_t minimum, size_t maximum,
+                                             kj::Own<kj::AsyncCapabilityStream>* streams,
+                                             size_t max_streams) override {
+    return inner_->tryReadWithStreams(buffer, minimum, maximum, streams, max_streams);
   }
   kj::Promise<void> write(const void* buffer, size_t size) override { return inner_->write(buffer, size); }
   kj::Promise<void> write(kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> pieces) override {
     return inner_->write(pieces);
   }
+  kj::Promise<void> writeWithFds(kj::ArrayPtr<const kj::byte> data,
+                                 kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> more,
+                                 kj::ArrayPtr<const int> fds) override {
+    return inner_->writeWithFds(data, more, fds);
+  }
+  kj::Promise<void> writeWithStreams(kj::ArrayPtr<const kj::byte> data,
+                                     kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> more,
+                                     kj::Array<kj::Own<kj::AsyncCapabilityStream>> streams) override {
+    return inner_->writeWithStreams(data, more, kj::mv(streams));
+  }
   kj::Promise<void> whenWriteDisconnected() override { return inner_->whenWriteDisconnected(); }
   void shutdownWrite() override { inner_->shutdownWrite(); }
 
  private:
+  kj::Promise<void> pause() { return timer_.afterDelay(kUnreadPause); }
+
   [[nodiscard]] bool is_backed_up() const {
     return network_ != nullptr && (network_->getCurrentQueueSize() > kMaxUnreadBytes ||
                                    network_->getCurrentQueueCount() > kMaxUnreadMessages);
   }
 
-  kj::Own<kj::AsyncIoStream> inner_;
+  kj::Own<kj::AsyncCapabilityStream> inner_;
   kj::Timer& timer_;
   capnp::TwoPartyVatNetwork* network_ = nullptr;
 };
 
-/// Lets in whoever speaks our version.
+bool takes_descriptors(const ServerCore& core) {
+  return core.kind() == kDeploymentKind;
+}
+
+capnp::Capability::Client make_service(const Caller& caller) {
+  const std::string_view kind = caller.core().kind();
+  if (kind == kDeploymentKind) return make_deployment_server(caller);
+  if (kind == kProcessesKind) return make_processes_server(caller);
+  return make_robot_server(caller);
+}
+
+/// Lets in whoever speaks our version and wants what is here.
 class GateServer final : public wire::Gate::Server {
  public:
   GateServer(ServerCore& core, std::shared_ptr<ClientState> client, bool full)
@@ -68,31 +110,39 @@ class GateServer final : public wire::Gate::Server {
 
   kj::Promise<void> hello(HelloContext context) override {
     const auto params = context.getParams();
-    const auto refused = refusal(params.getVersion(), as_string(params.getSoftware()));
+    const auto refused =
+        refusal(params.getVersion(), as_string(params.getSoftware()), as_string(params.getWants()));
     auto results = context.getResults();
     results.setVersion(kProtocolVersion);
     results.setSoftware(SEGUE_VERSION);
+    results.setServes(as_text(std::string(core_.kind())));
     if (refused) {
       encode(*refused, results.initError());
     } else {
       client_->greeted = true;
-      results.setRobot(make_robot_server(core_, client_));
+      results.setService(make_service(Caller(core_, client_)));
     }
     return kj::READY_NOW;
   }
 
  private:
-  [[nodiscard]] std::optional<Error> refusal(std::uint32_t version, const std::string& software) const {
+  [[nodiscard]] std::optional<Error> refusal(std::uint32_t version, const std::string& software,
+                                             const std::string& wants) const {
+    const std::string us(core_.noun());
     if (version != kProtocolVersion) {
-      return fail(ErrorCode::Unsupported, "the robot runs segue " SEGUE_VERSION " and speaks version " +
-                                              std::to_string(kProtocolVersion) +
-                                              " of the control protocol, segue " + software.substr(0, 32) +
-                                              " speaks version " + std::to_string(version) +
-                                              "; use the segue command that the robot was started with");
+      return fail(ErrorCode::Unsupported,
+                  us + " runs segue " SEGUE_VERSION " and speaks version " +
+                      std::to_string(kProtocolVersion) + " of the control protocol, segue " +
+                      software.substr(0, 32) + " speaks version " + std::to_string(version) +
+                      "; use programs of one version, that which the robot was started with");
+    }
+    if (wants != core_.kind()) {
+      return fail(ErrorCode::Unsupported, "the service " + quote(wants.substr(0, 32)) +
+                                              " was asked for where " + us + " (" + quote(core_.kind()) +
+                                              ") answers; give another socket");
     }
     if (full_) {
-      return fail(ErrorCode::ResourceExhausted, "the robot already has " +
-                                                    std::to_string(Sessions::kMaxClients) +
+      return fail(ErrorCode::ResourceExhausted, us + " already has " + std::to_string(Sessions::kMaxClients) +
                                                     " clients; close one and try again");
     }
     return std::nullopt;
@@ -108,11 +158,12 @@ class GateServer final : public wire::Gate::Server {
 /// One connection, from accept to its end.
 class Session {
  public:
-  Session(Sessions& owner, kj::Own<kj::AsyncIoStream> stream, bool full)
+  Session(Sessions& owner, kj::Own<kj::AsyncCapabilityStream> stream, bool full)
       : owner_(owner),
         client_(std::make_shared<ClientState>()),
         stream_(kj::mv(stream), owner.timer_),
-        network_(stream_, capnp::rpc::twoparty::Side::SERVER, reader_options()),
+        network_(stream_, takes_descriptors(owner.core_) ? kMaxDescriptors : 0,
+                 capnp::rpc::twoparty::Side::SERVER, reader_options()),
         rpc_(capnp::makeRpcServer(network_, kj::heap<GateServer>(owner.core_, client_, full))) {
     stream_.watch(network_);
     rpc_.setFlowLimit(kServerMessageWords);
@@ -143,6 +194,7 @@ class Session {
 
 Sessions::Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket)
     : core_(core),
+      io_(*io.lowLevelProvider),
       timer_(io.provider->getTimer()),
       receiver_(io.lowLevelProvider->wrapListenSocketFd(socket.descriptor(),
                                                         kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
@@ -170,7 +222,7 @@ void Sessions::taskFailed(kj::Exception&& exception) {
 kj::Promise<void> Sessions::accept() {
   return receiver_->accept().then(
       [this](kj::Own<kj::AsyncIoStream>&& stream) {
-        admit(kj::mv(stream));
+        admit(*stream);
         return accept();
       },
       [this](kj::Exception&& exception) {  // out of descriptors: the next may be more lucky
@@ -180,17 +232,20 @@ kj::Promise<void> Sessions::accept() {
       });
 }
 
-void Sessions::admit(kj::Own<kj::AsyncIoStream> stream) {
-  int descriptor = -1;
-  KJ_IF_MAYBE (fd, stream->getFd()) {
-    descriptor = *fd;
+void Sessions::admit(const kj::AsyncIoStream& accepted) {
+  Descriptor socket;
+  KJ_IF_MAYBE (fd, accepted.getFd()) {
+    socket = Descriptor(::fcntl(*fd, F_DUPFD_CLOEXEC, 0));
   }
-  if (const auto trusted = check_peer(descriptor); !trusted) {
+  if (const auto trusted = check_peer(socket.get()); !trusted) {
     log(LogLevel::Warning, "control", "refused a client: " + trusted.error().message);
     return;
   }
   if (sessions_.size() >= kMaxClients + kMaxRefused) return;
   const bool full = sessions_.size() >= kMaxClients;
+  auto stream = io_.wrapUnixSocketFd(
+      kj::AutoCloseFd(socket.release()),
+      kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
   auto session = kj::heap<Session>(*this, kj::mv(stream), full);
   auto end = session->end();
   tasks_.add(end.attach(kj::mv(session)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/robot_server.hpp>
+#include <segue/control/detail/caller.hpp>
 #include <segue/control/detail/socket.hpp>
 
 #include <capnp/rpc-twoparty.h>
@@ -33,9 +33,10 @@ class Sessions final : private kj::TaskSet::ErrorHandler {
   friend class Session;
   void taskFailed(kj::Exception&& exception) override;
   kj::Promise<void> accept();
-  void admit(kj::Own<kj::AsyncIoStream> stream);
+  void admit(const kj::AsyncIoStream& accepted);
 
   ServerCore& core_;
+  kj::LowLevelAsyncIoProvider& io_;
   kj::Timer& timer_;
   kj::Own<kj::ConnectionReceiver> receiver_;
   std::set<const Session*> sessions_;

@@ -90,7 +90,7 @@ bool somebody_listens(const sockaddr_un& address) {
 }
 
 Error already_served(const std::filesystem::path& path) {
-  return fail(ErrorCode::AlreadyExists, "another runtime serves " + quote(path.native()) +
+  return fail(ErrorCode::AlreadyExists, "another program serves " + quote(path.native()) +
                                             "; stop it first, or give this robot another name");
 }
 
@@ -130,8 +130,25 @@ Result<ListeningSocket> ListeningSocket::open(const std::filesystem::path& path)
   return ListeningSocket(path, std::move(**lock), std::move(*socket));
 }
 
+Result<ListeningSocket> ListeningSocket::adopt(Descriptor socket) {
+  int family = 0;
+  int listens = 0;
+  socklen_t size = sizeof family;
+  if (::getsockopt(socket.get(), SOL_SOCKET, SO_DOMAIN, &family, &size) != 0 || family != AF_UNIX ||
+      ::getsockopt(socket.get(), SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) != 0 || listens == 0) {
+    return fail(ErrorCode::InvalidArgument,
+                "descriptor " + std::to_string(socket.get()) + " is no Unix socket that listens");
+  }
+  const int flags = ::fcntl(socket.get(), F_GETFL);
+  if (flags < 0 || ::fcntl(socket.get(), F_SETFL, flags | O_NONBLOCK) != 0 ||
+      ::fcntl(socket.get(), F_SETFD, FD_CLOEXEC) != 0) {
+    return system_error("cannot use the inherited socket", errno);
+  }
+  return ListeningSocket({}, Descriptor(), std::move(socket));
+}
+
 ListeningSocket::~ListeningSocket() {
-  if (!lock_.valid()) return;  // moved from
+  if (!lock_.valid()) return;  // moved from, or not ours to remove
   ::unlink(path_.c_str());
   ::unlink(lock_path(path_).c_str());
 }
@@ -173,7 +190,7 @@ Result<Descriptor> connect_socket(const std::filesystem::path& path, Duration ti
   }
   if (reason == EAGAIN) {
     return fail(ErrorCode::Unavailable,
-                "the robot at " + quote(path.native()) + " does not take new clients");
+                "the program at " + quote(path.native()) + " does not take new clients");
   }
   if (reason == ENOENT || reason == ECONNREFUSED) {
     return fail(ErrorCode::Unavailable, "nobody answers at " + quote(path.native()));

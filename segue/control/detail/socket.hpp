@@ -16,9 +16,11 @@ class ListeningSocket {
  public:
   /// Binds with mode 0600 and listens. AlreadyExists where another server holds the path.
   static Result<ListeningSocket> open(const std::filesystem::path& path);
+  /// One that somebody else has bound and listens on; its file stays. InvalidArgument where it is none.
+  static Result<ListeningSocket> adopt(Descriptor socket);
   ListeningSocket(ListeningSocket&&) = default;
   ListeningSocket& operator=(ListeningSocket&&) = delete;
-  /// Removes the socket and the lock file.
+  /// Removes the socket and the lock file that open() made.
   ~ListeningSocket();
 
   [[nodiscard]] int descriptor() const { return socket_.get(); }

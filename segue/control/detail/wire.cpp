@@ -278,4 +278,24 @@ Result<Value> decode(wire::Answer::Reader reader, std::uint64_t max_nodes) {
   return decode(reader.getValue(), max_nodes);
 }
 
+void encode(const Result<void>& outcome, wire::Outcome::Builder builder) {
+  if (outcome) return builder.setDone();
+  encode(outcome.error(), builder.initError());
+}
+
+Result<void> decode(wire::Outcome::Reader reader) {
+  if (reader.isError()) return decode(reader.getError());
+  return {};
+}
+
+void put(const Value& value, wire::Value::Builder builder) {
+  if (const auto done = encode(value, builder); !done) throw WireError(done.error());
+}
+
+Value get(wire::Value::Reader reader, std::uint64_t max_nodes) {
+  auto value = decode(reader, max_nodes);
+  if (!value) throw WireError(value.error());
+  return std::move(*value);
+}
+
 }  // namespace segue::control::detail

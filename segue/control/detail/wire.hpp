@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/robot.capnp.h>
+#include <segue/control/wire.capnp.h>
 #include <segue/base/error.hpp>
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
+#include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 /// Values and errors to and from messages. What comes from a message is untrusted: depth and number of nodes
 /// are bounded. Reading malformed messages throws kj::Exception, which the RPC system turns into an error.
 namespace segue::control::detail {
 
 /// Raised when the meaning of a message changes; additions that old programs ignore do not count.
-inline constexpr std::uint32_t kProtocolVersion = 1;
+inline constexpr std::uint32_t kProtocolVersion = 2;
+
+/// The kinds of service behind a door.
+inline constexpr std::string_view kRobotKind = "robot";
+inline constexpr std::string_view kDeploymentKind = "deployment";
+inline constexpr std::string_view kProcessesKind = "processes";
 
 /// Deeper values are refused (files are limited to 200).
 inline constexpr int kMaxDepth = 256;
@@ -43,6 +52,54 @@ Error decode(wire::Error::Reader reader);
 /// Values that cannot be encoded become the error that says so.
 void encode(const Result<type::Value>& answer, wire::Answer::Builder builder);
 Result<type::Value> decode(wire::Answer::Reader reader, std::uint64_t max_nodes);
+
+void encode(const Result<void>& outcome, wire::Outcome::Builder builder);
+Result<void> decode(wire::Outcome::Reader reader);
+
+/// What cannot be encoded or decoded, where functions that walk through whole structures return no Result.
+class WireError final : public std::exception {
+ public:
+  explicit WireError(Error error) : error_(std::move(error)) {}
+  [[nodiscard]] const Error& error() const { return error_; }
+  [[nodiscard]] const char* what() const noexcept override { return error_.message.c_str(); }
+
+ private:
+  Error error_;
+};
+
+/// As encode and decode of Values; throw WireError.
+void put(const type::Value& value, wire::Value::Builder builder);
+type::Value get(wire::Value::Reader reader, std::uint64_t max_nodes = kServerMessageWords);
+
+/// An enumeration whose last enumerator is `last`; throws WireError where the number stands for none.
+template <class Enum>
+Enum enum_from(unsigned number, Enum last) {
+  if (number > static_cast<unsigned>(last)) {
+    throw WireError(fail(ErrorCode::ParseError, "a message has a word that this version does not know"));
+  }
+  return static_cast<Enum>(number);
+}
+
+/// Lists, item by item: `encode_item(item, builder)` and `decode_item(reader)`.
+template <class Items, class Builder, class Encode>
+void encode_list(const Items& items, Builder builder, Encode encode_item) {
+  unsigned i = 0;
+  for (const auto& item : items)
+    encode_item(item, builder[i++]);
+}
+template <class Item, class Reader, class Decode>
+std::vector<Item> decode_list(Reader reader, Decode decode_item) {
+  std::vector<Item> items;
+  items.reserve(reader.size());
+  for (const auto item : reader)
+    items.push_back(decode_item(item));
+  return items;
+}
+/// How many items a list of a message has.
+template <class Items>
+unsigned count_of(const Items& items) {
+  return static_cast<unsigned>(std::size(items));
+}
 
 /// Text that C++ strings and messages share.
 capnp::Text::Reader as_text(const std::string& value);

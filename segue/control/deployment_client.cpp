@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/deployment_client.hpp>
+#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/link.hpp>
+#include <segue/control/detail/memory_wire.hpp>
+#include <segue/control/detail/stream_client.hpp>
+#include <segue/control/detail/told.hpp>
+
+#include <algorithm>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace segue::control {
+
+namespace {
+
+using detail::as_text;
+using detail::count_of;
+using detail::decode;
+using detail::encode;
+using detail::kGrace;
+using detail::kLookTimeout;
+using detail::Link;
+using detail::time_left;
+using type::Value;
+using Process = wire::DeploymentProcess;
+
+constexpr auto kNothing = [](auto&) { return Result<void>(); };
+constexpr auto kEncode = [](const auto& item, auto builder) { encode(item, builder); };
+constexpr auto kDecode = [](const auto& part) { return decode(part); };
+constexpr auto kOutcomes = [](auto& results) { return results.getOutcomes(); };
+
+/// Takes what the deployment process tells.
+class ListenerServer final : public wire::TaskListener::Server {
+ public:
+  ListenerServer(std::shared_ptr<detail::Told<host::TaskEvent>> told, std::string who)
+      : told_(std::move(told)), who_(std::move(who)) {}
+
+  kj::Promise<void> told(ToldContext context) override {
+    const auto params = context.getParams();
+    if (const auto lost = params.getLost(); lost > 0) {
+      log(LogLevel::Warning, "control",
+          std::to_string(lost) + " events of tasks of " + who_ + " came too fast and were lost");
+    }
+    for (const auto event : params.getEvents())
+      told_->tell(decode(event));
+    return kj::READY_NOW;
+  }
+
+ private:
+  std::shared_ptr<detail::Told<host::TaskEvent>> told_;
+  std::string who_;
+};
+
+/// A stream of samples as the reader of a port; what cannot be read any more has no samples.
+class ClientReader final : public host::PortReader {
+ public:
+  explicit ClientReader(std::unique_ptr<SampleStream> stream) : stream_(std::move(stream)) {}
+  std::vector<Value> read(std::size_t limit) override {
+    auto samples = stream_->read(limit);
+    return samples ? std::move(*samples) : std::vector<Value>();
+  }
+  [[nodiscard]] std::string type_name() const override { return stream_->type_name(); }
+
+ private:
+  std::unique_ptr<SampleStream> stream_;
+};
+
+class DeploymentClient final : public deploy::DeploymentService {
+ public:
+  DeploymentClient(std::shared_ptr<Link> link, std::function<void()> gone) : link_(std::move(link)) {
+    link_->watch(std::move(gone));
+  }
+  ~DeploymentClient() override {
+    link_->unwatch();
+    told_->set(nullptr);
+  }
+
+  Result<deploy::DeploymentInfo> info() override {
+    return ask<deploy::DeploymentInfo>(kLookTimeout, [](Process::Client process) {
+      auto request = process.infoRequest();
+      return Link::send<deploy::DeploymentInfo>(request,
+                                                [](auto& results) { return decode(results.getInfo()); });
+    });
+  }
+
+  Result<deploy::Snapshot> snapshot() override {
+    return ask<deploy::Snapshot>(kLookTimeout, [](Process::Client process) {
+      auto request = process.snapshotRequest();
+      return Link::send<deploy::Snapshot>(request,
+                                          [](auto& results) { return decode(results.getSnapshot()); });
+    });
+  }
+
+  Result<void> expect(const model::Network& network) override {
+    return ask<void>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.expectRequest();
+      encode(network, request.initNetwork());
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
+  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override {
+    return ask_each<void>(actions, deadline, kOutcomes, [](Process::Client process, auto items) {
+      auto request = process.performRequest();
+      detail::encode_list(items, request.initActions(count_of(items)), kEncode);
+      return request;
+    });
+  }
+
+  Result<void> conclude(const model::Transition& transition) override {
+    return ask<void>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.concludeRequest();
+      encode(transition, request.initTransition());
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
+  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+    return ask<model::ComponentModel>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.describeRequest();
+      request.setTask(as_text(task.str()));
+      return Link::send<model::ComponentModel>(request,
+                                               [](auto& results) { return decode(results.getModel()); });
+    });
+  }
+
+  Result<Value> properties(const model::TaskId& task) override {
+    return ask<Value>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.propertiesRequest();
+      request.setTask(as_text(task.str()));
+      return Link::send(request);
+    });
+  }
+
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const Value& value,
+                            TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<void>(left + kGrace, [&](Process::Client process) {
+      auto request = process.setPropertyRequest();
+      request.setTask(as_text(task.str()));
+      request.setPath(as_text(std::string(path)));
+      request.setTimeout(left.count());
+      detail::put(value, request.initValue());
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
+  Result<Value> call(const model::TaskId& task, std::string_view operation, const Value& arguments,
+                     TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<Value>(left + kGrace, [&](Process::Client process) {
+      auto request = process.callRequest();
+      request.setTask(as_text(task.str()));
+      request.setOperation(as_text(std::string(operation)));
+      request.setTimeout(left.count());
+      detail::put(arguments, request.initArguments());
+      return Link::send(request);
+    });
+  }
+
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    const Link::StreamId id = link_->new_stream_id();
+    auto type = link_->ask(kLookTimeout, [&, id](Link::Connection& connection) {
+      auto request = connection.as<Process>().openReaderRequest();
+      encode(port, request.initPort());
+      request.setBuffer(static_cast<std::uint32_t>(std::min<std::size_t>(buffer, UINT32_MAX)));
+      return connection.open(id, request);
+    });
+    auto stream = detail::opened_stream(link_, id, type);
+    if (!stream) return stream.error();
+    return std::make_unique<ClientReader>(std::move(*stream));
+  }
+
+  Result<link::MemoryOffer> memory() override {
+    return ask<link::MemoryOffer>(kLookTimeout, [](Process::Client process) {
+      return process.memoryRequest().send().then([](auto&& response) -> Link::Reply<link::MemoryOffer> {
+        if (response.hasError()) return Result<link::MemoryOffer>(decode(response.getError()));
+        return decode(response.getOffer());
+      });
+    });
+  }
+
+  Result<void> admit(const link::MemoryOffer& peer) override {
+    link::MemoryOffer offer{peer.incarnation, peer.payload.duplicate(), peer.control.duplicate()};
+    if (!offer.payload.valid() || !offer.control.valid()) {
+      return fail(ErrorCode::ResourceExhausted, "no file descriptors are left to offer memory");
+    }
+    return ask<void>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.admitRequest();
+      encode(std::move(offer), request.initOffer());
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
+  Result<void> forget(link::Incarnation peer) override {
+    return ask<void>(kLookTimeout, [&](Process::Client process) {
+      auto request = process.forgetRequest();
+      request.setIncarnation(peer);
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
+  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                           TimePoint deadline) override {
+    return ask_each<link::OutputOrigin>(
+        ports, deadline, [](auto& results) { return results.getOrigins(); },
+        [](Process::Client process, auto items) {
+          auto request = process.describeOutputsRequest();
+          detail::encode_list(items, request.initPorts(count_of(items)), kEncode);
+          return request;
+        });
+  }
+
+  std::vector<Result<link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
+                                                    TimePoint deadline) override {
+    return ask_each<link::InputPlace>(
+        inputs, deadline, [](auto& results) { return results.getPlaces(); },
+        [](Process::Client process, auto items) {
+          auto request = process.openInputsRequest();
+          detail::encode_list(items, request.initInputs(count_of(items)), kEncode);
+          return request;
+        });
+  }
+
+  std::vector<Result<void>> attach_outputs(std::span<const deploy::AttachOutput> outputs,
+                                           TimePoint deadline) override {
+    return ask_each<void>(outputs, deadline, kOutcomes, [](Process::Client process, auto items) {
+      auto request = process.attachOutputsRequest();
+      detail::encode_list(items, request.initOutputs(count_of(items)), kEncode);
+      return request;
+    });
+  }
+
+  std::vector<Result<void>> close_halves(std::span<const deploy::CloseHalf> halves,
+                                         TimePoint deadline) override {
+    return ask_each<void>(halves, deadline, kOutcomes, [](Process::Client process, auto items) {
+      auto request = process.closeHalvesRequest();
+      detail::encode_list(items, request.initHalves(count_of(items)), kEncode);
+      return request;
+    });
+  }
+
+  void set_listener(Listener listener) override {
+    const bool wanted = listener != nullptr;
+    told_->set(std::move(listener));
+    const std::lock_guard lock(listening_mutex_);
+    if (!wanted || listening_) return;
+    const auto done = ask<void>(kLookTimeout, [this](Process::Client process) {
+      auto request = process.listenRequest();
+      request.setListener(kj::heap<ListenerServer>(told_, link_->who()));
+      return Link::send<void>(request, kNothing);
+    });
+    listening_ = done.has_value();
+    if (!listening_) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
+  }
+
+ private:
+  template <class T, class Build>
+  Result<T> ask(Duration timeout, const Build& build) {
+    return link_->ask<T>(timeout,
+                         [&](Link::Connection& connection) { return build(connection.as<Process>()); });
+  }
+
+  /// One call for all `items`: `build(process, items)` is the request, `list(results)` the outcomes. What
+  /// fails as a whole fails for each.
+  template <class T, class Item, class List, class Build>
+  std::vector<Result<T>> ask_each(std::span<const Item> items, TimePoint deadline, List list, Build build) {
+    using Outcomes = std::vector<Result<T>>;
+    const Duration left = time_left(deadline);
+    auto outcomes = ask<Outcomes>(left + kGrace, [&](Process::Client process) {
+      auto request = build(std::move(process), items);
+      request.setTimeout(left.count());
+      return Link::send<Outcomes>(
+          request, [list](auto& results) { return detail::decode_list<Result<T>>(list(results), kDecode); });
+    });
+    if (!outcomes) return Outcomes(items.size(), Result<T>(outcomes.error()));
+    if (outcomes->size() == items.size()) return std::move(*outcomes);
+    return Outcomes(items.size(), Result<T>(fail(ErrorCode::Internal,
+                                                 link_->who() + " did not answer for everything asked")));
+  }
+
+  std::shared_ptr<Link> link_;
+  std::shared_ptr<detail::Told<host::TaskEvent>> told_ = std::make_shared<detail::Told<host::TaskEvent>>();
+  std::mutex listening_mutex_;
+  bool listening_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
+                                                                      TimePoint deadline,
+                                                                      std::function<void()> gone) {
+  const std::string who = "deployment process " + quote(socket.stem().string());
+  auto link = Link::open(socket, detail::kDeploymentKind, who, time_left(deadline));
+  if (!link) return link.error();
+  return std::make_unique<DeploymentClient>(std::move(*link), std::move(gone));
+}
+
+}  // namespace segue::control

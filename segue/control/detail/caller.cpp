@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/caller.hpp>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <string>
+
+namespace segue::control::detail {
+
+namespace {
+
+constexpr std::size_t kMaxCallsPerClient = 16;
+constexpr Duration kMaxTimeout = std::chrono::hours(24);
+
+/// In the order of Served.
+constexpr std::array<std::string_view, 3> kNouns = {"the robot", "the deployment process",
+                                                    "the process server"};
+constexpr std::array<std::string_view, 3> kKinds = {kRobotKind, kDeploymentKind, kProcessesKind};
+
+Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
+  return fail(code, std::string(noun) + std::string(why));
+}
+
+}  // namespace
+
+std::string_view ServerCore::noun() const {
+  return kNouns.at(served.index());
+}
+
+std::string_view ServerCore::kind() const {
+  return kKinds.at(served.index());
+}
+
+TimePoint deadline_after(std::int64_t timeout) {
+  return RealClock::instance().now() + std::clamp(Duration(timeout), Duration(0), kMaxTimeout);
+}
+
+Error thrown_by_service(std::string_view noun) {
+  try {
+    throw;
+  } catch (const std::exception& exception) {
+    return fail(ErrorCode::Internal, std::string(noun) + " failed: " + exception.what());
+  } catch (...) {
+    return fail(ErrorCode::Internal, std::string(noun) + " failed");
+  }
+}
+
+kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
+  using Fulfiller = kj::Own<kj::PromiseFulfiller<Result<void>>>;
+  if (core_.stopping) {
+    return Result<void>(refused(ErrorCode::Unavailable, core_.noun(), " is shutting down"));
+  }
+  if (client_->calls >= kMaxCallsPerClient) {
+    return Result<void>(fail(ErrorCode::ResourceExhausted,
+                             "this client has too many calls in progress; wait for one to end"));
+  }
+  auto pair = kj::newPromiseAndFulfiller<Result<void>>();
+  // Copyable, as std::function wants it; in truth it only ever moves, and ends in the loop's thread.
+  auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
+  const bool begun =
+      core_.pool.submit([&loop = core_.loop, job = std::move(job), fulfiller, client = client_]() mutable {
+        job();
+        job = nullptr;
+        loop.post([fulfiller = std::move(fulfiller), client = std::move(client)](kj::AsyncIoContext&) {
+          --client->calls;
+          (*fulfiller)->fulfill(Result<void>());
+        });
+      });
+  if (!begun) {
+    return Result<void>(
+        refused(ErrorCode::ResourceExhausted, core_.noun(), " has too many calls in progress; try again"));
+  }
+  ++client_->calls;
+  return kj::mv(pair.promise);
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/control/detail/broadcast.hpp>
+#include <segue/control/detail/event_loop.hpp>
+#include <segue/control/detail/wire.hpp>
+#include <segue/control/detail/worker_pool.hpp>
+#include <segue/control/server.hpp>
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/deploy/process_service.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+/// How calls of clients become calls of a service: on the pool's threads, under limits. Everything here lives
+/// in the server's event loop, but the jobs.
+namespace segue::control::detail {
+
+/// What all clients of a server share.
+struct ServerCore {
+  static constexpr std::size_t kMaxCalls = 64;
+
+  explicit ServerCore(Served what) : served(what) {}
+
+  template <class Service>
+  [[nodiscard]] Service& service() const {
+    return *std::get<Service*>(served);
+  }
+  /// "the robot", "the deployment process", "the process server".
+  [[nodiscard]] std::string_view noun() const;
+  /// As the door calls it: "robot", "deployment", "processes".
+  [[nodiscard]] std::string_view kind() const;
+
+  const Served served;
+  std::atomic<bool> stopping{false};
+  Broadcast<host::TaskEvent> task_events;
+  Broadcast<deploy::ProcessInfo> process_events;
+  EventLoop loop;
+  WorkerPool pool{kMaxCalls};  ///< goes before the loop, to which its jobs post
+};
+
+/// What all capabilities of a client share; outlives the connection while calls are in progress.
+struct ClientState {
+  bool greeted = false;
+  std::size_t calls = 0;
+  std::size_t streams = 0;
+  std::size_t listeners = 0;
+};
+
+/// When a call with this timeout, in nanoseconds, must be answered.
+TimePoint deadline_after(std::int64_t timeout);
+
+/// Runs service calls of one client. Not for use outside the event loop.
+class Caller {
+ public:
+  Caller(ServerCore& core, std::shared_ptr<ClientState> client) : core_(core), client_(std::move(client)) {}
+
+  /// Runs `job` on a thread of the pool and resolves when it has ended; ResourceExhausted or Unavailable, at
+  /// once, where it is not begun. `job` must not throw.
+  kj::Promise<Result<void>> run(std::function<void()> job);
+
+  /// Runs `job`, which returns a Result<T>, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
+  /// exceptions of the job included, become the `error` of the results. Parameters must have been read.
+  template <class Context, class Job, class Reply>
+  kj::Promise<void> answer(Context context, Job job, Reply reply);
+  /// The same for a Result<void> without more to say.
+  template <class Context, class Job>
+  kj::Promise<void> answer(Context context, Job job);
+  /// The same for a Result<Value> that is the `answer` of the results; `done(results)` where it is none of an
+  /// error.
+  template <class Context, class Job, class Done>
+  kj::Promise<void> answer_value(Context context, Job job, Done done);
+  template <class Context, class Job>
+  kj::Promise<void> answer_value(Context context, Job job) {
+    return answer_value(context, std::move(job), [](auto) {});
+  }
+
+  [[nodiscard]] ServerCore& core() const { return core_; }
+  [[nodiscard]] const std::shared_ptr<ClientState>& client() const { return client_; }
+
+ private:
+  template <class Context, class Job, class Finish>
+  kj::Promise<void> begin(Context context, Job job, Finish finish);
+
+  ServerCore& core_;
+  std::shared_ptr<ClientState> client_;
+};
+
+/// What the service threw, as an error. Inside a catch block.
+Error thrown_by_service(std::string_view noun);
+
+template <class Job>
+auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
+  try {
+    return job();
+  } catch (...) {
+    return thrown_by_service(noun);
+  }
+}
+
+/// `finish(outcome, results)` in the loop when `job` has ended or was refused.
+template <class Context, class Job, class Finish>
+kj::Promise<void> Caller::begin(Context context, Job job, Finish finish) {
+  using Outcome = std::invoke_result_t<Job&>;
+  struct Work {
+    std::optional<Job> job;
+    std::optional<Outcome> outcome;
+  };
+  context.releaseParams();
+  context.allowCancellation();
+  auto work = std::make_shared<Work>();
+  work->job.emplace(std::move(job));
+  auto done = run([work, noun = core_.noun()] {
+    work->outcome.emplace(guarded(*work->job, noun));
+    work->job.reset();
+  });
+  return done.then([work, context, finish = std::move(finish)](Result<void>&& begun) mutable {
+    if (!begun) work->outcome.emplace(begun.error());
+    finish(*work->outcome, context.getResults());
+  });
+}
+
+template <class Context, class Job, class Reply>
+kj::Promise<void> Caller::answer(Context context, Job job, Reply reply) {
+  return begin(context, std::move(job), [reply = std::move(reply)](auto& outcome, auto results) mutable {
+    if (!outcome) return encode(outcome.error(), results.initError());
+    try {
+      if constexpr (std::is_void_v<typename std::remove_reference_t<decltype(outcome)>::value_type>) {
+        reply(results);
+      } else {
+        reply(*outcome, results);
+      }
+    } catch (const WireError& failed) {
+      encode(failed.error(), results.initError());
+    }
+  });
+}
+
+template <class Context, class Job>
+kj::Promise<void> Caller::answer(Context context, Job job) {
+  return answer(context, std::move(job), [](auto) {});
+}
+
+template <class Context, class Job, class Done>
+kj::Promise<void> Caller::answer_value(Context context, Job job, Done done) {
+  return begin(context, std::move(job), [done = std::move(done)](auto& outcome, auto results) mutable {
+    encode(outcome, results.initAnswer());
+    if (outcome) done(results);
+  });
+}
+
+}  // namespace segue::control::detail

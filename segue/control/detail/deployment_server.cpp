@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/memory_wire.hpp>
+#include <segue/control/detail/services.hpp>
+#include <segue/control/detail/stream_server.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace segue::control::detail {
+
+namespace {
+
+using deploy::DeploymentService;
+using type::Value;
+
+constexpr std::size_t kMaxListenersPerClient = 4;
+/// A client that says where its descriptors are only later is not waited for any longer.
+constexpr auto kOfferTimeout = 5 * kj::SECONDS;
+
+/// The samples of a port, as the stream that all services offer.
+class ReaderStream final : public SampleStream {
+ public:
+  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
+  Result<std::vector<Value>> read(std::size_t limit) override { return reader_->read(limit); }
+  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
+
+ private:
+  std::unique_ptr<host::PortReader> reader_;
+};
+
+/// Writes a list of outcomes into the list that `init` makes.
+template <class Outcome, class Init>
+auto listing(Init init) {
+  return [init](std::vector<Outcome>& outcomes, auto results) {
+    encode_list(outcomes, init(results, count_of(outcomes)),
+                [](const Outcome& outcome, auto builder) { encode(outcome, builder); });
+  };
+}
+
+template <class Outcome>
+Result<std::vector<Outcome>> all(std::vector<Outcome> outcomes) {
+  return outcomes;
+}
+
+constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
+constexpr auto kDecode = [](const auto& part) { return decode(part); };
+
+class DeploymentServer final : public wire::DeploymentProcess::Server {
+ public:
+  explicit DeploymentServer(Caller caller) : caller_(std::move(caller)) {}
+
+  kj::Promise<void> info(InfoContext context) override {
+    return caller_.answer(
+        context, [&service = service()] { return service.info(); },
+        [](deploy::DeploymentInfo& info, auto results) { encode(info, results.initInfo()); });
+  }
+
+  kj::Promise<void> snapshot(SnapshotContext context) override {
+    return caller_.answer(
+        context, [&service = service()] { return service.snapshot(); },
+        [](deploy::Snapshot& snapshot, auto results) { encode(snapshot, results.initSnapshot()); });
+  }
+
+  kj::Promise<void> expect(ExpectContext context) override {
+    auto network = decode(context.getParams().getNetwork());
+    return caller_.answer(
+        context, [&service = service(), network = std::move(network)] { return service.expect(network); });
+  }
+
+  kj::Promise<void> perform(PerformContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), actions = decode_list<model::Action>(params.getActions(), kDecode),
+                deadline = deadline_after(params.getTimeout())] {
+      return all(service.perform(actions, deadline));
+    };
+    return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
+  }
+
+  kj::Promise<void> conclude(ConcludeContext context) override {
+    auto transition = decode(context.getParams().getTransition());
+    return caller_.answer(context, [&service = service(), transition = std::move(transition)] {
+      return service.conclude(transition);
+    });
+  }
+
+  kj::Promise<void> describe(DescribeContext context) override {
+    return caller_.answer(
+        context,
+        [&service = service(), task = model::TaskId(as_string(context.getParams().getTask()))] {
+          return service.describe(task);
+        },
+        [](model::ComponentModel& model, auto results) { encode(model, results.initModel()); });
+  }
+
+  kj::Promise<void> properties(PropertiesContext context) override {
+    return caller_.answer_value(
+        context, [&service = service(), task = model::TaskId(as_string(context.getParams().getTask()))] {
+          return service.properties(task);
+        });
+  }
+
+  kj::Promise<void> setProperty(SetPropertyContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer(context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
+                                    path = as_string(params.getPath()), value = get(params.getValue()),
+                                    deadline = deadline_after(params.getTimeout())] {
+      return service.set_property(task, path, value, deadline);
+    });
+  }
+
+  kj::Promise<void> call(CallContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
+                  operation = as_string(params.getOperation()), arguments = get(params.getArguments()),
+                  deadline = deadline_after(params.getTimeout())] {
+          return service.call(task, operation, arguments, deadline);
+        });
+  }
+
+  kj::Promise<void> openReader(OpenReaderContext context) override {
+    const auto params = context.getParams();
+    auto open = [&service = service(), port = decode(params.getPort()),
+                 buffer = std::clamp<std::size_t>(params.getBuffer(), 1,
+                                                  kMaxBuffer)]() -> Result<std::unique_ptr<SampleStream>> {
+      auto reader = service.open_reader(port, buffer);
+      if (!reader) return reader.error();
+      return std::make_unique<ReaderStream>(std::move(*reader));
+    };
+    return answer_stream(caller_, context, std::move(open));
+  }
+
+  kj::Promise<void> memory(MemoryContext context) override {
+    return caller_.answer(
+        context, [&service = service()] { return service.memory(); },
+        [](link::MemoryOffer& offer, auto results) { encode(std::move(offer), results.initOffer()); });
+  }
+
+  kj::Promise<void> admit(AdmitContext context) override {
+    auto late = caller_.core().loop.timer().afterDelay(kOfferTimeout).then([] {
+      return Result<link::MemoryOffer>(
+          fail(ErrorCode::DeadlineExceeded, "a memory offer did not come whole"));
+    });
+    return decode(context.getParams().getOffer())
+        .exclusiveJoin(kj::mv(late))
+        .then([this, context](Result<link::MemoryOffer>&& offer) mutable {
+          auto held = std::make_shared<Result<link::MemoryOffer>>(std::move(offer));
+          return caller_.answer(context, [&service = service(), held]() -> Result<void> {
+            if (!*held) return held->error();
+            return service.admit(**held);
+          });
+        });
+  }
+
+  kj::Promise<void> forget(ForgetContext context) override {
+    return caller_.answer(context, [&service = service(), peer = context.getParams().getIncarnation()] {
+      return service.forget(peer);
+    });
+  }
+
+  kj::Promise<void> describeOutputs(DescribeOutputsContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), ports = decode_list<model::PortRef>(params.getPorts(), kDecode),
+                deadline = deadline_after(params.getTimeout())] {
+      return all(service.describe_outputs(ports, deadline));
+    };
+    return caller_.answer(context, std::move(job),
+                          listing<Result<link::OutputOrigin>>(
+                              [](auto results, unsigned size) { return results.initOrigins(size); }));
+  }
+
+  kj::Promise<void> openInputs(OpenInputsContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), inputs = decode_list<deploy::OpenInput>(params.getInputs(), kDecode),
+                deadline = deadline_after(params.getTimeout())] {
+      return all(service.open_inputs(inputs, deadline));
+    };
+    return caller_.answer(context, std::move(job),
+                          listing<Result<link::InputPlace>>(
+                              [](auto results, unsigned size) { return results.initPlaces(size); }));
+  }
+
+  kj::Promise<void> attachOutputs(AttachOutputsContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(),
+                outputs = decode_list<deploy::AttachOutput>(params.getOutputs(), kDecode),
+                deadline = deadline_after(params.getTimeout())] {
+      return all(service.attach_outputs(outputs, deadline));
+    };
+    return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
+  }
+
+  kj::Promise<void> closeHalves(CloseHalvesContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), halves = decode_list<deploy::CloseHalf>(params.getHalves(), kDecode),
+                deadline = deadline_after(params.getTimeout())] {
+      return all(service.close_halves(halves, deadline));
+    };
+    return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
+  }
+
+  kj::Promise<void> listen(ListenContext context) override {
+    if (listeners_.size() >= kMaxListenersPerClient) {
+      encode(fail(ErrorCode::ResourceExhausted, "this client listens too often"),
+             context.getResults().initError());
+      return kj::READY_NOW;
+    }
+    auto send = [listener = context.getParams().getListener()](const std::vector<host::TaskEvent>& events,
+                                                               std::uint64_t lost) mutable {
+      auto request = listener.toldRequest();
+      request.setLost(lost);
+      encode_list(events, request.initEvents(count_of(events)),
+                  [](const host::TaskEvent& event, auto builder) { encode(event, builder); });
+      return request.send().ignoreResult();
+    };
+    listeners_.push_back(std::make_unique<Listener>(caller_.core().task_events, std::move(send)));
+    return kj::READY_NOW;
+  }
+
+ private:
+  using Listener = Broadcast<host::TaskEvent>::Listener;
+  [[nodiscard]] DeploymentService& service() const { return caller_.core().service<DeploymentService>(); }
+
+  Caller caller_;
+  std::vector<std::unique_ptr<Listener>> listeners_;
+};
+
+}  // namespace
+
+capnp::Capability::Client make_deployment_server(const Caller& caller) {
+  return wire::DeploymentProcess::Client(kj::heap<DeploymentServer>(caller));
+}
+
+}  // namespace segue::control::detail

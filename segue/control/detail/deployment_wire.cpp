@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/deployment_wire.hpp>
+
+#include <utility>
+
+namespace segue::control::detail {
+
+namespace {
+
+using model::TaskId;
+
+void encode_timing(const task::Timing& timing, wire::Timing::Builder builder) {
+  builder.setCycles(timing.cycles);
+  builder.setMissed(timing.missed);
+  builder.setLast(timing.last.count());
+  builder.setMean(timing.mean.count());
+  builder.setWorst(timing.worst.count());
+  builder.setLatencyMean(timing.latency_mean.count());
+  builder.setLatencyWorst(timing.latency_worst.count());
+  builder.setJitter(timing.jitter.count());
+  builder.setCpu(timing.cpu.count());
+}
+
+task::Timing decode_timing(wire::Timing::Reader reader) {
+  task::Timing timing;
+  timing.cycles = reader.getCycles();
+  timing.missed = reader.getMissed();
+  timing.last = Duration(reader.getLast());
+  timing.mean = Duration(reader.getMean());
+  timing.worst = Duration(reader.getWorst());
+  timing.latency_mean = Duration(reader.getLatencyMean());
+  timing.latency_worst = Duration(reader.getLatencyWorst());
+  timing.jitter = Duration(reader.getJitter());
+  timing.cpu = Duration(reader.getCpu());
+  return timing;
+}
+
+void encode_report(const host::TaskReport& report, wire::TaskReport::Builder builder) {
+  builder.setId(as_text(report.id.str()));
+  builder.setComponent(as_text(report.component.str()));
+  builder.setHost(as_text(report.process.host.str()));
+  builder.setProcess(as_text(report.process.process.str()));
+  builder.setPid(report.pid);
+  builder.setState(static_cast<std::uint8_t>(report.state));
+  builder.setStandIn(report.stand_in);
+  builder.setStateName(as_text(report.state_name));
+  builder.setError(as_text(report.error));
+  encode(report.activity, builder.initActivity());
+  encode_timing(report.timing, builder.initTiming());
+}
+
+host::TaskReport decode_report(wire::TaskReport::Reader reader) {
+  host::TaskReport report;
+  report.id = TaskId(as_string(reader.getId()));
+  report.component = model::ComponentName(as_string(reader.getComponent()));
+  report.process.host = model::HostName(as_string(reader.getHost()));
+  report.process.process = model::ProcessName(as_string(reader.getProcess()));
+  report.pid = reader.getPid();
+  report.state = enum_from(reader.getState(), TaskState::Fatal);
+  report.stand_in = reader.getStandIn();
+  report.state_name = as_string(reader.getStateName());
+  report.error = as_string(reader.getError());
+  report.activity = decode(reader.getActivity());
+  report.timing = decode_timing(reader.getTiming());
+  return report;
+}
+
+void encode_connection(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {
+  encode(report.connection, builder.initConnection());
+  builder.setWritten(report.written);
+  builder.setRead(report.read);
+  builder.setDropped(report.dropped);
+}
+
+host::ConnectionReport decode_connection(wire::ConnectionReport::Reader reader) {
+  return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped()};
+}
+
+void encode_half(const deploy::HalfReport& half, wire::HalfReport::Builder builder) {
+  encode(half.connection, builder.initConnection());
+  builder.setSide(static_cast<std::uint8_t>(half.side));
+  builder.setPeer(half.peer);
+  encode(half.place, builder.initPlace());
+  builder.setWritten(half.counters.written);
+  builder.setRead(half.counters.read);
+  builder.setDropped(half.counters.dropped);
+  builder.setOverwritten(half.counters.overwritten);
+}
+
+deploy::HalfReport decode_half(wire::HalfReport::Reader reader) {
+  deploy::HalfReport half;
+  half.connection = decode(reader.getConnection());
+  half.side = enum_from(reader.getSide(), deploy::Side::Input);
+  half.peer = reader.getPeer();
+  half.place = decode(reader.getPlace());
+  half.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
+  return half;
+}
+
+void encode_usage(const link::MemoryUsage& usage, wire::MemoryUsage::Builder builder) {
+  builder.setPayloadUsed(usage.payload_used);
+  builder.setPayloadTouched(usage.payload_touched);
+  builder.setControlUsed(usage.control_used);
+  builder.setConnections(usage.connections);
+  builder.setPeers(usage.peers);
+}
+
+link::MemoryUsage decode_usage(wire::MemoryUsage::Reader reader) {
+  return {reader.getPayloadUsed(), reader.getPayloadTouched(), reader.getControlUsed(),
+          reader.getConnections(), reader.getPeers()};
+}
+
+}  // namespace
+
+void encode(const deploy::DeploymentInfo& info, wire::Info::Builder builder) {
+  builder.setRobot(as_text(info.robot));
+  encode(info.deployment, builder.initDeployment());
+  builder.setPid(info.pid);
+  builder.setSoftware(as_text(info.software));
+  builder.setIncarnation(info.incarnation);
+}
+
+deploy::DeploymentInfo decode(wire::Info::Reader reader) {
+  return {as_string(reader.getRobot()), decode(reader.getDeployment()), reader.getPid(),
+          as_string(reader.getSoftware()), reader.getIncarnation()};
+}
+
+void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder) {
+  encode(snapshot.network, builder.initNetwork());
+  encode_list(snapshot.tasks, builder.initTasks(count_of(snapshot.tasks)), encode_report);
+  encode_list(snapshot.connections, builder.initConnections(count_of(snapshot.connections)),
+              encode_connection);
+  encode_list(snapshot.halves, builder.initHalves(count_of(snapshot.halves)), encode_half);
+  encode_usage(snapshot.memory, builder.initMemory());
+  auto hanging = builder.initHanging(count_of(snapshot.hanging));
+  for (unsigned i = 0; i < snapshot.hanging.size(); ++i)
+    hanging.set(i, as_text(snapshot.hanging[i].str()));
+}
+
+deploy::Snapshot decode(wire::Snapshot::Reader reader) {
+  deploy::Snapshot snapshot;
+  snapshot.network = decode(reader.getNetwork());
+  snapshot.tasks = decode_list<host::TaskReport>(reader.getTasks(), decode_report);
+  snapshot.connections = decode_list<host::ConnectionReport>(reader.getConnections(), decode_connection);
+  snapshot.halves = decode_list<deploy::HalfReport>(reader.getHalves(), decode_half);
+  snapshot.memory = decode_usage(reader.getMemory());
+  snapshot.hanging = decode_list<TaskId>(reader.getHanging(),
+                                         [](capnp::Text::Reader task) { return TaskId(as_string(task)); });
+  return snapshot;
+}
+
+void encode(const link::OutputOrigin& origin, wire::Origin::Builder builder) {
+  builder.setWriter(origin.writer);
+  builder.setSampleSize(origin.sample_size);
+  builder.setFlat(origin.flat);
+}
+
+link::OutputOrigin decode(wire::Origin::Reader reader) {
+  return {reader.getWriter(), reader.getSampleSize(), reader.getFlat()};
+}
+
+void encode(const link::InputPlace& place, wire::Place::Builder builder) {
+  builder.setReader(place.reader);
+  builder.setOffset(place.offset);
+  builder.setGeneration(place.generation);
+  builder.setAnyType(place.any_type);
+  builder.setType(as_text(place.type));
+  builder.setHash(place.hash);
+  builder.setDefinition(as_text(place.definition));
+  builder.setPort(as_text(place.port));
+}
+
+link::InputPlace decode(wire::Place::Reader reader) {
+  link::InputPlace place;
+  place.reader = reader.getReader();
+  place.offset = reader.getOffset();
+  place.generation = reader.getGeneration();
+  place.any_type = reader.getAnyType();
+  place.type = as_string(reader.getType());
+  place.hash = reader.getHash();
+  place.definition = as_string(reader.getDefinition());
+  place.port = as_string(reader.getPort());
+  return place;
+}
+
+void encode(const Result<link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder) {
+  if (!origin) return encode(origin.error(), builder.initError());
+  encode(*origin, builder.initOrigin());
+}
+
+Result<link::OutputOrigin> decode(wire::OriginOutcome::Reader reader) {
+  if (reader.isError()) return decode(reader.getError());
+  return decode(reader.getOrigin());
+}
+
+void encode(const Result<link::InputPlace>& place, wire::PlaceOutcome::Builder builder) {
+  if (!place) return encode(place.error(), builder.initError());
+  encode(*place, builder.initPlace());
+}
+
+Result<link::InputPlace> decode(wire::PlaceOutcome::Reader reader) {
+  if (reader.isError()) return decode(reader.getError());
+  return decode(reader.getPlace());
+}
+
+void encode(const deploy::OpenInput& input, wire::OpenInput::Builder builder) {
+  encode(input.connection, builder.initConnection());
+  encode(input.origin, builder.initOrigin());
+}
+
+deploy::OpenInput decode(wire::OpenInput::Reader reader) {
+  return {decode(reader.getConnection()), decode(reader.getOrigin())};
+}
+
+void encode(const deploy::AttachOutput& output, wire::AttachOutput::Builder builder) {
+  encode(output.connection, builder.initConnection());
+  encode(output.place, builder.initPlace());
+}
+
+deploy::AttachOutput decode(wire::AttachOutput::Reader reader) {
+  return {decode(reader.getConnection()), decode(reader.getPlace())};
+}
+
+void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder) {
+  encode(half.connection, builder.initConnection());
+  builder.setSide(static_cast<std::uint8_t>(half.side));
+  builder.setPeerClosed(half.peer_closed);
+}
+
+deploy::CloseHalf decode(wire::CloseHalf::Reader reader) {
+  return {decode(reader.getConnection()), enum_from(reader.getSide(), deploy::Side::Input),
+          reader.getPeerClosed()};
+}
+
+void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder) {
+  builder.setTask(as_text(event.task.str()));
+  builder.setState(static_cast<std::uint8_t>(event.state));
+  builder.setMessage(as_text(event.message));
+}
+
+host::TaskEvent decode(wire::TaskEvent::Reader reader) {
+  return {TaskId(as_string(reader.getTask())), enum_from(reader.getState(), TaskState::Fatal),
+          as_string(reader.getMessage())};
+}
+
+void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder) {
+  builder.setStatus(reason.status);
+  builder.setSignal(reason.signal);
+  builder.setCoreDumped(reason.core_dumped);
+  builder.setKnown(reason.known);
+  builder.setRequested(reason.requested);
+  builder.setKilled(reason.killed);
+}
+
+deploy::ExitReason decode(wire::ExitReason::Reader reader) {
+  return {reader.getStatus(), reader.getSignal(),    reader.getCoreDumped(),
+          reader.getKnown(),  reader.getRequested(), reader.getKilled()};
+}
+
+void encode(const deploy::ProcessInfo& process, wire::ProcessInfo::Builder builder) {
+  builder.setRobot(as_text(process.robot));
+  builder.setHost(as_text(process.key.host.str()));
+  builder.setProcess(as_text(process.key.process.str()));
+  builder.setPid(process.pid);
+  builder.setSocket(as_text(process.socket.native()));
+  builder.setLog(as_text(process.log.native()));
+  builder.setAdopted(process.adopted);
+  if (process.exit) encode(*process.exit, builder.initExit());
+}
+
+deploy::ProcessInfo decode(wire::ProcessInfo::Reader reader) {
+  deploy::ProcessInfo process;
+  process.robot = as_string(reader.getRobot());
+  process.key.host = model::HostName(as_string(reader.getHost()));
+  process.key.process = model::ProcessName(as_string(reader.getProcess()));
+  process.pid = reader.getPid();
+  process.socket = as_string(reader.getSocket());
+  process.log = as_string(reader.getLog());
+  process.adopted = reader.getAdopted();
+  if (reader.hasExit()) process.exit = decode(reader.getExit());
+  return process;
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/deployment.capnp.h>
+#include <segue/control/processes.capnp.h>
+#include <segue/control/detail/model_wire.hpp>
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/deploy/process_service.hpp>
+
+/// What deployment processes and process servers say, to and from messages. As in model_wire.hpp: what comes
+/// from a message is untrusted, and what is not known throws WireError.
+namespace segue::control::detail {
+
+void encode(const deploy::DeploymentInfo& info, wire::Info::Builder builder);
+deploy::DeploymentInfo decode(wire::Info::Reader reader);
+
+void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder);
+deploy::Snapshot decode(wire::Snapshot::Reader reader);
+
+void encode(const link::OutputOrigin& origin, wire::Origin::Builder builder);
+link::OutputOrigin decode(wire::Origin::Reader reader);
+
+void encode(const link::InputPlace& place, wire::Place::Builder builder);
+link::InputPlace decode(wire::Place::Reader reader);
+
+void encode(const Result<link::OutputOrigin>& origin, wire::OriginOutcome::Builder builder);
+Result<link::OutputOrigin> decode(wire::OriginOutcome::Reader reader);
+
+void encode(const Result<link::InputPlace>& place, wire::PlaceOutcome::Builder builder);
+Result<link::InputPlace> decode(wire::PlaceOutcome::Reader reader);
+
+void encode(const deploy::OpenInput& input, wire::OpenInput::Builder builder);
+deploy::OpenInput decode(wire::OpenInput::Reader reader);
+
+void encode(const deploy::AttachOutput& output, wire::AttachOutput::Builder builder);
+deploy::AttachOutput decode(wire::AttachOutput::Reader reader);
+
+void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder);
+deploy::CloseHalf decode(wire::CloseHalf::Reader reader);
+
+void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder);
+host::TaskEvent decode(wire::TaskEvent::Reader reader);
+
+void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder);
+deploy::ExitReason decode(wire::ExitReason::Reader reader);
+
+void encode(const deploy::ProcessInfo& process, wire::ProcessInfo::Builder builder);
+deploy::ProcessInfo decode(wire::ProcessInfo::Reader reader);
+
+}  // namespace segue::control::detail

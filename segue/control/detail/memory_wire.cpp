@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/memory_wire.hpp>
+
+#include <fcntl.h>
+
+#include <utility>
+
+namespace segue::control::detail {
+
+namespace {
+
+class MemoryServer final : public wire::Memory::Server {
+ public:
+  explicit MemoryServer(Descriptor descriptor) : descriptor_(std::move(descriptor)) {}
+  kj::Maybe<int> getFd() override { return descriptor_.get(); }
+
+ private:
+  Descriptor descriptor_;
+};
+
+kj::Promise<Result<Descriptor>> descriptor_of(wire::Memory::Client memory) {
+  auto descriptor = memory.getFd();
+  return descriptor.then([memory = kj::mv(memory)](kj::Maybe<int>&& fd) -> Result<Descriptor> {
+    KJ_IF_MAYBE (number, fd) {
+      Descriptor own(::fcntl(*number, F_DUPFD_CLOEXEC, 0));
+      if (!own.valid()) return fail(ErrorCode::ResourceExhausted, "no file descriptors are left");
+      return own;
+    }
+    return fail(ErrorCode::ParseError, "a memory offer came without its file descriptors");
+  });
+}
+
+}  // namespace
+
+void encode(link::MemoryOffer offer, wire::Offer::Builder builder) {
+  builder.setIncarnation(offer.incarnation);
+  builder.setPayload(kj::heap<MemoryServer>(std::move(offer.payload)));
+  builder.setControl(kj::heap<MemoryServer>(std::move(offer.control)));
+}
+
+kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader) {
+  auto control = descriptor_of(reader.getControl());
+  return descriptor_of(reader.getPayload())
+      .then([incarnation = reader.getIncarnation(), control = kj::mv(control)](
+                Result<Descriptor>&& payload) mutable -> kj::Promise<Result<link::MemoryOffer>> {
+        if (!payload) return Result<link::MemoryOffer>(payload.error());
+        return control.then([incarnation, payload = std::move(*payload)](
+                                Result<Descriptor>&& second) mutable -> Result<link::MemoryOffer> {
+          if (!second) return second.error();
+          return link::MemoryOffer{incarnation, std::move(payload), std::move(*second)};
+        });
+      });
+}
+
+}  // namespace segue::control::detail

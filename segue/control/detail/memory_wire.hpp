@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/deployment.capnp.h>
+#include <segue/base/descriptor.hpp>
+#include <segue/link/shared_memory.hpp>
+
+#include <kj/async.h>
+
+/// File descriptors as capabilities. To be used in an event loop.
+namespace segue::control::detail {
+
+/// The descriptors of `offer` go with the message, and are closed when the other side has released them.
+void encode(link::MemoryOffer offer, wire::Offer::Builder builder);
+
+/// Descriptors of our own; ParseError where a capability carries none, ResourceExhausted where the system has
+/// none left. `reader` is read before this returns.
+kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader);
+
+}  // namespace segue::control::detail

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/services.hpp>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace segue::control::detail {
+
+namespace {
+
+using deploy::ProcessInfo;
+using deploy::ProcessService;
+
+constexpr std::size_t kMaxListenersPerClient = 4;
+
+void encode_processes(const std::vector<ProcessInfo>& processes,
+                      capnp::List<wire::ProcessInfo>::Builder builder) {
+  encode_list(processes, builder, [](const ProcessInfo& process, auto part) { encode(process, part); });
+}
+
+class ProcessesServer final : public wire::Processes::Server {
+ public:
+  explicit ProcessesServer(Caller caller) : caller_(std::move(caller)) {}
+
+  kj::Promise<void> start(StartContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), launch = get(params.getLaunch()),
+                deadline = deadline_after(params.getTimeout())]() -> Result<ProcessInfo> {
+      const auto checked = deploy::launch_from(launch);
+      if (!checked) return checked.error();
+      return service.start(*checked, deadline);
+    };
+    return caller_.answer(context, std::move(job),
+                          [](ProcessInfo& process, auto results) { encode(process, results.initProcess()); });
+  }
+
+  kj::Promise<void> stop(StopContext context) override {
+    const auto params = context.getParams();
+    auto job = [&service = service(), robot = as_string(params.getRobot()),
+                key = model::DeploymentKey{model::HostName(as_string(params.getHost())),
+                                           model::ProcessName(as_string(params.getProcess()))},
+                deadline = deadline_after(params.getTimeout())] {
+      return service.stop(robot, key, deadline);
+    };
+    return caller_.answer(context, std::move(job), [](deploy::ExitReason& reason, auto results) {
+      encode(reason, results.initExit());
+    });
+  }
+
+  kj::Promise<void> processes(ProcessesContext context) override {
+    return caller_.answer(
+        context,
+        [&service = service(), robot = as_string(context.getParams().getRobot())] {
+          return service.processes(robot);
+        },
+        [](std::vector<ProcessInfo>& processes, auto results) {
+          encode_processes(processes, results.initProcesses(count_of(processes)));
+        });
+  }
+
+  kj::Promise<void> listen(ListenContext context) override {
+    if (listeners_.size() >= kMaxListenersPerClient) {
+      encode(fail(ErrorCode::ResourceExhausted, "this client listens too often"),
+             context.getResults().initError());
+      return kj::READY_NOW;
+    }
+    auto send = [listener = context.getParams().getListener()](const std::vector<ProcessInfo>& events,
+                                                               std::uint64_t lost) mutable {
+      auto request = listener.toldRequest();
+      request.setLost(lost);
+      encode_processes(events, request.initEvents(count_of(events)));
+      return request.send().ignoreResult();
+    };
+    listeners_.push_back(std::make_unique<Listener>(caller_.core().process_events, std::move(send)));
+    return kj::READY_NOW;
+  }
+
+ private:
+  using Listener = Broadcast<ProcessInfo>::Listener;
+  [[nodiscard]] ProcessService& service() const { return caller_.core().service<ProcessService>(); }
+
+  Caller caller_;
+  std::vector<std::unique_ptr<Listener>> listeners_;
+};
+
+}  // namespace
+
+capnp::Capability::Client make_processes_server(const Caller& caller) {
+  return wire::Processes::Client(kj::heap<ProcessesServer>(caller));
+}
+
+}  // namespace segue::control::detail

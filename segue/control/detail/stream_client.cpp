@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/stream_client.hpp>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace segue::control::detail {
+
+namespace {
+
+using type::Value;
+
+class ClientStream final : public SampleStream {
+ public:
+  ClientStream(std::shared_ptr<Link> link, Link::StreamId id, std::string type)
+      : link_(std::move(link)), id_(id), type_(std::move(type)) {}
+  ~ClientStream() override { link_->close_stream(id_); }
+
+  Result<std::vector<Value>> read(std::size_t limit) override {
+    auto answer = link_->ask(kLookTimeout, [id = id_, limit](Link::Connection& connection) {
+      auto request = connection.stream(id).readRequest();
+      request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
+      return Link::send(request);
+    });
+    if (!answer) return answer.error();
+    if (!answer->is_list()) return fail(ErrorCode::Internal, link_->who() + " sent samples that are no list");
+    return std::move(answer->as_list());
+  }
+
+  [[nodiscard]] std::string type_name() const override { return type_; }
+
+ private:
+  std::shared_ptr<Link> link_;
+  Link::StreamId id_;
+  std::string type_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<Link> link, Link::StreamId id,
+                                                    const Result<Value>& type_name) {
+  if (!type_name) return type_name.error();
+  return std::make_unique<ClientStream>(std::move(link), id,
+                                        type_name->is_string() ? type_name->as_string() : std::string());
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/stream_server.hpp>
+
+namespace segue::control::detail {
+
+namespace {
+
+constexpr std::size_t kMaxSamples = 10'000;
+
+class StreamServer final : public wire::SampleStream::Server {
+ public:
+  StreamServer(Caller caller, std::shared_ptr<HeldStream> held)
+      : caller_(std::move(caller)), held_(std::move(held)) {
+    ++caller_.client()->streams;
+  }
+
+  /// Closing may wait for the port, so it is a job; where none is to be had, the loop has to wait.
+  ~StreamServer() noexcept {
+    --caller_.client()->streams;
+    caller_.core().pool.submit([held = std::move(held_)] {});
+  }
+
+  kj::Promise<void> read(ReadContext context) override {
+    const std::size_t limit = std::min<std::size_t>(context.getParams().getLimit(), kMaxSamples);
+    return caller_.answer_value(context, [held = held_, limit] { return held->read(limit); });
+  }
+
+ private:
+  Caller caller_;
+  std::shared_ptr<HeldStream> held_;
+};
+
+}  // namespace
+
+Result<type::Value> HeldStream::read(std::size_t limit) {
+  const std::lock_guard lock(mutex);
+  auto samples = stream->read(limit);
+  if (!samples) return samples.error();
+  return type::Value(std::move(*samples));
+}
+
+wire::SampleStream::Client make_stream_server(const Caller& caller, std::shared_ptr<HeldStream> held) {
+  return kj::heap<StreamServer>(caller, std::move(held));
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/detail/caller.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+namespace segue::control::detail {
+
+constexpr std::size_t kMaxStreamsPerClient = 256;
+constexpr std::size_t kMaxBuffer = 1 << 16;
+
+/// A service's stream: read by one thread at a time.
+struct HeldStream {
+  std::mutex mutex;
+  std::unique_ptr<SampleStream> stream;
+
+  Result<type::Value> read(std::size_t limit);
+};
+
+/// Offers a stream to one client until that releases it.
+wire::SampleStream::Client make_stream_server(const Caller& caller, std::shared_ptr<HeldStream> held);
+
+/// Answers with the stream that `open` (a Result<std::unique_ptr<SampleStream>>) returns. The results have an
+/// `answer`, which is the name of its type, and a `stream`.
+template <class Context, class Open>
+kj::Promise<void> answer_stream(Caller& caller, Context context, Open open) {
+  if (caller.client()->streams >= kMaxStreamsPerClient) {
+    encode(fail(ErrorCode::ResourceExhausted, "this client reads too many ports at once; close some"),
+           context.getResults().initAnswer().initError());
+    return kj::READY_NOW;
+  }
+  const auto held = std::make_shared<HeldStream>();
+  auto job = [held, open = std::move(open)]() -> Result<type::Value> {
+    auto stream = open();
+    if (!stream) return stream.error();
+    held->stream = std::move(*stream);
+    return type::Value(held->stream->type_name());
+  };
+  return caller.answer_value(context, std::move(job), [caller, held](auto results) {
+    results.setStream(make_stream_server(caller, held));
+  });
+}
+
+}  // namespace segue::control::detail

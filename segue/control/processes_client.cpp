@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/deployment_client.hpp>
+#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/link.hpp>
+#include <segue/control/detail/told.hpp>
+
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace segue::control {
+
+namespace {
+
+using deploy::ProcessInfo;
+using detail::as_text;
+using detail::decode;
+using detail::kGrace;
+using detail::kLookTimeout;
+using detail::Link;
+using detail::time_left;
+
+/// Takes what the process server tells.
+class ListenerServer final : public wire::ProcessListener::Server {
+ public:
+  explicit ListenerServer(std::shared_ptr<detail::Told<ProcessInfo>> told) : told_(std::move(told)) {}
+
+  kj::Promise<void> told(ToldContext context) override {
+    const auto params = context.getParams();
+    if (const auto lost = params.getLost(); lost > 0) {
+      log(LogLevel::Warning, "control",
+          std::to_string(lost) + " events of the process server came too fast and were lost");
+    }
+    for (const auto event : params.getEvents())
+      told_->tell(decode(event));
+    return kj::READY_NOW;
+  }
+
+ private:
+  std::shared_ptr<detail::Told<ProcessInfo>> told_;
+};
+
+class ProcessesClient final : public deploy::ProcessService {
+ public:
+  explicit ProcessesClient(std::shared_ptr<Link> link) : link_(std::move(link)) {}
+  ~ProcessesClient() override { told_->set(nullptr); }
+
+  Result<ProcessInfo> start(const deploy::Launch& launch, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<ProcessInfo>(left + kGrace, [&](wire::Processes::Client processes) {
+      auto request = processes.startRequest();
+      detail::put(deploy::to_value(launch), request.initLaunch());
+      request.setTimeout(left.count());
+      return Link::send<ProcessInfo>(request, [](auto& results) { return decode(results.getProcess()); });
+    });
+  }
+
+  Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<deploy::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
+      auto request = processes.stopRequest();
+      request.setRobot(as_text(robot));
+      request.setHost(as_text(key.host.str()));
+      request.setProcess(as_text(key.process.str()));
+      request.setTimeout(left.count());
+      return Link::send<deploy::ExitReason>(request, [](auto& results) { return decode(results.getExit()); });
+    });
+  }
+
+  Result<std::vector<ProcessInfo>> processes(const std::string& robot) override {
+    return ask<std::vector<ProcessInfo>>(kLookTimeout, [&](wire::Processes::Client processes) {
+      auto request = processes.processesRequest();
+      request.setRobot(as_text(robot));
+      return Link::send<std::vector<ProcessInfo>>(request, [](auto& results) {
+        return detail::decode_list<ProcessInfo>(results.getProcesses(),
+                                                [](const auto& part) { return decode(part); });
+      });
+    });
+  }
+
+  void set_listener(Listener listener) override {
+    const bool wanted = listener != nullptr;
+    told_->set(std::move(listener));
+    const std::lock_guard lock(listening_mutex_);
+    if (!wanted || listening_) return;
+    const auto done = ask<void>(kLookTimeout, [this](wire::Processes::Client processes) {
+      auto request = processes.listenRequest();
+      request.setListener(kj::heap<ListenerServer>(told_));
+      return Link::send<void>(request, [](auto&) { return Result<void>(); });
+    });
+    listening_ = done.has_value();
+    if (!listening_) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
+  }
+
+ private:
+  template <class T, class Build>
+  Result<T> ask(Duration timeout, const Build& build) {
+    return link_->ask<T>(
+        timeout, [&](Link::Connection& connection) { return build(connection.as<wire::Processes>()); });
+  }
+
+  std::shared_ptr<Link> link_;
+  std::shared_ptr<detail::Told<ProcessInfo>> told_ = std::make_shared<detail::Told<ProcessInfo>>();
+  std::mutex listening_mutex_;
+  bool listening_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<deploy::ProcessService>> connect_processes(const std::filesystem::path& socket,
+                                                                  Duration timeout) {
+  auto link = Link::open(socket, detail::kProcessesKind, "the process server", timeout);
+  if (!link) return link.error();
+  return std::make_unique<ProcessesClient>(std::move(*link));
+}
+
+}  // namespace segue::control
