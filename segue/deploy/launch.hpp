@@ -6,6 +6,7 @@
 #include <segue/model/network.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,18 @@ struct Launch {
 };
 
 type::Value to_value(const Launch& launch);
+/// InvalidArgument with the first entry that is wrong; entries that are missing keep their defaults, but
+/// robot and process must be named.
 Result<Launch> launch_from(const type::Value& value);
 
 /// Where the processes of a robot have their sockets, logs and locks: `<control folder>/<robot>/`. Made with
 /// mode 0700; refused where it belongs to somebody else. Names are checked: never a path.
 Result<std::filesystem::path> process_folder(const std::string& robot);
-/// `<process folder>/<process>.sock`
+/// `<process folder>/<process>.sock`; `<process>@<host>.sock` where the host is not called localhost.
 Result<std::filesystem::path> process_socket(const std::string& robot, const model::DeploymentKey& key);
+/// Whose socket it is, by its name; nothing where it is no process's.
+std::optional<model::DeploymentKey> key_of_socket(const std::filesystem::path& socket);
+/// Where the process of that socket prints: `<process>.log` beside it.
+std::filesystem::path process_log(const std::filesystem::path& socket);
 
 }  // namespace segue::deploy

@@ -37,7 +37,7 @@ class ProcessServer final : public ProcessService {
   void set_listener(Listener listener) override;
 
  private:
-  struct Implementation;
+  struct Implementation;  ///< process_server_implementation.hpp
   explicit ProcessServer(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };

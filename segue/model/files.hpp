@@ -23,6 +23,10 @@ namespace segue::model {
 std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
 std::string write_network(const Network& network);
+/// A process as in a network file's `deployments`, with its name under `process`, and back.
+type::Value to_value(const Deployment& deployment);
+std::optional<Deployment> read_deployment(const type::Value& value, const std::string& file,
+                                          Diagnostics& diagnostics);
 /// One task as in a network file's `tasks` map; transition files hold these too.
 type::Value to_value(const Task& task);
 

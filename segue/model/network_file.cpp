@@ -171,6 +171,23 @@ Value write_connections(const Network& network) {
 
 }  // namespace
 
+Value to_value(const Deployment& deployment) {
+  ValueMap entry;
+  entry.append("process", deployment.process.str());
+  detail::write_process(entry, deployment);
+  if (!deployment.tasks.empty()) entry.append("tasks", write_placements(deployment));
+  return entry;
+}
+
+std::optional<Deployment> read_deployment(const Value& value, const std::string& file,
+                                          Diagnostics& diagnostics) {
+  Diagnostics found;
+  auto deployment = read_deployment(std::string{}, value, Source(file, found));
+  const bool good = !found.has_errors();
+  diagnostics.append(std::move(found));
+  return good ? std::optional(std::move(deployment)) : std::nullopt;
+}
+
 std::optional<Network> read_network(std::string_view text, const std::string& file,
                                     Diagnostics& diagnostics) {
   const Source source(file, diagnostics);

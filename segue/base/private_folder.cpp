@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/private_folder.hpp>
+#include <segue/base/text.hpp>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+namespace segue {
+
+namespace {
+
+constexpr mode_t kOwnerOnly = 0700;
+
+std::filesystem::path folder_by_environment() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && *runtime != '\0') return std::filesystem::path(runtime) / "segue";
+  return "/tmp/segue-" + std::to_string(::geteuid());
+}
+
+/// In /tmp anybody may have made the folder before us, or put a link there.
+Result<void> check_folder(const std::filesystem::path& folder) {
+  struct stat status {};
+  if (::lstat(folder.c_str(), &status) != 0) {
+    return fail(ErrorCode::IoError,
+                "cannot look at " + quote(folder.native()) + ": " + std::generic_category().message(errno));
+  }
+  if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid()) {
+    return fail(ErrorCode::PermissionDenied,
+                quote(folder.native()) +
+                    " is not a folder of this user, so sockets in it cannot be trusted; remove it, or set "
+                    "XDG_RUNTIME_DIR to a folder of your own");
+  }
+  if ((status.st_mode & 0777) != kOwnerOnly && ::chmod(folder.c_str(), kOwnerOnly) != 0) {
+    return fail(ErrorCode::PermissionDenied, "cannot make " + quote(folder.native()) +
+                                                 " private: " + std::generic_category().message(errno));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> make_private_folder(const std::filesystem::path& folder) {
+  if (::mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
+    const std::string reason = std::generic_category().message(errno);
+    return fail(ErrorCode::IoError, "cannot make the folder for sockets " + quote(folder.native()) + ": " +
+                                        reason + "; set XDG_RUNTIME_DIR to a folder of your own");
+  }
+  return check_folder(folder);
+}
+
+Result<std::filesystem::path> runtime_folder() {
+  auto folder = folder_by_environment();
+  if (auto made = make_private_folder(folder); !made) return std::move(made.error());
+  return folder;
+}
+
+}  // namespace segue

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/assignment.hpp>
+#include <segue/deploy/process_log.hpp>
+#include <segue/deploy/process_place.hpp>
+#include <segue/deploy/process_server.hpp>
+#include <segue/deploy/process_table.hpp>
+#include <segue/deploy/process_watch.hpp>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+namespace segue::deploy {
+
+/// What is inside a process server. Internal.
+struct ProcessServer::Implementation {
+  using Entry = detail::ProcessTable::Entry;
+  static constexpr std::string_view kSoftware = SEGUE_VERSION;
+
+  Implementation(ProcessServerOptions chosen, std::filesystem::path found);
+  Result<void> begin();
+
+  Result<ProcessInfo> start(const Launch& what, TimePoint deadline);
+  Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline);
+  /// The entry of that name, a process that is found running included; null where there is none. With the
+  /// mutex held, as adopt_all.
+  Entry adopt(const ProcessInfo& info);
+  void adopt_all(const std::string& robot, const std::filesystem::path& folder);
+
+  Result<Entry> reserve(const ProcessInfo& info, TimePoint deadline);
+  Result<void> launch(const Launch& what, detail::ProcessEntry& entry, detail::ProcessPlace& place);
+  Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place);
+  void finish(std::uint64_t id);
+
+  const ProcessServerOptions options;
+  const std::filesystem::path program;
+
+  std::mutex mutex;  ///< of the table; the entry of a process that starts belongs to who starts it
+  std::condition_variable changed;
+  detail::ProcessTable table;
+
+  std::mutex telling;  ///< held while the listener is called
+  Listener listener;
+
+  std::unique_ptr<detail::ProcessWatch> watch;  ///< goes first: its thread uses all of the above
+};
+
+}  // namespace segue::deploy

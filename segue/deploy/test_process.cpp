@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A deployment process without tasks, for tests of process servers. What it does is named by its
+/// deployment's variable TEST_DO.
+#include <segue/deploy/assignment.hpp>
+#include <segue/deploy/inherited_process.hpp>
+#include <segue/deploy/process_limits.hpp>
+#include <segue/deploy/process_log.hpp>
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace {
+
+using namespace segue;
+
+constexpr int kNoAssignment = 90;
+constexpr int kNotPermitted = 91;
+
+/// Sleeps for ever, deaf to SIGTERM; for the group's end.
+void start_stubborn_child() {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGTERM, SIG_IGN);
+    for (;;)
+      ::pause();
+  }
+  std::printf("child %d\n", child);
+}
+
+void chatter() {
+  for (int i = 0; i < 2000; ++i)
+    std::printf("line %d of a log that grows\n", i);
+}
+
+[[noreturn]] void misbehave(const std::string& how) {
+  if (how == "abort") std::abort();
+  if (how == "segv") ::raise(SIGSEGV);
+  if (how == "status") std::_Exit(3);
+  std::_Exit(kNoAssignment);
+}
+
+}  // namespace
+
+int main() {
+  deploy::InheritedProcess process;
+  const auto assignment = deploy::read_assignment(deploy::kAssignment);
+  if (!assignment) return kNoAssignment;
+  const char* variable = std::getenv("TEST_DO");
+  const std::string what = variable == nullptr ? "" : variable;
+  if (what == "end before it says who it is") return 0;
+  const char* software = std::getenv("TEST_SOFTWARE");
+  process.begin(assignment->socket, software == nullptr ? "0.1.0" : software);
+  if (!deploy::apply_to_this_process(assignment->launch.deployment)) return kNotPermitted;
+  if (what == "abort" || what == "segv" || what == "status") misbehave(what);
+  if (what == "child") start_stubborn_child();
+  if (what == "chatter") chatter();
+  std::printf("ready\n");
+  for (;;) {
+    const bool told = process.wait_for_end(std::chrono::milliseconds(20));
+    deploy::rotate_output(assignment->log, assignment->log_size, assignment->log_files);
+    if (told && what != "stay") break;
+  }
+  std::printf("going\n");
+  process.leave();
+  return 0;
+}
