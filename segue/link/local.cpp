@@ -19,11 +19,6 @@ using task::SampleSlot;
 
 constexpr std::size_t kReaderSlots = 2;  // the one it read last, and one that it takes meanwhile
 
-std::uint64_t next_number() {
-  static std::atomic<std::uint64_t> number{0};
-  return number.fetch_add(1, std::memory_order_relaxed) + 1;
-}
-
 class LocalConnection final : public Connection, public task::WriterEnd, public task::ReaderEnd {
  public:
   LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy)
@@ -37,8 +32,9 @@ class LocalConnection final : public Connection, public task::WriterEnd, public 
   [[nodiscard]] bool pending() const noexcept override { return queue_.pending(); }
   [[nodiscard]] std::uint64_t number() const noexcept override { return number_; }
   [[nodiscard]] std::size_t capacity() const override { return policy_.size + kReaderSlots; }
-  [[nodiscard]] bool leads_to(const InputPortBase& reader, const Policy& policy) const override {
-    return &reader == &to_ && policy == policy_;
+  [[nodiscard]] bool same_as(const WriterEnd& other) const override {
+    const auto* local = dynamic_cast<const LocalConnection*>(&other);
+    return local != nullptr && &local->to_ == &to_ && local->policy_ == policy_;
   }
 
   void disconnect() override;
@@ -58,7 +54,7 @@ class LocalConnection final : public Connection, public task::WriterEnd, public 
   OutputPortBase& from_;  ///< valid while attached
   InputPortBase& to_;
   const Policy policy_;
-  const std::uint64_t number_ = next_number();
+  const std::uint64_t number_ = task::next_connection_number();
   SampleQueue queue_;
   mutable std::mutex mutex_;
   bool attached_ = true;
@@ -74,7 +70,7 @@ Result<std::shared_ptr<Connection>> LocalConnection::make(OutputPortBase& from, 
   auto connection = std::make_shared<LocalConnection>(from, to, policy);
   // The reader first: what the writer then passes on is seen at once.
   to.attach(connection);
-  if (auto attached = from.attach(connection, to, policy); !attached) {
+  if (auto attached = from.attach(connection, to.full_name()); !attached) {
     to.detach(*connection);
     return std::move(attached.error());
   }

@@ -43,6 +43,9 @@ OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortB
 class SharedHalf : public Connection {
  public:
   [[nodiscard]] virtual Incarnation peer() const = 0;
+  /// Samples that were dropped, and entries left alone, since what the peer wrote made no sense. 0 always
+  /// unless it is broken or hostile.
+  [[nodiscard]] virtual std::uint64_t corrupt() const = 0;
 };
 
 struct InputHalf {

@@ -37,15 +37,15 @@ struct MemoryUsage {
 
 /// This process's part of the memory that the processes of a host share, and its maps of the others'.
 ///
-/// Payload pool: where samples lie that leave the process, written by it alone. Control pool: the rings of
-/// connections into this process and the bells by which other processes wake its threads. Once it exists,
-/// output ports of types without pointers take their samples from the payload pool. All functions are thread
-/// safe.
+/// Payload pool: where samples lie that leave the process, written by it alone; output ports take theirs from
+/// there from their first connection to another process on. Control pool: the rings of connections into this
+/// process and the bells by which other processes wake its threads. All functions are thread safe.
 class SharedMemory {
  public:
-  /// One for each process; AlreadyExists for a second while the first lives. Make it before the first port.
-  /// Prefaulting takes about 0.9 ms for each MB.
+  /// One for each process (more are possible, but a thread is woken through the first alone that has a
+  /// connection to a task of it). Prefaulting takes about 0.9 ms for each MB. ResourceExhausted.
   static Result<std::shared_ptr<SharedMemory>> create(const SharedMemoryOptions& options = {});
+  /// Ends all connections.
   virtual ~SharedMemory() = default;
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;

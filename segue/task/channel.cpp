@@ -4,7 +4,14 @@
 #include <chrono>
 #include <thread>
 
-namespace segue::task::detail {
+namespace segue::task {
+
+std::uint64_t next_connection_number() noexcept {
+  static std::atomic<std::uint64_t> number{0};
+  return number.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+namespace detail {
 
 void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept {
   constexpr int kYields = 50;
@@ -18,4 +25,5 @@ void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t be
   }
 }
 
-}  // namespace segue::task::detail
+}  // namespace detail
+}  // namespace segue::task

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/policy.hpp>
 #include <segue/task/sample.hpp>
 
 #include <atomic>
@@ -13,7 +12,7 @@
 
 namespace segue::task {
 
-class InputPortBase;
+class SampleListener;
 
 /// What an output port knows of one of its connections. Links implement it.
 class WriterEnd {
@@ -26,8 +25,8 @@ class WriterEnd {
   virtual void disconnect() = 0;
   /// How many samples of the writer's pool it may hold at once, the reader's included.
   [[nodiscard]] virtual std::size_t capacity() const = 0;
-  /// Whether this connection leads to `reader` with `policy`.
-  [[nodiscard]] virtual bool leads_to(const InputPortBase& reader, const Policy& policy) const = 0;
+  /// Whether `other`, of the same port, leads to the same reader with the same policy.
+  [[nodiscard]] virtual bool same_as(const WriterEnd& other) const = 0;
 };
 
 /// What an input port knows of one of its connections.
@@ -39,9 +38,15 @@ class ReaderEnd {
   /// Whether pull() would find one. Any thread that holds this end.
   [[nodiscard]] virtual bool pending() const noexcept = 0;
   virtual void disconnect() = 0;
+  /// Who wants to be told of samples from now on; nullptr: nobody. For links whose writers cannot see the
+  /// port. Any thread, one at a time.
+  virtual void set_listener(SampleListener* /*listener*/) {}
   /// Never used twice in a process.
   [[nodiscard]] virtual std::uint64_t number() const noexcept = 0;
 };
+
+/// A number for ReaderEnd::number(). Any thread.
+std::uint64_t next_connection_number() noexcept;
 
 namespace detail {
 /// Waits until `section` has left the value `begin`. Never burns a processor that the one inside might need.

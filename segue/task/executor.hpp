@@ -8,9 +8,13 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 
 namespace segue::task {
+
+class Bell;
 
 namespace detail {
 class RunQueue;
@@ -74,6 +78,11 @@ class Executor {
   virtual Result<void> watch(Job& job, int descriptor) = 0;
   virtual void rearm(Job& job, int descriptor) noexcept = 0;
   virtual void unwatch(int descriptor) noexcept = 0;
+
+  /// The bell by which other processes wake this executor, for good; `make` makes it when it is first asked
+  /// for (nullptr: it cannot). Any thread; allocates. ResourceExhausted.
+  using BellMaker = std::function<std::shared_ptr<Bell>()>;
+  virtual Result<std::shared_ptr<Bell>> bell(const BellMaker& make) = 0;
 
   /// Whether the caller is the thread that runs the jobs.
   [[nodiscard]] virtual bool is_current() const noexcept = 0;

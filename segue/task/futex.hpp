@@ -11,9 +11,14 @@ namespace segue::task::detail {
 /// A point in time that never comes.
 inline constexpr TimePoint kNever = TimePoint::max();
 
+/// Who may wait for and wake a word: threads of this process, or those of others, in memory that they share.
+enum class FutexScope : std::uint8_t { Process, Host };
+
 /// Sleeps while `word` holds `expected`, until a wake or `deadline` (real monotonic time). False only when
 /// the deadline has passed; may return early for no reason.
-bool futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, TimePoint deadline) noexcept;
-void futex_wake(const std::atomic<std::uint32_t>& word, int count) noexcept;
+bool futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, TimePoint deadline,
+                FutexScope scope = FutexScope::Process) noexcept;
+void futex_wake(const std::atomic<std::uint32_t>& word, int count,
+                FutexScope scope = FutexScope::Process) noexcept;
 
 }  // namespace segue::task::detail

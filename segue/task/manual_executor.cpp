@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/task/bell.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/run_queue.hpp>
 
 #include <poll.h>
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <vector>
 
 namespace segue::task {
@@ -22,6 +25,9 @@ struct ManualExecutor::Implementation {
   std::thread::id owner = std::this_thread::get_id();
   detail::RunQueue queue;
   std::vector<Watched> watched;
+  std::mutex bell_mutex;
+  std::shared_ptr<Bell> bell;  ///< set once
+  std::atomic<Bell*> rung{nullptr};
   std::size_t jobs = 0;
 };
 
@@ -42,6 +48,7 @@ std::size_t ManualExecutor::run_ready(std::size_t limit) {
   std::size_t count = 0;
   while (count < limit) {
     TimePoint now = implementation_->clock.now();
+    if (Bell* bell = implementation_->rung.load(std::memory_order_acquire)) bell->answer();
     implementation_->look_at_descriptors();
     implementation_->queue.fire(now);
     if (!implementation_->queue.run_one(now)) break;
@@ -91,6 +98,17 @@ void ManualExecutor::rearm(Job& job, int descriptor) noexcept {
 
 void ManualExecutor::unwatch(int descriptor) noexcept {
   std::erase_if(implementation_->watched, [&](const auto& one) { return one.descriptor == descriptor; });
+}
+
+Result<std::shared_ptr<Bell>> ManualExecutor::bell(const BellMaker& make) {
+  const std::lock_guard lock(implementation_->bell_mutex);
+  if (!implementation_->bell) {
+    auto made = check_bell(make());
+    if (!made) return made;
+    implementation_->bell = std::move(*made);
+    implementation_->rung.store(implementation_->bell.get(), std::memory_order_release);
+  }
+  return implementation_->bell;
 }
 
 bool ManualExecutor::is_current() const noexcept {

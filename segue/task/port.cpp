@@ -120,20 +120,30 @@ Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
   return publish(slot);
 }
 
-Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const InputPortBase& reader,
-                                    const Policy& policy) {
+Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader) {
   const std::lock_guard lock(attach_mutex_);
   std::size_t slots = kWriterSlots + end->capacity();
   for (const auto& other : ends_.snapshot()) {
-    if (other->leads_to(reader, policy)) {
-      return fail(ErrorCode::AlreadyExists, full_name() + " is already connected to " + reader.full_name() +
+    if (other->same_as(*end)) {
+      return fail(ErrorCode::AlreadyExists, full_name() + " is already connected to " + reader +
                                                 " with this policy; connect it once, or with another policy");
     }
     slots += other->capacity();
   }
-  pool_->reserve(slots);
+  if (!pool_->reserve(slots)) return out_of_memory();
   ends_.add(std::move(end));
   return {};
+}
+
+Result<void> OutputPortBase::share(const std::shared_ptr<SampleMemory>& memory) {
+  if (!pool_->share(memory)) return out_of_memory();
+  return {};
+}
+
+Error OutputPortBase::out_of_memory() const {
+  return fail(ErrorCode::ResourceExhausted,
+              "the shared memory of this process has no room for the samples of " + full_name() +
+                  "; give its deployment a larger payload pool, or connect with smaller buffers");
 }
 
 void OutputPortBase::detach(const WriterEnd& end) {
@@ -162,7 +172,16 @@ void InputPortBase::disconnect_all() {
 }
 
 void InputPortBase::attach(std::shared_ptr<ReaderEnd> end) {
+  const std::lock_guard lock(listener_mutex_);
+  end->set_listener(listener_.load(std::memory_order_relaxed));
   ends_.add(std::move(end));
+}
+
+void InputPortBase::set_listener(SampleListener* listener) {
+  const std::lock_guard lock(listener_mutex_);
+  listener_.store(listener, std::memory_order_seq_cst);
+  for (const auto& end : ends_.snapshot())
+    end->set_listener(listener);
 }
 
 void InputPortBase::detach(const ReaderEnd& end) {

@@ -16,6 +16,7 @@
 namespace segue::task {
 
 class Component;
+class Executor;
 
 struct PortOptions {
   bool dynamic = false;  ///< made in on_configure, gone after on_cleanup
@@ -43,6 +44,8 @@ enum class ReadStatus : std::uint8_t {
 class SampleListener {
  public:
   virtual void sample_arrived() noexcept = 0;
+  /// Where sample_arrived() leads to.
+  [[nodiscard]] virtual Executor& runner() noexcept = 0;
 
  protected:
   ~SampleListener() = default;
@@ -103,10 +106,12 @@ class OutputPortBase : public PortBase {
   /// Writes a copy of an object of the port's type. Real-time safe as far as the type's assignment is.
   WriteResult write_object(const void* object);
 
-  /// For links: puts an end in (AlreadyExists if one leads to the same reader with the same policy), takes it
-  /// out and waits for the write in progress.
-  Result<void> attach(std::shared_ptr<WriterEnd> end, const InputPortBase& reader, const Policy& policy);
+  /// For links: puts an end in (AlreadyExists if one leads to the same `reader`, "task.port", with the same
+  /// policy), takes it out and waits for the write in progress.
+  Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader);
   void detach(const WriterEnd& end);
+  /// For links: from now on samples lie in `memory`, where there was none before. ResourceExhausted.
+  Result<void> share(const std::shared_ptr<SampleMemory>& memory);
   /// For links: shows the last sample to `accept` while later ones cannot be mistaken for older ones.
   template <class Accept>
   void show_last(Accept accept) {
@@ -126,6 +131,8 @@ class OutputPortBase : public PortBase {
   SamplePool& pool() { return *pool_; }
 
  private:
+  [[nodiscard]] Error out_of_memory() const;
+
   SamplePool::Handle pool_;
   ConnectionList<WriterEnd> ends_;
   std::atomic<std::uint64_t> written_{0};
@@ -162,7 +169,7 @@ class InputPortBase : public PortBase {
     if (SampleListener* listener = listener_.load(std::memory_order_seq_cst)) listener->sample_arrived();
   }
   /// For the task: whom notify() tells; nullptr for nobody.
-  void set_listener(SampleListener* listener) { listener_.store(listener, std::memory_order_seq_cst); }
+  void set_listener(SampleListener* listener);
 
  protected:
   /// The next sample, connections taking turns; empty if none waits.
@@ -173,6 +180,7 @@ class InputPortBase : public PortBase {
 
  private:
   ConnectionList<ReaderEnd> ends_;
+  std::mutex listener_mutex_;  ///< held while ends are told of a listener
   std::atomic<SampleListener*> listener_{nullptr};
   std::atomic<std::uint64_t> read_{0};
   SampleRef last_;

@@ -29,49 +29,81 @@ SamplePool::Handle SamplePool::create(const type::TypeInfo* info) {
 }
 
 SamplePool::SamplePool(const type::TypeInfo* info)
-    : SampleOwner(info),
-      offset_(rounded_up(sizeof(SampleSlot), alignment_of(info))),
-      stride_(rounded_up(offset_ + (info == nullptr ? 0 : info->size), alignment_of(info))) {}
+    : SampleOwner(info), offset_(rounded_up(sizeof(SampleSlot), alignment_of(info))) {}
 
 SamplePool::~SamplePool() {
   forget_example();
   for (const Chunk& chunk : chunks_) {
     for (std::size_t i = 0; i < chunk.slots; ++i) {
-      auto* slot = reinterpret_cast<SampleSlot*>(chunk.memory + i * stride_);
+      auto* slot = reinterpret_cast<SampleSlot*>(chunk.memory + i * chunk.stride);
       if (slot->value != nullptr) info()->destroy(slot->value);
+      if (slot->shared) memory_->deallocate(slot->value);
       slot->~SampleSlot();
     }
     ::operator delete(chunk.memory, std::align_val_t(alignment_of(info())));
   }
 }
 
-void SamplePool::reserve(std::size_t slots) {
+bool SamplePool::reserve(std::size_t slots) {
   const std::lock_guard lock(mutex_);
-  if (slots <= size_) return;
-  const std::size_t count = slots - size_;
+  return reserve_usable(slots);
+}
+
+bool SamplePool::share(const std::shared_ptr<SampleMemory>& memory) {
+  const std::lock_guard lock(mutex_);
+  if (info() == nullptr) return true;
+  if (!memory_) {
+    memory_ = memory;
+    outside_ = size_;
+  }
+  if (!reserve_usable(outside_)) return false;
+  shares_.store(true, std::memory_order_release);
+  return true;
+}
+
+bool SamplePool::reserve_usable(std::size_t slots) {
+  const std::size_t usable = size_ - outside_;
+  return slots <= usable || add_slots(slots - usable);
+}
+
+/// Under mutex_. Makes fewer where the memory is full.
+bool SamplePool::add_slots(std::size_t count) {
   chunks_.reserve(chunks_.size() + 1);
-  auto* memory =
-      static_cast<std::byte*>(::operator new(count* stride_, std::align_val_t(alignment_of(info()))));
+  const std::size_t inside = info() == nullptr || memory_ ? 0 : info()->size;
+  Chunk chunk{nullptr, 0, rounded_up(offset_ + inside, alignment_of(info()))};
+  chunk.memory =
+      static_cast<std::byte*>(::operator new(count* chunk.stride, std::align_val_t(alignment_of(info()))));
   SampleSlot* first = nullptr;
   SampleSlot* last = nullptr;
-  for (std::size_t i = count; i-- > 0;) {
-    SampleSlot* slot = make_slot(memory + i * stride_);
+  for (; chunk.slots < count; ++chunk.slots) {
+    SampleSlot* slot = make_slot(chunk.memory + chunk.slots * chunk.stride);
+    if (slot == nullptr) break;
     slot->next = first;
     first = slot;
     if (last == nullptr) last = slot;
   }
-  chunks_.push_back({memory, count});
-  size_ = slots;
-  push_chain(first, last);
+  chunks_.push_back(chunk);
+  size_ += chunk.slots;
+  if (first != nullptr) push_chain(first, last);
+  return chunk.slots == count;
 }
 
+/// nullptr where the memory is full.
 SampleSlot* SamplePool::make_slot(std::byte* memory) {
+  void* value = nullptr;
+  if (memory_) {
+    value = memory_->allocate(info()->size, info()->alignment);
+    if (value == nullptr) return nullptr;
+  } else if (info() != nullptr) {
+    value = memory + offset_;
+  }
   auto* slot = new (memory) SampleSlot;
   slot->owner = this;
-  if (info() == nullptr) return slot;
-  slot->value = memory + offset_;
-  info()->construct(slot->value);
-  if (example_ != nullptr) info()->copy(slot->value, example_);
+  slot->value = value;
+  slot->shared = memory_ != nullptr;
+  if (value == nullptr) return slot;
+  info()->construct(value);
+  if (example_ != nullptr) info()->copy(value, example_);
   return slot;
 }
 
@@ -103,7 +135,7 @@ std::size_t SamplePool::size() const {
   return size_;
 }
 
-SampleSlot* SamplePool::acquire() noexcept {
+SampleSlot* SamplePool::pop() noexcept {
   if (reserved_ == nullptr) {
     if (free_.load(std::memory_order_relaxed) == nullptr) return nullptr;
     reserved_ = free_.exchange(nullptr, std::memory_order_acquire);
@@ -111,6 +143,17 @@ SampleSlot* SamplePool::acquire() noexcept {
   }
   SampleSlot* slot = reserved_;
   reserved_ = slot->next;
+  return slot;
+}
+
+SampleSlot* SamplePool::acquire() noexcept {
+  SampleSlot* slot = pop();
+  // Slots from before share(): there are as many new ones.
+  while (slot != nullptr && !slot->shared && shares_.load(std::memory_order_relaxed)) {
+    ++replaced_;
+    slot = pop();
+  }
+  if (slot == nullptr) return nullptr;
   slot->references.store(1, std::memory_order_relaxed);
   return slot;
 }
@@ -128,7 +171,7 @@ void SamplePool::recycle(SampleSlot& slot) noexcept {
 }
 
 void SamplePool::retire() noexcept {
-  std::int64_t home = 0;
+  auto home = static_cast<std::int64_t>(replaced_);
   for (SampleSlot* slot = reserved_; slot != nullptr; slot = slot->next)
     ++home;
   SampleSlot* freed = free_.exchange(retired_mark(), std::memory_order_acq_rel);

@@ -18,6 +18,19 @@ namespace segue::task {
 
 struct SampleSlot;
 
+/// Memory that other processes can read, for the values of samples. Real-time safe but for the first touch of
+/// a page; any thread.
+class SampleMemory {
+ public:
+  SampleMemory() = default;
+  SampleMemory(const SampleMemory&) = delete;
+  SampleMemory& operator=(const SampleMemory&) = delete;
+  virtual ~SampleMemory() = default;
+  /// nullptr: there is none left.
+  virtual void* allocate(std::size_t size, std::size_t alignment) noexcept = 0;
+  virtual void deallocate(void* memory) noexcept = 0;
+};
+
 /// Whose memory a sample lies in, and where it goes when nobody holds it any more.
 class SampleOwner {
  public:
@@ -44,6 +57,7 @@ struct alignas(64) SampleSlot {
   void* value = nullptr;       ///< nullptr: blank
   SampleOwner* owner = nullptr;
   SampleSlot* next = nullptr;  ///< of the owner, while the slot is free
+  bool shared = false;         ///< the value lies in the owner's SampleMemory
 
   void retain() noexcept { references.fetch_add(1, std::memory_order_relaxed); }
   void release() noexcept {
@@ -101,8 +115,12 @@ class SamplePool final : public SampleOwner {
 
   static Handle create(const type::TypeInfo* info);
 
-  /// Makes sure that there are at least `slots` in all. Any thread; allocates.
-  void reserve(std::size_t slots);
+  /// Makes sure that there are at least `slots` in all. Any thread; allocates. False: the SampleMemory is
+  /// full, and there are fewer.
+  bool reserve(std::size_t slots);
+  /// From now on values lie in `memory`: slots made before are replaced as they come back. The type must be
+  /// trivially copyable. The first memory stays. Any thread; allocates. False as for reserve().
+  bool share(const std::shared_ptr<SampleMemory>& memory);
   [[nodiscard]] std::size_t size() const;
   /// Fills every free slot, and every slot that reserve() adds from now on, with a copy of `example`, an
   /// object of the pool's type (which it must have). The writer only; allocates.
@@ -117,21 +135,28 @@ class SamplePool final : public SampleOwner {
   struct Chunk {
     std::byte* memory = nullptr;
     std::size_t slots = 0;
+    std::size_t stride = 0;
   };
   explicit SamplePool(const type::TypeInfo* info);
   ~SamplePool();
   void retire() noexcept;
   void account(std::int64_t outstanding) noexcept;
   void push_chain(SampleSlot* first, SampleSlot* last) noexcept;
+  bool reserve_usable(std::size_t slots);
+  bool add_slots(std::size_t count);
   SampleSlot* make_slot(std::byte* memory);
+  SampleSlot* pop() noexcept;
   void forget_example() noexcept;
 
   SampleSlot* reserved_ = nullptr;  ///< free slots that the writer has already fetched
-  std::size_t offset_;              ///< of the value in its slot
-  std::size_t stride_;
-  mutable std::mutex mutex_;  ///< guards chunks_, size_ and example_
+  std::size_t replaced_ = 0;        ///< the writer's: slots outside of the memory that it will not use again
+  std::size_t offset_;              ///< of the value in its slot, where it lies there
+  std::atomic<bool> shares_{false};
+  mutable std::mutex mutex_;  ///< guards what follows, down to example_
+  std::shared_ptr<SampleMemory> memory_;
   std::vector<Chunk> chunks_;
   std::size_t size_ = 0;
+  std::size_t outside_ = 0;  ///< slots made before there was a memory_
   void* example_ = nullptr;  ///< of prime(), for slots to come
   alignas(64) std::atomic<SampleSlot*> free_{nullptr};
   /// After retirement: slots that have not come back. Negative while some came before they were counted.

@@ -51,6 +51,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   Result<void> trigger_fd(int descriptor) override;
 
   void sample_arrived() noexcept override { executor->trigger(*this, Job::kSample); }
+  [[nodiscard]] Executor& runner() noexcept override { return *executor; }
   TimePoint run(std::uint32_t reasons, TimePoint& now) noexcept override;
 
   // Life cycle (life_cycle.cpp).

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/descriptor.hpp>
+#include <segue/task/bell.hpp>
 #include <segue/task/run_queue.hpp>
 #include <segue/task/thread_executor.hpp>
 #include <segue/task/thread_start.hpp>
@@ -14,6 +16,7 @@
 #include <cstring>
 #include <ctime>
 #include <mutex>
+#include <optional>
 
 namespace segue::task {
 
@@ -22,6 +25,7 @@ namespace {
 constexpr std::uint32_t kAwake = 0;
 constexpr std::uint32_t kInFutex = 1;
 constexpr std::uint32_t kInPoll = 2;
+constexpr std::uint32_t kInBell = 3;  ///< a futex that other processes can wake
 
 /// After so many jobs without a pause, descriptors are looked at all the same.
 constexpr int kJobsBetweenPolls = 32;
@@ -46,8 +50,13 @@ struct ThreadExecutor::State {
   void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
   void collect_events(const timespec* timeout, TimePoint now) noexcept;
   void make_room() noexcept;
-  Result<void> prepare_poll();
+  void sleep_in_futex(Bell* ringing, TimePoint until) noexcept;
+  void note_sleep(TimePoint begin) noexcept;
+  Result<void> prepare_poll(const std::shared_ptr<State>& self);
+  Result<void> open_poll();
+  Result<void> start_bridge(const std::shared_ptr<State>& self);
   static void* main(void* argument);
+  static void* bridge_main(void* argument);
 
   detail::RunQueue queue;
   TimePoint now{};  ///< of the thread, for jobs that trigger each other
@@ -57,9 +66,14 @@ struct ThreadExecutor::State {
   std::atomic<std::size_t> jobs{0};
   std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
   std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
-  std::mutex descriptors_mutex;
+  std::atomic<Bell*> bell{nullptr};          ///< set once
+  std::mutex descriptors_mutex;              ///< guards what follows
   int poll_descriptor = -1;
   int wake_descriptor = -1;
+  std::shared_ptr<Bell> hung;
+  std::optional<pthread_t> bridge;  ///< passes rings on while the thread waits for descriptors
+  std::string name;
+  Activity activity;
   pthread_t thread{};
 };
 
@@ -71,6 +85,8 @@ thread_local const void* current_executor = nullptr;
 Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string& name,
                                                                const Activity& activity) {
   auto state = std::make_shared<State>();
+  state->name = name;
+  state->activity = activity;
   std::shared_ptr<ThreadExecutor> executor(new ThreadExecutor(state));
   auto argument = std::make_unique<std::shared_ptr<State>>(state);
   state->awake_since.store(RealClock::instance().now().time_since_epoch().count(), std::memory_order_relaxed);
@@ -89,6 +105,10 @@ ThreadExecutor::~ThreadExecutor() {
   if (!state_) return;
   const pthread_t thread = state_->thread;
   state_->stop.store(true, std::memory_order_seq_cst);
+  if (state_->bridge) {
+    state_->hung->ring_through();
+    pthread_join(*state_->bridge, nullptr);
+  }
   if (is_current()) {
     pthread_detach(thread);
     return;
@@ -124,6 +144,7 @@ void ThreadExecutor::State::wake() noexcept {
   const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
   if (how == kInFutex) detail::futex_wake(sleeping, 1);
   if (how == kInPoll) eventfd_write(wake_descriptor, 1);
+  if (how == kInBell) bell.load(std::memory_order_relaxed)->wake();
 }
 
 void ThreadExecutor::State::loop() noexcept {
@@ -132,6 +153,8 @@ void ThreadExecutor::State::loop() noexcept {
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
+    Bell* const ringing = bell.load(std::memory_order_relaxed);
+    if (ringing != nullptr && ringing->rung()) ringing->answer();
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
       sleep(now);
@@ -147,27 +170,43 @@ void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   make_room();
   const TimePoint until = queue.next_due();
   const bool in_poll = polls.load(std::memory_order_acquire);
-  sleeping.store(in_poll ? kInPoll : kInFutex, std::memory_order_seq_cst);
-  const bool changed = polls.load(std::memory_order_seq_cst) != in_poll;
-  if (queue.has_posted() || stop.load(std::memory_order_seq_cst) || changed) {
-    sleeping.store(kAwake, std::memory_order_relaxed);
-    time = RealClock::instance().now();
-    return;
+  Bell* const ringing = bell.load(std::memory_order_acquire);
+  if (ringing != nullptr) ringing->set_sleep(in_poll ? Bell::Sleep::InPoll : Bell::Sleep::InFutex);
+  const std::uint32_t how = in_poll ? kInPoll : ringing == nullptr ? kInFutex : kInBell;
+  sleeping.store(how, std::memory_order_seq_cst);
+  const bool changed =
+      polls.load(std::memory_order_seq_cst) != in_poll || bell.load(std::memory_order_seq_cst) != ringing;
+  const bool rung = ringing != nullptr && ringing->rung();
+  const bool stays = queue.has_posted() || stop.load(std::memory_order_seq_cst) || changed || rung;
+  if (!stays) {
+    note_sleep(time);
+    if (in_poll) {
+      sleep_in_poll(time, until);
+    } else {
+      sleep_in_futex(ringing, until);
+    }
   }
-  const std::int64_t begin = time.time_since_epoch().count();
-  const std::int64_t awake = begin - awake_since.load(std::memory_order_relaxed);
+  sleeping.store(kAwake, std::memory_order_relaxed);
+  if (ringing != nullptr) ringing->set_sleep(Bell::Sleep::Awake);
+  time = RealClock::instance().now();
+  if (stays) return;
+  awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
+  make_room();
+}
+
+void ThreadExecutor::State::note_sleep(TimePoint begin) noexcept {
+  const std::int64_t awake = begin.time_since_epoch().count() - awake_since.load(std::memory_order_relaxed);
   busy_before.store(busy_before.load(std::memory_order_relaxed) + std::max<std::int64_t>(awake, 0),
                     std::memory_order_relaxed);
   awake_since.store(0, std::memory_order_relaxed);
-  if (in_poll) {
-    sleep_in_poll(time, until);
-  } else {
+}
+
+void ThreadExecutor::State::sleep_in_futex(Bell* ringing, TimePoint until) noexcept {
+  if (ringing == nullptr) {
     detail::futex_wait(sleeping, kInFutex, until);
+  } else {
+    ringing->wait(until);
   }
-  sleeping.store(kAwake, std::memory_order_relaxed);
-  time = RealClock::instance().now();
-  awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
-  make_room();
 }
 
 void ThreadExecutor::State::sleep_in_poll(TimePoint time, TimePoint until) noexcept {
@@ -212,29 +251,78 @@ void ThreadExecutor::remove(Job& job) {
   state_->jobs.fetch_sub(1, std::memory_order_relaxed);
 }
 
-Result<void> ThreadExecutor::State::prepare_poll() {
-  const std::lock_guard lock(descriptors_mutex);
-  if (poll_descriptor >= 0) return {};
-  const int poller = epoll_create1(EPOLL_CLOEXEC);
-  const int waker = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+Result<void> ThreadExecutor::State::open_poll() {
+  Descriptor poller(epoll_create1(EPOLL_CLOEXEC));
+  Descriptor waker(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   epoll_event event{};
   event.events = EPOLLIN;
-  if (poller < 0 || waker < 0 || epoll_ctl(poller, EPOLL_CTL_ADD, waker, &event) != 0) {
-    const int code = errno;
-    if (poller >= 0) close(poller);
-    if (waker >= 0) close(waker);
+  if (!poller.valid() || !waker.valid() || epoll_ctl(poller.get(), EPOLL_CTL_ADD, waker.get(), &event) != 0) {
     return fail(ErrorCode::ResourceExhausted,
-                std::string("cannot wait for file descriptors: ") + std::strerror(code));
+                std::string("cannot wait for file descriptors: ") + std::strerror(errno));
   }
-  poll_descriptor = poller;
-  wake_descriptor = waker;
+  poll_descriptor = poller.release();
+  wake_descriptor = waker.release();
+  return {};
+}
+
+Result<void> ThreadExecutor::State::prepare_poll(const std::shared_ptr<State>& self) {
+  const std::lock_guard lock(descriptors_mutex);
+  if (polls.load(std::memory_order_relaxed)) return {};
+  if (poll_descriptor < 0) {
+    if (auto opened = open_poll(); !opened) return opened;
+  }
+  if (hung) {
+    if (auto started = start_bridge(self); !started) return started;
+  }
   polls.store(true, std::memory_order_seq_cst);
   wake();
   return {};
 }
 
+Result<void> ThreadExecutor::State::start_bridge(const std::shared_ptr<State>& self) {
+  // With the same scheduler and priority, or the rings would wait for others.
+  auto argument = std::make_unique<std::shared_ptr<State>>(self);
+  auto started = detail::start_thread(name, activity, &State::bridge_main, argument.get());
+  if (!started) return std::move(started.error());
+  static_cast<void>(argument.release());
+  bridge = started->thread;
+  return {};
+}
+
+/// Other processes cannot write to an eventfd of this one; a futex cannot end epoll_wait.
+void* ThreadExecutor::State::bridge_main(void* argument) {
+  const std::unique_ptr<std::shared_ptr<State>> owner(static_cast<std::shared_ptr<State>*>(argument));
+  State& state = **owner;
+  const std::shared_ptr<Bell> bell = state.hung;  // set before this thread was started
+  while (!state.stop.load(std::memory_order_seq_cst)) {
+    const std::uint32_t seen = bell->rings();
+    if (state.stop.load(std::memory_order_seq_cst)) break;
+    if (bell->rung()) state.wake();
+    bell->wait_for_ring(seen);
+  }
+  return nullptr;
+}
+
+Result<std::shared_ptr<Bell>> ThreadExecutor::bell(const BellMaker& make) {
+  State& state = *state_;
+  const std::lock_guard lock(state.descriptors_mutex);
+  if (state.hung) return state.hung;
+  auto made = check_bell(make());
+  if (!made) return made;
+  state.hung = std::move(*made);
+  if (state.polls.load(std::memory_order_relaxed)) {
+    if (auto started = state.start_bridge(state_); !started) {
+      state.hung.reset();
+      return std::move(started.error());
+    }
+  }
+  state.bell.store(state.hung.get(), std::memory_order_seq_cst);
+  state.wake();
+  return state.hung;
+}
+
 Result<void> ThreadExecutor::watch(Job& job, int descriptor) {
-  if (auto prepared = state_->prepare_poll(); !prepared) return prepared;
+  if (auto prepared = state_->prepare_poll(state_); !prepared) return prepared;
   epoll_event event{};
   event.events = EPOLLIN | EPOLLRDHUP | EPOLLONESHOT;
   event.data.ptr = &job;

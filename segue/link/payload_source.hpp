@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/link/shared_pools.hpp>
+#include <segue/task/sample.hpp>
+#include <segue/type/type_info.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace segue::link {
+
+/// How samples of a port look in shared memory.
+enum class SampleForm : std::uint8_t { Blank, Raw, Flat };
+SampleForm form_of(const type::TypeInfo* info);
+
+/// A payload that a connection holds: of a slot in the pool, or a block of its own.
+struct Payload {
+  task::SampleSlot* slot = nullptr;  ///< retained
+  std::uint64_t offset = RingEntry::kBlank;
+  std::uint64_t size = 0;
+};
+
+/// Brings the samples of one output port into the payload pool: once, however many connections take them.
+/// Samples that already lie there are only counted.
+class PayloadSource {
+ public:
+  /// `info`: of the port; nullptr where it is of any type.
+  PayloadSource(std::shared_ptr<PayloadPool> pool, const type::TypeInfo* info);
+  ~PayloadSource();
+  PayloadSource(const PayloadSource&) = delete;
+  PayloadSource& operator=(const PayloadSource&) = delete;
+
+  /// A reference to the payload; nullopt where the pool is full. The writer; real-time safe.
+  std::optional<Payload> take(task::SampleSlot& sample) noexcept;
+  /// The same from any thread, for one connection alone.
+  std::optional<Payload> take_apart(task::SampleSlot& sample) const noexcept;
+  /// Gives a reference back. Any thread; real-time safe.
+  void give_back(const Payload& payload) const noexcept;
+
+ private:
+  [[nodiscard]] std::optional<Payload> in_place(task::SampleSlot& sample) const noexcept;
+  [[nodiscard]] std::optional<Payload> written(const task::SampleSlot& sample) const noexcept;
+
+  const std::shared_ptr<PayloadPool> pool_;
+  const type::TypeInfo* const info_;
+  const SampleForm form_;
+  std::uint64_t newest_ = 0;  ///< the writer's: sequence of the sample that block_ holds
+  Payload block_;
+};
+
+}  // namespace segue::link

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/link/local.hpp>
+#include <segue/link/shared_input.hpp>
+#include <segue/task/executor.hpp>
+#include <segue/type/flat.hpp>
+#include <segue/type/type.hpp>
+
+#include <exception>
+
+namespace segue::link {
+
+using task::SampleRef;
+using task::SampleSlot;
+
+SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
+                         std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy,
+                         bool blank)
+    : state_(std::move(state)),
+      writer_(std::move(writer)),
+      port_(port),
+      info_(blank ? nullptr : port.type()),
+      form_(form_of(info_)),
+      policy_(policy),
+      offset_(*state_->control()->offset_of(&(*ring)->header())),
+      generation_((*ring)->generation()),
+      port_name_(port.full_name()),
+      ring_(std::move(ring)) {
+  if (form_ == SampleForm::Flat) {
+    decoded_ = task::SamplePool::create(info_);
+    decoded_->reserve(policy.size + SharedRing::kExtra);
+  } else {
+    samples_ = SharedSamples::create(info_, ring_, writer_);
+  }
+}
+
+Result<void> SharedInput::open() {
+  {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+  }
+  // Not under the mutex, since the port tells who listens; kept after it, so that forgetting the writer
+  // meanwhile is either refused here or finds it in place.
+  port_.attach(shared_from_this());
+  auto kept = keep();
+  if (!kept) disconnect();
+  return kept;
+}
+
+Result<void> SharedInput::keep() {
+  const std::lock_guard lock(mutex_);
+  if (open_) return state_->keep(shared_from_this());
+  return fail(ErrorCode::Cancelled, port_name_ + " was disconnected while it was being connected");
+}
+
+InputPlace SharedInput::place() const {
+  InputPlace place;
+  place.reader = state_->incarnation();
+  place.offset = offset_;
+  place.generation = generation_;
+  place.port = port_name_;
+  const type::TypeInfo* wanted = port_.type();
+  place.any_type = wanted == nullptr;
+  if (wanted == nullptr) return place;
+  place.type = wanted->name();
+  place.hash = wanted->hash;
+  place.definition = type::definition(*wanted->type);
+  return place;
+}
+
+SampleRef SharedInput::pull() noexcept {
+  SharedRing& ring = **ring_;
+  SampleRef spare;
+  if (form_ == SampleForm::Flat) {
+    if (!ring.words().pending()) return {};
+    spare = SampleRef::adopt(decoded_->acquire());
+    if (!spare) return {};  // the component holds them all: what waits goes on waiting, by the policy
+  }
+  // Each word that makes no sense costs one round; there are not more of them than places.
+  for (std::size_t i = 0; i <= ring.words().places(); ++i) {
+    const std::uint64_t cargo = ring.words().pull();
+    if (cargo == 0) return {};
+    const std::size_t entry = ring.entry_of(cargo);
+    if (entry == ring.entries().size()) {
+      corrupt_.fetch_add(1, std::memory_order_relaxed);
+      continue;
+    }
+    SampleRef sample = accept(entry, spare.get());
+    if (!sample) continue;
+    if (sample.get() == spare.get()) spare.detach()->release();
+    count_one(ring.header().read);
+    return sample;
+  }
+  return {};
+}
+
+/// Everything in the entry is read once, and checked before it is used.
+SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
+  const RingEntry& found = (*ring_)->entries()[entry];
+  const std::uint64_t offset = found.offset.load(std::memory_order_relaxed);
+  const std::uint64_t size = found.size.load(std::memory_order_relaxed);
+  const std::uint64_t sequence = found.sequence.load(std::memory_order_relaxed);
+  const std::uint64_t generation = found.generation.load(std::memory_order_relaxed);
+  const bool flat = form_ == SampleForm::Flat;
+  if (generation != generation_ || (!flat && samples_->held(entry))) {
+    corrupt_.fetch_add(1, std::memory_order_relaxed);
+    return {};
+  }
+  // The last sample before the connection may come after a newer one was read.
+  if (policy_.kind == BufferKind::Data && sequence <= newest_read_) {
+    (*ring_)->give_back(entry);
+    return {};
+  }
+  const void* value = nullptr;
+  if (form_ != SampleForm::Blank) {
+    const bool fits = flat || size == info_->size;
+    value = fits ? writer_->payload(offset, size, flat ? BlockPool::kUnit : info_->alignment) : nullptr;
+    if (value == nullptr) {
+      reject(entry);
+      return {};
+    }
+  }
+  SampleRef sample =
+      flat ? decode(entry, value, size, sequence, *spare) : samples_->lend(entry, value, sequence);
+  if (sample) newest_read_ = sequence;
+  return sample;
+}
+
+SampleRef SharedInput::decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
+                              SampleSlot& spare) noexcept {
+  bool valid = false;
+  try {
+    valid = type::read_flat(*info_, spare.value, {static_cast<const std::byte*>(bytes), size});
+  } catch (const std::exception&) {
+    valid = false;  // no memory for what it holds
+  }
+  if (!valid) {
+    reject(entry);
+    return {};
+  }
+  (*ring_)->give_back(entry);
+  spare.sequence = sequence;
+  return SampleRef::share(spare);
+}
+
+void SharedInput::reject(std::size_t entry) noexcept {
+  corrupt_.fetch_add(1, std::memory_order_relaxed);
+  (*ring_)->give_back(entry);
+}
+
+void SharedInput::set_listener(task::SampleListener* listener) {
+  const std::lock_guard lock(mutex_);
+  if (!ring_) return;
+  std::atomic<std::uint64_t>& announced = (*ring_)->header().bell;
+  if (listener == nullptr) {
+    announced.store(0, std::memory_order_seq_cst);
+    return;
+  }
+  take_line(listener->runner());
+  if (!bell_) return;
+  const auto offset = state_->control()->offset_of(bell_->words().get());
+  announced.store(BellLine{*offset, line_}.word(), std::memory_order_seq_cst);
+}
+
+/// A line of the bell of `runner`, which may be another than before. Under mutex_.
+void SharedInput::take_line(task::Executor& runner) {
+  auto bell = runner.bell([this] { return state_->control()->make_bell(); });
+  if (bell && *bell == bell_) return;
+  give_line_back();
+  const bool is_ours = bell && state_->control()->offset_of((*bell)->words().get()).has_value();
+  const auto line = is_ours ? (*bell)->add(port_) : std::nullopt;
+  if (!line) {
+    log(LogLevel::Error, port_name_,
+        bell ? "cannot be woken by another process: its thread hears too many connections already"
+             : "cannot be woken by another process: " + to_string(bell.error()));
+    return;
+  }
+  bell_ = std::move(*bell);
+  line_ = *line;
+}
+
+void SharedInput::give_line_back() {
+  if (bell_) bell_->remove(line_);
+  bell_.reset();
+}
+
+void SharedInput::disconnect() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!open_) return;
+    port_.detach(*this);
+    open_ = false;
+    (*ring_)->header().closed.store(1, std::memory_order_seq_cst);
+    (*ring_)->header().bell.store(0, std::memory_order_seq_cst);
+    give_line_back();
+    empty_ring();
+    final_ = (*ring_)->counters();
+    samples_.reset();
+  }
+  state_->end(*this);
+}
+
+/// Nobody will read what waits.
+void SharedInput::empty_ring() noexcept {
+  SharedRing& ring = **ring_;
+  for (std::size_t i = 0; i < ring.words().places(); ++i) {
+    const std::size_t entry = ring.entry_of(ring.words().remove(i));
+    if (entry < ring.entries().size()) ring.give_back(entry);
+  }
+}
+
+bool SharedInput::connected() const {
+  const std::lock_guard lock(mutex_);
+  return open_;
+}
+
+Counters SharedInput::counters() const {
+  const std::lock_guard lock(mutex_);
+  return open_ ? (*ring_)->counters() : final_;
+}
+
+void SharedInput::abandon() {
+  {
+    const std::lock_guard lock(mutex_);
+    released_ = true;
+  }
+  disconnect();
+}
+
+bool SharedInput::settle() {
+  const std::lock_guard lock(mutex_);
+  if (open_ || !released_) return false;
+  ring_.reset();
+  return true;
+}
+
+void SharedInput::release(const InputPlace& place) {
+  if (place.reader != state_->incarnation() || place.offset != offset_ || place.generation != generation_)
+    return;
+  const std::lock_guard lock(mutex_);
+  released_ = true;
+}
+
+}  // namespace segue::link

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/link/payload_source.hpp>
+#include <segue/link/shared_samples.hpp>
+#include <segue/link/shared_state.hpp>
+#include <segue/task/channel.hpp>
+#include <segue/task/port.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+namespace segue::link {
+
+/// The reader's half of a connection between processes.
+class SharedInput final : public RegisteredHalf,
+                          public task::ReaderEnd,
+                          public std::enable_shared_from_this<SharedInput> {
+ public:
+  SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
+              std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy, bool blank);
+  Result<void> open();
+  [[nodiscard]] InputPlace place() const;
+
+  task::SampleRef pull() noexcept override;
+  [[nodiscard]] bool pending() const noexcept override { return (*ring_)->words().pending(); }
+  [[nodiscard]] std::uint64_t number() const noexcept override { return number_; }
+  void set_listener(task::SampleListener* listener) override;
+
+  void disconnect() override;
+  [[nodiscard]] bool connected() const override;
+  [[nodiscard]] Counters counters() const override;
+  [[nodiscard]] const Policy& policy() const override { return policy_; }
+  [[nodiscard]] Incarnation peer() const override { return writer_->incarnation(); }
+  [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
+
+  void abandon() override;
+  bool settle() override;
+  void release(const InputPlace& place) override;
+
+ private:
+  Result<void> keep();
+  task::SampleRef accept(std::size_t entry, task::SampleSlot* spare) noexcept;
+  task::SampleRef decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
+                         task::SampleSlot& spare) noexcept;
+  void reject(std::size_t entry) noexcept;
+  void empty_ring() noexcept;
+  void take_line(task::Executor& runner);
+  void give_line_back();
+
+  const std::shared_ptr<SharedState> state_;
+  const std::shared_ptr<const PeerMemory> writer_;
+  task::InputPortBase& port_;  ///< valid while open
+  const type::TypeInfo* const info_;
+  const SampleForm form_;
+  const Policy policy_;
+  const std::uint64_t number_ = task::next_connection_number();
+  const std::uint64_t offset_;  ///< of the ring
+  const std::uint64_t generation_;
+  const std::string port_name_;
+
+  SharedSamples::Handle samples_;          ///< of blank and raw samples
+  task::SamplePool::Handle decoded_;       ///< of flat samples
+  std::uint64_t newest_read_ = 0;          ///< the reader's, Data: that sample's sequence
+  std::atomic<std::uint64_t> corrupt_{0};  ///< words and entries that no writer of Segue makes
+
+  mutable std::mutex mutex_;         ///< guards what follows
+  std::shared_ptr<OwnedRing> ring_;  ///< until it has ended; the reader's thread reads it while attached
+  bool open_ = false;
+  bool released_ = false;  ///< the writer will not touch the ring any more
+  std::shared_ptr<task::Bell> bell_;
+  unsigned line_ = 0;
+  Counters final_;
+};
+
+}  // namespace segue::link

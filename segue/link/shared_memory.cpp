@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/link/payload_source.hpp>
+#include <segue/link/shared_state.hpp>
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace segue::link {
+
+namespace {
+
+/// Ends all connections when it goes.
+class Memory final : public SharedMemory {
+ public:
+  explicit Memory(std::shared_ptr<SharedState> state) : state_(std::move(state)) {}
+  ~Memory() override { state_->forget_all(); }
+
+  [[nodiscard]] Incarnation incarnation() const override { return state_->incarnation(); }
+  [[nodiscard]] Result<MemoryOffer> offer() const override {
+    MemoryOffer offer{state_->incarnation(), state_->payload()->descriptor().duplicate(),
+                      state_->control()->descriptor().duplicate()};
+    if (offer.payload.valid() && offer.control.valid()) return offer;
+    return fail(ErrorCode::ResourceExhausted,
+                std::string("no file descriptor is left to offer shared memory: ") + std::strerror(errno));
+  }
+  Result<void> admit(const MemoryOffer& peer) override {
+    if (knows(peer.incarnation)) return {};
+    auto mapped = PeerMemory::map(peer);
+    if (!mapped) return std::move(mapped.error());
+    state_->add_peer(std::move(*mapped));
+    return {};
+  }
+  [[nodiscard]] bool knows(Incarnation peer) const override { return state_->peer(peer) != nullptr; }
+  void forget(Incarnation peer) override { state_->forget(peer); }
+  [[nodiscard]] MemoryUsage usage() const override { return state_->usage(); }
+  [[nodiscard]] const std::shared_ptr<SharedState>& state() const { return state_; }
+
+ private:
+  std::shared_ptr<SharedState> state_;
+};
+
+Result<Incarnation> random_incarnation() {
+  Incarnation random = 0;
+  while (random == 0) {
+    if (getrandom(&random, sizeof(random), 0) != static_cast<ssize_t>(sizeof(random)) && errno != EINTR)
+      return fail(ErrorCode::IoError,
+                  std::string("the system has no random number: ") + std::strerror(errno));
+  }
+  return random;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<SharedMemory>> SharedMemory::create(const SharedMemoryOptions& options) {
+  auto incarnation = random_incarnation();
+  if (!incarnation) return std::move(incarnation.error());
+  if (options.prefault > options.payload) {
+    return fail(ErrorCode::InvalidArgument, "cannot prefault " + std::to_string(options.prefault) +
+                                                " bytes of a payload pool of " +
+                                                std::to_string(options.payload));
+  }
+  auto payload = PayloadPool::create(*incarnation, options.payload, options.prefault);
+  if (!payload) return std::move(payload.error());
+  auto control = ControlPool::create(*incarnation, options.control);
+  if (!control) return std::move(control.error());
+  auto state = std::make_shared<SharedState>(*incarnation, std::move(*payload), std::move(*control));
+  return std::shared_ptr<SharedMemory>(std::make_shared<Memory>(std::move(state)));
+}
+
+/// create() makes all there are.
+std::shared_ptr<SharedState> SharedState::of(const SharedMemory& memory) {
+  return static_cast<const Memory&>(memory).state();
+}
+
+void SharedState::add_peer(std::shared_ptr<const PeerMemory> peer) {
+  const std::lock_guard lock(mutex_);
+  const Incarnation incarnation = peer->incarnation();
+  peers_.emplace(incarnation, std::move(peer));
+}
+
+std::shared_ptr<const PeerMemory> SharedState::peer(Incarnation incarnation) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = peers_.find(incarnation);
+  return found == peers_.end() ? nullptr : found->second;
+}
+
+SharedState::Halves SharedState::snapshot(const Halves& some) const {
+  const std::lock_guard lock(mutex_);
+  return some;
+}
+
+void SharedState::forget(Incarnation incarnation) {
+  std::shared_ptr<const PeerMemory> peer;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = peers_.find(incarnation);
+    if (found == peers_.end()) return;
+    peer = std::move(found->second);
+    peers_.erase(found);
+  }
+  for (const Halves* some : {&standing_, &ended_}) {
+    for (const auto& half : snapshot(*some)) {
+      if (half->peer() == incarnation) half->abandon();
+    }
+  }
+  settle();
+}
+
+void SharedState::forget_all() {
+  std::vector<Incarnation> known;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [incarnation, peer] : peers_)
+      known.push_back(incarnation);
+  }
+  for (const Incarnation incarnation : known)
+    forget(incarnation);
+}
+
+Result<void> SharedState::keep(std::shared_ptr<RegisteredHalf> half) {
+  const std::lock_guard lock(mutex_);
+  if (!peers_.contains(half->peer())) {
+    return fail(ErrorCode::NotFound,
+                "the memory of the other process was never admitted, or was forgotten meanwhile");
+  }
+  standing_.push_back(std::move(half));
+  return {};
+}
+
+void SharedState::end(const RegisteredHalf& half) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(standing_, &half, &std::shared_ptr<RegisteredHalf>::get);
+    if (found != standing_.end()) {
+      ended_.push_back(std::move(*found));
+      standing_.erase(found);
+    }
+  }
+  settle();
+}
+
+void SharedState::settle() {
+  for (const auto& half : snapshot(ended_)) {
+    if (!half->settle()) continue;
+    const std::lock_guard lock(mutex_);
+    std::erase(ended_, half);
+  }
+  const std::lock_guard lock(mutex_);
+  std::erase_if(sources_, [](const auto& source) { return source.second.expired(); });
+}
+
+void SharedState::release(const InputPlace& place) {
+  for (const Halves* some : {&standing_, &ended_}) {
+    for (const auto& half : snapshot(*some))
+      half->release(place);
+  }
+  settle();
+}
+
+std::shared_ptr<PayloadSource> SharedState::source_of(const task::OutputPortBase& port) {
+  const std::lock_guard lock(mutex_);
+  std::weak_ptr<PayloadSource>& known = sources_[&port];
+  std::shared_ptr<PayloadSource> source = known.lock();
+  if (source) return source;
+  source = std::make_shared<PayloadSource>(payload_, port.type());
+  known = source;
+  return source;
+}
+
+MemoryUsage SharedState::usage() {
+  settle();
+  MemoryUsage usage;
+  usage.payload_used = payload_->blocks().used();
+  usage.payload_touched = payload_->blocks().cut();
+  usage.control_used = control_->blocks().used();
+  const std::lock_guard lock(mutex_);
+  usage.connections = standing_.size();
+  usage.peers = peers_.size();
+  return usage;
+}
+
+}  // namespace segue::link

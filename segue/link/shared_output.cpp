@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/link/shared_output.hpp>
+
+#include <algorithm>
+#include <bit>
+
+namespace segue::link {
+
+namespace {
+/// Words of returned bits that a push looks at while it is not short of entries.
+constexpr std::size_t kWordsPerPush = 4;
+}  // namespace
+
+SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> reader,
+                           std::byte* ring, const InputPlace& place, task::OutputPortBase& port,
+                           const Policy& policy)
+    : state_(std::move(state)),
+      reader_(std::move(reader)),
+      port_(port),
+      policy_(policy),
+      reader_port_(place.port),
+      blank_(place.any_type),
+      source_(state_->source_of(port)),
+      ring_(ring, policy, place.generation),
+      given_(std::make_unique<Given[]>(ring_.entries().size())) {
+  // The last one is kept for offer_last().
+  const auto last = static_cast<std::uint32_t>(ring_.entries().size() - 1);
+  free_.reserve(ring_.entries().size());
+  for (std::uint32_t entry = last; entry-- > 0;)
+    free_.push_back(entry);
+}
+
+Result<void> SharedOutput::attach() {
+  auto attached = attach_to_port();
+  if (!attached) {
+    state_->end(*this);
+    return attached;
+  }
+  if (policy_.init) {
+    port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
+  }
+  return {};
+}
+
+Result<void> SharedOutput::attach_to_port() {
+  const std::lock_guard lock(mutex_);
+  if (auto kept = state_->keep(shared_from_this()); !kept) return kept;
+  auto attached = port_.attach(shared_from_this(), reader_port_);
+  attached_ = attached.has_value();
+  return attached;
+}
+
+std::size_t SharedOutput::capacity() const {
+  const bool holds_slots = form_of(port_.type()) == SampleForm::Raw && !blank_;
+  return holds_slots ? ring_.entries().size() : 0;
+}
+
+bool SharedOutput::same_as(const WriterEnd& other) const {
+  const auto* shared = dynamic_cast<const SharedOutput*>(&other);
+  return shared != nullptr && shared->peer() == peer() && shared->reader_port_ == reader_port_ &&
+         shared->policy_ == policy_;
+}
+
+bool SharedOutput::anybody_there() const noexcept {
+  return ring_.current() && ring_.header().closed.load(std::memory_order_acquire) == 0;
+}
+
+bool SharedOutput::push(task::SampleSlot& sample) noexcept {
+  if (!anybody_there()) return true;
+  collect(kWordsPerPush);
+  RingHeader& header = ring_.header();
+  count_one(header.written);
+  const bool taken = deliver(sample) == Delivery::Taken;
+  if (!taken) count_one(header.dropped);
+  // Also where it was refused: a reader that did not empty its buffer in its last turn gets another one.
+  ring_reader();
+  return taken;
+}
+
+SharedOutput::Delivery SharedOutput::deliver(task::SampleSlot& sample) noexcept {
+  if (ring_.words().full()) return Delivery::Refused;
+  if (free_.empty()) collect(ring_.returned().size());
+  if (free_.empty()) return Delivery::Refused;
+  const auto payload = blank_ ? Payload{} : source_->take(sample);
+  if (!payload) return Delivery::Refused;
+  const std::size_t entry = free_.back();
+  free_.pop_back();
+  give(entry, *payload, sample.sequence);
+  std::uint64_t before = 0;
+  switch (ring_.words().push(ring_.cargo_of(entry), before)) {
+    case WordRing::Push::Taken:
+      return Delivery::Taken;
+    case WordRing::Push::Replaced:
+      count_one(policy_.kind == BufferKind::Data ? ring_.header().overwritten : ring_.header().dropped);
+      take_back_cargo(before);
+      return Delivery::Taken;
+    case WordRing::Push::Refused:
+      take_back_cargo(ring_.cargo_of(entry));
+      return Delivery::Refused;
+  }
+  return Delivery::Refused;
+}
+
+void SharedOutput::give(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept {
+  RingEntry& told = ring_.entries()[entry];
+  told.offset.store(payload.offset, std::memory_order_relaxed);
+  told.size.store(payload.size, std::memory_order_relaxed);
+  told.sequence.store(sequence, std::memory_order_relaxed);
+  told.generation.store(ring_.generation(), std::memory_order_relaxed);
+  given_[entry].payload = payload;
+  given_[entry].out.store(true, std::memory_order_release);
+}
+
+/// False: it is not out; the reader told nonsense.
+bool SharedOutput::take_back(std::size_t entry) noexcept {
+  Given& given = given_[entry];
+  if (!given.out.load(std::memory_order_acquire)) return false;
+  const Payload payload = given.payload;
+  if (!given.out.exchange(false, std::memory_order_acq_rel)) return false;
+  source_->give_back(payload);
+  return true;
+}
+
+void SharedOutput::take_back_cargo(std::uint64_t cargo) noexcept {
+  const std::size_t entry = ring_.entry_of(cargo);
+  if (entry < ring_.entries().size() && take_back(entry)) {
+    free_.push_back(static_cast<std::uint32_t>(entry));
+  } else {
+    corrupt_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void SharedOutput::collect(std::size_t most_words) noexcept {
+  const auto returned = ring_.returned();
+  for (std::size_t i = 0; i < std::min(most_words, returned.size()); ++i) {
+    const std::size_t at = next_word_;
+    next_word_ = at + 1 == returned.size() ? 0 : at + 1;
+    if (returned[at].load(std::memory_order_relaxed) == 0) continue;
+    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
+    for (; bits != 0; bits &= bits - 1)
+      take_back_cargo(ring_.cargo_of(at * 64 + static_cast<std::size_t>(std::countr_zero(bits))));
+  }
+}
+
+void SharedOutput::ring_reader() const noexcept {
+  const std::uint64_t word = ring_.header().bell.load(std::memory_order_seq_cst);
+  if (word == 0) return;
+  const BellLine bell = BellLine::of(word);
+  std::byte* words = reader_->control(bell.offset, sizeof(task::BellWords));
+  if (words != nullptr) task::ring(*reinterpret_cast<task::BellWords*>(words), bell.line);
+}
+
+/// While the writer may already push: the entry is one that only this uses, the word goes in only where
+/// nothing waits, and nothing of it is touched any more once it is in.
+void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
+  const std::size_t entry = ring_.entries().size() - 1;
+  const auto payload = blank_ ? Payload{} : source_->take_apart(last);
+  if (!payload) return;
+  give(entry, *payload, last.sequence);
+  if (!ring_.words().offer(ring_.cargo_of(entry))) {
+    take_back(entry);
+    return;
+  }
+  count_one(ring_.header().initial);
+  ring_reader();
+}
+
+void SharedOutput::disconnect() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!attached_) return;
+    port_.detach(*this);
+    attached_ = false;
+    final_ = ring_.counters();
+  }
+  state_->end(*this);
+}
+
+bool SharedOutput::connected() const {
+  const std::lock_guard lock(mutex_);
+  return attached_;
+}
+
+Counters SharedOutput::counters() const {
+  const std::lock_guard lock(mutex_);
+  return attached_ ? ring_.counters() : final_;
+}
+
+void SharedOutput::abandon() {
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+  }
+  disconnect();
+}
+
+/// The reader may go on reading what it holds and what waits, until it has ended, too.
+bool SharedOutput::settle() {
+  const std::lock_guard lock(mutex_);
+  if (attached_) return false;
+  const std::size_t count = ring_.entries().size();
+  if (abandoned_ || !ring_.current()) {
+    for (std::size_t entry = 0; entry < count; ++entry)
+      take_back(entry);
+    return true;
+  }
+  collect_all();
+  const auto is_out = [](const Given& given) { return given.out.load(std::memory_order_relaxed); };
+  return std::none_of(given_.get(), given_.get() + count, is_out);
+}
+
+void SharedOutput::collect_all() noexcept {
+  const bool closed = ring_.header().closed.load(std::memory_order_acquire) != 0;
+  for (std::size_t i = 0; closed && i < ring_.words().places(); ++i) {
+    const std::size_t entry = ring_.entry_of(ring_.words().remove(i));
+    if (entry < ring_.entries().size()) take_back(entry);
+  }
+  const auto returned = ring_.returned();
+  for (std::size_t at = 0; at < returned.size(); ++at) {
+    std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
+    for (; bits != 0; bits &= bits - 1) {
+      const std::size_t entry = at * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      if (entry < ring_.entries().size()) take_back(entry);
+    }
+  }
+}
+
+}  // namespace segue::link

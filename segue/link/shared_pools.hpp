@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/link/block_pool.hpp>
+#include <segue/link/mapping.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/link/shared_ring.hpp>
+#include <segue/task/bell.hpp>
+#include <segue/task/sample.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+namespace segue::link {
+
+/// What begins every pool, so that a peer can tell what it maps.
+struct PoolHeader {
+  std::uint64_t magic = 0;
+  std::uint64_t layout = 0;  ///< version of everything that lies in these pools
+  Incarnation incarnation = 0;
+};
+
+/// Where this process's samples lie that others read. It alone writes there.
+class PayloadPool final : public task::SampleMemory {
+ public:
+  static Result<std::shared_ptr<PayloadPool>> create(Incarnation owner, std::size_t size,
+                                                     std::size_t prefault);
+  void* allocate(std::size_t size, std::size_t alignment) noexcept override;
+  void deallocate(void* memory) noexcept override;
+
+  /// Where a value lies; nullopt if not in this pool.
+  [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* value) const noexcept;
+  [[nodiscard]] std::byte* at(std::uint64_t offset) const noexcept { return file_.mapping.data() + offset; }
+  [[nodiscard]] BlockPool& blocks() noexcept { return *blocks_; }
+  [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
+  [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
+
+  PayloadPool(SealedFile file, std::unique_ptr<BlockPool> blocks)
+      : file_(std::move(file)), blocks_(std::move(blocks)) {}
+
+ private:
+  SealedFile file_;
+  std::unique_ptr<BlockPool> blocks_;
+};
+
+/// Where the rings of connections into this process lie, and its bells. Peers write there, too.
+class ControlPool : public std::enable_shared_from_this<ControlPool> {
+ public:
+  static Result<std::shared_ptr<ControlPool>> create(Incarnation owner, std::size_t size);
+  /// Zeros; nullptr where no room is left. Given back when the last copy goes.
+  std::shared_ptr<std::byte> allocate(std::size_t size);
+  /// A bell whose words lie here; nullptr where no room is left.
+  std::shared_ptr<task::Bell> make_bell();
+
+  [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
+  [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
+  [[nodiscard]] const Descriptor& descriptor() const noexcept { return file_.descriptor; }
+
+  ControlPool(SealedFile file, std::unique_ptr<BlockPool> blocks)
+      : file_(std::move(file)), blocks_(std::move(blocks)) {}
+
+ private:
+  SealedFile file_;
+  std::unique_ptr<BlockPool> blocks_;
+};
+
+/// The pools of another process, mapped.
+class PeerMemory {
+ public:
+  /// The offer is untrusted.
+  static Result<std::shared_ptr<const PeerMemory>> map(const MemoryOffer& offer);
+  [[nodiscard]] Incarnation incarnation() const noexcept { return incarnation_; }
+
+  /// Bytes of its payload pool; nullptr where the range is not inside, or not aligned.
+  [[nodiscard]] const std::byte* payload(std::uint64_t offset, std::uint64_t size,
+                                         std::size_t alignment) const noexcept;
+  /// Likewise of its control pool, aligned to 64.
+  [[nodiscard]] std::byte* control(std::uint64_t offset, std::uint64_t size) const noexcept;
+
+  PeerMemory(Incarnation incarnation, Mapping payload, Mapping control)
+      : incarnation_(incarnation), payload_(std::move(payload)), control_(std::move(control)) {}
+
+ private:
+  Incarnation incarnation_;
+  Mapping payload_;
+  Mapping control_;
+};
+
+/// A line of a bell as one word, for the header of a ring.
+struct BellLine {
+  static constexpr unsigned kLineBits = 12;
+  static_assert(task::BellWords::kLines == 1U << kLineBits);
+  std::uint64_t offset = 0;  ///< in the reader's control pool
+  unsigned line = 0;
+  [[nodiscard]] std::uint64_t word() const { return offset << kLineBits | line; }
+  static BellLine of(std::uint64_t word) {
+    return {word >> kLineBits, static_cast<unsigned>(word % task::BellWords::kLines)};
+  }
+};
+
+}  // namespace segue::link

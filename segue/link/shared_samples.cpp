@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/link/shared_samples.hpp>
+
+#include <new>
+
+namespace segue::link {
+
+using task::SampleRef;
+using task::SampleSlot;
+
+OwnedRing::OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, std::uint64_t generation)
+    : memory_(std::move(memory)), ring_(memory_.get(), policy, generation) {
+  RingHeader& header = *new (memory_.get()) RingHeader;
+  header.kind.store(static_cast<std::uint64_t>(policy.kind), std::memory_order_relaxed);
+  header.size.store(policy.size, std::memory_order_relaxed);
+  header.generation.store(generation, std::memory_order_release);
+}
+
+OwnedRing::~OwnedRing() {
+  // Tells a writer that still waits for entries that all have come back.
+  ring_.header().generation.store(0, std::memory_order_release);
+}
+
+SharedSamples::Handle SharedSamples::create(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,
+                                            std::shared_ptr<const PeerMemory> writer) {
+  return Handle(new SharedSamples(info, std::move(ring), std::move(writer)));
+}
+
+SharedSamples::SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,
+                             std::shared_ptr<const PeerMemory> writer)
+    : SampleOwner(info),
+      ring_(std::move(ring)),
+      writer_(std::move(writer)),
+      slots_(std::make_unique<SampleSlot[]>((*ring_)->entries().size())) {
+  for (std::size_t i = 0; i < (*ring_)->entries().size(); ++i)
+    slots_[i].owner = this;
+}
+
+SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept {
+  SampleSlot& slot = slots_[entry];
+  // Nobody writes to it: the map is for reading only.
+  slot.value = const_cast<void*>(value);
+  slot.sequence = sequence;
+  slot.references.store(1, std::memory_order_relaxed);
+  holders_.fetch_add(1, std::memory_order_relaxed);
+  return SampleRef::adopt(&slot);
+}
+
+void SharedSamples::recycle(SampleSlot& slot) noexcept {
+  (*ring_)->give_back(static_cast<std::size_t>(&slot - slots_.get()));
+  let_go();
+}
+
+}  // namespace segue::link

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/link/shared_pools.hpp>
+#include <segue/link/shared_ring.hpp>
+#include <segue/task/sample.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace segue::link {
+
+/// A ring in this process's control pool; the place is free when the last holder lets go.
+class OwnedRing {
+ public:
+  OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, std::uint64_t generation);
+  ~OwnedRing();
+  OwnedRing(const OwnedRing&) = delete;
+  OwnedRing& operator=(const OwnedRing&) = delete;
+  SharedRing& operator*() noexcept { return ring_; }
+  SharedRing* operator->() noexcept { return &ring_; }
+
+ private:
+  std::shared_ptr<std::byte> memory_;
+  SharedRing ring_;
+};
+
+/// The samples that a reader holds of another process's pool, a slot for each entry of its ring. Stays, with
+/// the ring and the map of the pool, until the connection and the last sample are gone.
+class SharedSamples final : public task::SampleOwner {
+ public:
+  struct Leave {
+    void operator()(SharedSamples* samples) const noexcept { samples->let_go(); }
+  };
+  using Handle = std::unique_ptr<SharedSamples, Leave>;
+  static Handle create(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,
+                       std::shared_ptr<const PeerMemory> writer);
+
+  /// Whether the reader still holds this entry.
+  [[nodiscard]] bool held(std::size_t entry) const noexcept {
+    return slots_[entry].references.load(std::memory_order_acquire) != 0;
+  }
+  /// The sample of an entry that is not held. The reader; real-time safe.
+  task::SampleRef lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept;
+  void recycle(task::SampleSlot& slot) noexcept override;
+
+ private:
+  SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,
+                std::shared_ptr<const PeerMemory> writer);
+  ~SharedSamples() = default;
+  void let_go() noexcept {
+    if (holders_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete this;
+  }
+
+  const std::shared_ptr<OwnedRing> ring_;
+  const std::shared_ptr<const PeerMemory> writer_;
+  const std::unique_ptr<task::SampleSlot[]> slots_;
+  std::atomic<std::size_t> holders_{1};  ///< samples that are lent, and the connection
+};
+
+}  // namespace segue::link

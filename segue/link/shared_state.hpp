@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/link/shared_connection.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/link/shared_pools.hpp>
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace segue::link {
+
+class PayloadSource;
+
+/// A half as the memory knows it.
+class RegisteredHalf : public SharedHalf {
+ public:
+  /// Ends it; the peer never answers again.
+  virtual void abandon() = 0;
+  /// It has ended: takes back what the peer has given back meanwhile. True: it waits for nothing any more.
+  virtual bool settle() = 0;
+  /// The peer will not touch its ring any more.
+  virtual void release(const InputPlace& place) = 0;
+};
+
+/// What a SharedMemory and the halves of its connections have in common: lives until the last of them is
+/// gone. Any thread; never calls a half while it holds its mutex.
+class SharedState final {
+ public:
+  SharedState(Incarnation incarnation, std::shared_ptr<PayloadPool> payload,
+              std::shared_ptr<ControlPool> control)
+      : incarnation_(incarnation), payload_(std::move(payload)), control_(std::move(control)) {}
+  static std::shared_ptr<SharedState> of(const SharedMemory& memory);
+
+  [[nodiscard]] Incarnation incarnation() const { return incarnation_; }
+  [[nodiscard]] const std::shared_ptr<PayloadPool>& payload() const { return payload_; }
+  [[nodiscard]] const std::shared_ptr<ControlPool>& control() const { return control_; }
+  std::uint64_t next_generation() { return generation_.fetch_add(1) + 1; }
+
+  void add_peer(std::shared_ptr<const PeerMemory> peer);
+  /// nullptr where it was not admitted.
+  [[nodiscard]] std::shared_ptr<const PeerMemory> peer(Incarnation incarnation) const;
+  void forget(Incarnation incarnation);
+  void forget_all();
+
+  /// Keeps a half until it has ended and settled. NotFound where its peer was forgotten meanwhile.
+  Result<void> keep(std::shared_ptr<RegisteredHalf> half);
+  /// A half has ended.
+  void end(const RegisteredHalf& half);
+  /// Lets go of those that have ended and settled.
+  void settle();
+  void release(const InputPlace& place);
+  /// What the shared connections of an output port have in common.
+  std::shared_ptr<PayloadSource> source_of(const task::OutputPortBase& port);
+  [[nodiscard]] MemoryUsage usage();
+
+ private:
+  using Halves = std::vector<std::shared_ptr<RegisteredHalf>>;
+  [[nodiscard]] Halves snapshot(const Halves& some) const;
+
+  const Incarnation incarnation_;
+  const std::shared_ptr<PayloadPool> payload_;
+  const std::shared_ptr<ControlPool> control_;
+  std::atomic<std::uint64_t> generation_{0};
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_;
+  Halves standing_;
+  Halves ended_;
+  std::map<const task::OutputPortBase*, std::weak_ptr<PayloadSource>> sources_;
+};
+
+}  // namespace segue::link

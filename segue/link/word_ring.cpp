@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/link/word_ring.hpp>
+
+#include <algorithm>
+
+namespace segue::link {
+
+WordRing::Push WordRing::push(std::uint64_t cargo, std::uint64_t& before) noexcept {
+  const std::uint64_t position = next_;
+  std::atomic<Word>& place = word(position);
+  // Sequentially consistent, so that either a starting reader finds the sample or the writer finds the reader
+  // to be woken.
+  if (kind_ == BufferKind::Buffer) {
+    if (place.load(std::memory_order_acquire) != 0) return Push::Refused;
+    place.store(pack(cargo, position), std::memory_order_seq_cst);
+    head_->store(++next_, std::memory_order_relaxed);
+    return Push::Taken;
+  }
+  const Word replaced = place.exchange(pack(cargo, position), std::memory_order_seq_cst);
+  head_->store(++next_, std::memory_order_release);
+  before = replaced >> kPositionBits;
+  return replaced == 0 ? Push::Taken : Push::Replaced;
+}
+
+std::uint64_t WordRing::pull() noexcept {
+  switch (kind_) {
+    case BufferKind::Data:
+      return pull_newest();
+    case BufferKind::Buffer:
+      return pull_next();
+    case BufferKind::CircularBuffer:
+      return pull_oldest();
+  }
+  return 0;
+}
+
+std::uint64_t WordRing::pull_newest() noexcept {
+  if (word(0).load(std::memory_order_relaxed) == 0) return 0;
+  return word(0).exchange(0, std::memory_order_acq_rel) >> kPositionBits;
+}
+
+std::uint64_t WordRing::pull_next() noexcept {
+  std::atomic<Word>& place = word(tail_);
+  const Word found = place.load(std::memory_order_acquire);
+  if (found == 0) return 0;
+  place.store(0, std::memory_order_release);
+  ++tail_;
+  return found >> kPositionBits;
+}
+
+std::uint64_t WordRing::pull_oldest() noexcept {
+  // A writer at full rate overtakes now and then; only words that no writer wrote could keep it busy for
+  // ever.
+  const std::size_t most_tries = 2 * size_ + 16;
+  for (std::size_t tries = 0; tries < most_tries; ++tries) {
+    const std::uint64_t head = head_->load(std::memory_order_acquire);
+    if (head > size_) tail_ = std::max(tail_, head - size_);
+    std::atomic<Word>& place = word(tail_);
+    Word found = place.load(std::memory_order_acquire);
+    if (found == 0) return 0;
+    const std::uint64_t ahead = (found - tail_) & kPositionMask;
+    if (ahead != 0) {
+      // Overtaken since head was read: the oldest left is the one after what was overwritten last.
+      tail_ += ahead - size_ + 1;
+      continue;
+    }
+    if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;
+    ++tail_;
+    return found >> kPositionBits;
+  }
+  return 0;
+}
+
+bool WordRing::offer(std::uint64_t cargo) noexcept {
+  Word expected = 0;
+  return word(0).compare_exchange_strong(expected, pack(cargo, 0), std::memory_order_seq_cst);
+}
+
+}  // namespace segue::link

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/bell.hpp>
+#include <segue/task/channel.hpp>
+#include <segue/task/futex.hpp>
+#include <segue/task/port.hpp>
+
+#include <bit>
+
+namespace segue::task {
+
+namespace {
+
+using detail::futex_wait;
+using detail::futex_wake;
+using detail::FutexScope;
+
+constexpr std::uint32_t kModeMask = 3;
+
+std::uint64_t bit_of(std::size_t index) {
+  return std::uint64_t{1} << (index % 64);
+}
+
+/// Takes the lowest bit out of `bits`.
+std::size_t take_lowest(std::uint64_t& bits) {
+  const auto index = static_cast<std::size_t>(std::countr_zero(bits));
+  bits &= bits - 1;
+  return index;
+}
+
+}  // namespace
+
+void ring(BellWords& words, unsigned line) noexcept {
+  const std::size_t leaf = line / 64 % BellWords::kLeaves;
+  words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
+  words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
+  std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
+  if ((seen & kModeMask) == 0) return;
+  // First the wake, then the note that it was woken: who dies in between leaves the next one to wake it
+  // again.
+  if ((seen & kModeMask) == static_cast<std::uint32_t>(Bell::Sleep::InPoll)) {
+    words.rings.fetch_add(1, std::memory_order_seq_cst);
+    futex_wake(words.rings, 1, FutexScope::Host);
+  } else {
+    futex_wake(words.sleeping, 1, FutexScope::Host);
+  }
+  // Where it was not yet asleep it finds the word changed.
+  words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
+}
+
+Result<std::shared_ptr<Bell>> check_bell(std::shared_ptr<Bell> made) {
+  if (made) return made;
+  return fail(ErrorCode::ResourceExhausted,
+              "no shared memory is left for waking a thread; give the process a larger control pool");
+}
+
+Bell::Bell(std::shared_ptr<BellWords> words)
+    : words_(std::move(words)), ports_(std::make_unique<std::atomic<InputPortBase*>[]>(BellWords::kLines)) {}
+
+std::optional<unsigned> Bell::add(InputPortBase& port) {
+  const std::lock_guard lock(mutex_);
+  if (free_.empty() && next_ == BellWords::kLines) return std::nullopt;
+  unsigned line = next_;
+  if (free_.empty()) {
+    ++next_;
+    free_.reserve(next_);
+  } else {
+    line = free_.back();
+    free_.pop_back();
+  }
+  ports_[line].store(&port, std::memory_order_release);
+  return line;
+}
+
+void Bell::remove(unsigned line) {
+  const std::lock_guard lock(mutex_);
+  ports_[line].store(nullptr, std::memory_order_seq_cst);
+  const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
+  if (seen % 2 == 1) detail::wait_until_left(section_, seen);
+  free_.push_back(line);
+}
+
+void Bell::answer() noexcept {
+  const std::uint64_t count = section_.load(std::memory_order_relaxed);
+  section_.store(count + 1, std::memory_order_seq_cst);
+  std::uint64_t leaves = words_->summary.exchange(0, std::memory_order_seq_cst);
+  while (leaves != 0) {
+    const std::size_t leaf = take_lowest(leaves);
+    std::uint64_t lines = words_->leaves.at(leaf).exchange(0, std::memory_order_seq_cst);
+    while (lines != 0) {
+      InputPortBase* port = ports_[leaf * 64 + take_lowest(lines)].load(std::memory_order_seq_cst);
+      if (port != nullptr) port->notify();
+    }
+  }
+  section_.store(count + 2, std::memory_order_release);
+}
+
+void Bell::set_sleep(Sleep how) noexcept {
+  if (how != Sleep::Awake) ++sleeps_;
+  announced_ = sleeps_ << 2U | static_cast<std::uint32_t>(how);
+  words_->sleeping.store(announced_, std::memory_order_seq_cst);
+}
+
+void Bell::wait(TimePoint deadline) const noexcept {
+  futex_wait(words_->sleeping, announced_, deadline, FutexScope::Host);
+}
+
+void Bell::wake() noexcept {
+  words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);
+  futex_wake(words_->sleeping, 1, FutexScope::Host);
+}
+
+void Bell::wait_for_ring(std::uint32_t seen) const noexcept {
+  futex_wait(words_->rings, seen, detail::kNever, FutexScope::Host);
+}
+
+void Bell::ring_through() noexcept {
+  words_->rings.fetch_add(1, std::memory_order_seq_cst);
+  futex_wake(words_->rings, 1, FutexScope::Host);
+}
+
+}  // namespace segue::task
