@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/link/shared_connection.hpp>
+
+/// Laying a connection between the two processes of a pair by hand, over a socket between them: the link by
+/// itself, without deployments. Trusts the other end.
+namespace bench {
+
+segue::Result<std::shared_ptr<segue::link::SharedHalf>> connect_writer(segue::link::SharedMemory& memory,
+                                                                       int socket,
+                                                                       segue::task::OutputPortBase& port,
+                                                                       const segue::Policy& policy);
+segue::Result<std::shared_ptr<segue::link::SharedHalf>> connect_reader(segue::link::SharedMemory& memory,
+                                                                       int socket,
+                                                                       segue::task::InputPortBase& port,
+                                                                       const segue::Policy& policy);
+
+}  // namespace bench

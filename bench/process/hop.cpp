@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hop.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <functional>
+#include <thread>
+
+namespace bench {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::size_t kRounds = 500;
+constexpr std::size_t kBatches = 7;
+constexpr std::size_t kLarge = 10'000'000;
+constexpr Duration kEnough = seconds(3);  ///< after which no more rounds begin
+
+segue::TimePoint now() {
+  return segue::RealClock::instance().now();
+}
+
+template <class Done, class Pause>
+bool wait_until(const Done& done, const Pause& pause, Duration limit = seconds(20)) {
+  const auto deadline = now() + limit;
+  while (!done()) {
+    if (now() > deadline) return false;
+    pause();
+  }
+  return true;
+}
+
+void nap() {
+  std::this_thread::sleep_for(std::chrono::microseconds(50));
+}
+
+bool send_soon(Writer& writer, std::uint64_t number) {
+  return wait_until([&] { return writer.send(number); }, ::sched_yield);
+}
+
+/// Sends until the first one arrives; what else is under way arrives then, too.
+bool greet(Writer& writer, Board& board) {
+  std::uint64_t sent = 0;
+  const bool heard = wait_until([&] { return board.greeted.load(std::memory_order_acquire) > 0; },
+                                [&] {
+                                  if (writer.send(0)) ++sent;
+                                  std::this_thread::sleep_for(milliseconds(20));
+                                });
+  wait_until([&] { return board.greeted.load(std::memory_order_acquire) >= sent; }, nap, milliseconds(500));
+  return heard;
+}
+
+bool arrives(const Board& board, std::uint64_t number) {
+  return wait_until([&] { return board.arrived.load(std::memory_order_acquire) >= number; }, nap);
+}
+
+bool pace(Writer& writer, Board& board) {
+  const auto begin = now();
+  for (std::uint64_t number = 1; number <= kRounds; ++number) {
+    if (number > 5 && now() - begin > kEnough) break;
+    std::this_thread::sleep_for(milliseconds(1));
+    if (!send_soon(writer, number) || !arrives(board, number)) return false;
+    if (number > 1) board.add_result(Duration(board.latency_ns[number % Board::kMost].load()));
+  }
+  return board.lost.load() == 0;
+}
+
+bool flood(Writer& writer, Board& board, std::size_t bytes) {
+  const std::uint64_t under_way = bytes >= kLarge ? 2 : 8;
+  const std::uint64_t batch = bytes >= kLarge ? 5 : bytes >= 1'000'000 ? 100 : 5000;
+  std::uint64_t number = 0;
+  const auto begin = now();
+  for (std::size_t i = 0; i < kBatches && now() - begin < kEnough; ++i) {
+    const auto batch_begin = now();
+    for (const std::uint64_t last = number + batch; number < last; ++number) {
+      const auto room = [&] { return number < board.arrived.load(std::memory_order_acquire) + under_way; };
+      if (!wait_until(room, ::sched_yield) || !send_soon(writer, number + 1)) return false;
+    }
+    if (!arrives(board, number)) return false;
+    board.add_result((now() - batch_begin) / static_cast<std::int64_t>(batch));
+  }
+  return true;
+}
+
+using Measure = std::function<bool(Writer&, Board&)>;
+
+std::optional<Summary> run(Transport& transport, const HopCase& wanted, const Measure& measure) {
+  const auto write = [&](const End& end) {
+    const auto writer = transport.open(end);
+    if (writer == nullptr || !greet(*writer, end.board)) return false;
+    const bool done = measure(*writer, end.board);
+    send_soon(*writer, kLast);
+    std::this_thread::sleep_for(milliseconds(20));
+    return done;
+  };
+  const auto read = [&](const End& end) { transport.read(end); };
+  return run_pair({wanted.bytes, wanted.cpu}, write, read);
+}
+
+}  // namespace
+
+std::optional<Summary> latency(Transport& transport, const HopCase& wanted) {
+  return run(transport, wanted, pace);
+}
+
+std::optional<Summary> throughput(Transport& transport, const HopCase& wanted) {
+  return run(transport, wanted,
+             [&](Writer& writer, Board& board) { return flood(writer, board, wanted.bytes); });
+}
+
+}  // namespace bench

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a hop between two processes of one computer costs, beside what the operating system offers and what
+// others have built.
+#include "process/hop.hpp"
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace {
+
+using namespace bench;
+
+constexpr std::pair<const char*, std::size_t> kSizes[] = {
+    {"16 B", 16}, {"64 B", 64}, {"1 kB", 1000}, {"1 MB", 1'000'000}, {"100 MB", 100'000'000}};
+
+Transports transports(bool roudi) {
+  Transports all;
+  all.push_back(make_futex());
+  all.push_back(make_segue(SegueWay::Loaned));
+  all.push_back(make_segue(SegueWay::Copied));
+  all.push_back(make_segue(SegueWay::Flat));
+  all.push_back(make_unix_socket());
+  if (auto cyclone = make_cyclone()) all.push_back(std::move(cyclone));
+  if (auto iceoryx = roudi ? make_iceoryx() : nullptr) all.push_back(std::move(iceoryx));
+  return all;
+}
+
+using Experiment = std::optional<Summary> (*)(Transport&, const HopCase&);
+
+void compare(const std::string& title, const Transports& all, Experiment experiment, const HopCase& wanted) {
+  Table table(title);
+  std::optional<Summary> floor;
+  for (const auto& transport : all) {
+    if (!transport->carries(wanted.bytes)) continue;
+    const auto summary = experiment(*transport, wanted);
+    if (!floor) floor = summary;
+    if (summary && floor) {
+      table.add(transport->name(), *summary, 1, floor->median);
+    } else {
+      table.note(transport->name(), "failed, or lost samples");
+    }
+  }
+  table.print();
+  std::fflush(stdout);
+}
+
+void compare_all(const Transports& all) {
+  for (const auto& [name, bytes] : kSizes) {
+    const std::string size = name;
+    compare("One hop between processes, " + size + ", both on one processor", all, latency, {bytes, 0});
+    compare("One hop between processes, " + size + ", processors free", all, latency, {bytes, {}});
+    compare("Back to back, for each sample of " + size + ", processors free", all, throughput, {bytes, {}});
+  }
+}
+
+}  // namespace
+
+int main() {
+  const bool has_iceoryx = make_iceoryx() != nullptr;
+  const auto roudi = has_iceoryx ? RouDi::start() : nullptr;
+  if (make_cyclone() == nullptr) std::puts("left out: Cyclone DDS (tools/setup --bench-peers installs it)");
+  if (!has_iceoryx) std::puts("left out: iceoryx (tools/setup --bench-peers installs it)");
+  if (has_iceoryx && roudi == nullptr) std::puts("left out: iceoryx, whose daemon iox-roudi did not start");
+  compare_all(transports(roudi != nullptr));
+}
