@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <support/fake_deployment.hpp>
+#include <support/random_actions.hpp>
+
+#include <rapidcheck.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <future>
+#include <thread>
+
+namespace segue::control {
+namespace {
+
+using model::ActionKind;
+using model::TaskId;
+using type::Value;
+
+std::size_t open_descriptors() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
+    ++count;
+  return count;
+}
+
+/// Waits for something that another thread brings about.
+template <class Condition>
+bool eventually(Condition condition) {
+  const TimePoint limit = soon() + kLong;
+  while (!condition()) {
+    if (RealClock::instance().now() > limit) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+TEST_F(DeploymentTest, WhoItIsTravels) {
+  deployment_.who.robot = "spot";
+  deployment_.who.deployment.process = model::ProcessName("p");
+  deployment_.who.deployment.limits.memory = 5;
+  deployment_.who.pid = 42;
+  deployment_.who.software = "9.9";
+  deployment_.who.incarnation = UINT64_MAX;
+  serve();
+  const auto info = client()->info().value();
+  EXPECT_EQ(info.robot, "spot");
+  EXPECT_EQ(info.deployment, deployment_.who.deployment);
+  EXPECT_EQ(info.pid, 42);
+  EXPECT_EQ(info.software, "9.9");
+  EXPECT_EQ(info.incarnation, UINT64_MAX);
+}
+
+TEST_F(DeploymentTest, NetworksAndTransitionsTravel) {
+  serve();
+  const auto process = client();
+  rc::check("round trip", [&](std::uint64_t seed) {
+    segue::testing::Random random(seed);
+    const auto transition = segue::testing::random_transition(random);
+    const auto network = segue::testing::random_network(random, segue::testing::everything());
+    deployment_.now.network = network;
+    RC_ASSERT(process->expect(network).has_value());
+    RC_ASSERT(deployment_.expected == network);
+    RC_ASSERT(process->snapshot().value().network == network);
+    RC_ASSERT(process->conclude(transition).has_value());
+    RC_ASSERT(deployment_.concluded == transition);
+    RC_ASSERT(process->perform(transition.actions, soon()).size() == transition.actions.size());
+    RC_ASSERT(deployment_.performed == transition.actions);
+  });
+}
+
+TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
+  serve();
+  const std::vector<model::Action> actions = {action_of(ActionKind::Stop, "a"),
+                                              action_of(ActionKind::Stop, "bad"),
+                                              action_of(ActionKind::Start, "c")};
+  const auto outcomes = client()->perform(actions, soon());
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_TRUE(outcomes[0]);
+  EXPECT_TRUE(outcomes[2]);
+  ASSERT_FALSE(outcomes[1]);
+  EXPECT_EQ(outcomes[1].error().code, ErrorCode::HookFailed);
+  EXPECT_EQ(outcomes[1].error().subject, "bad");
+  EXPECT_EQ(deployment_.performed, actions);
+  EXPECT_GT(deployment_.left, std::chrono::seconds(1));
+  EXPECT_LE(deployment_.left, kLong);
+  EXPECT_TRUE(client()->perform({}, soon()).empty());
+}
+
+TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
+  deployment_.component.name = model::ComponentName("demo::A");
+  deployment_.component.ports.push_back({"out", model::Direction::Output, "/int32_t", true, false, "doc"});
+  serve();
+  const auto process = client();
+  EXPECT_EQ(process->describe(TaskId("a")).value(), deployment_.component);
+  Value version(1.1);
+  version.set_source_text("1.10");
+  ASSERT_TRUE(process->set_property(TaskId("a"), "b.c", version, soon()));
+  EXPECT_EQ(deployment_.written, "a.b.c");
+  EXPECT_EQ(deployment_.value.source_text(), "1.10");
+  EXPECT_EQ(process->properties(TaskId("a")).value(), version);
+  EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
+  const auto thrown = process->describe(TaskId("throws"));
+  ASSERT_FALSE(thrown);
+  EXPECT_NE(thrown.error().message.find("a defect"), std::string::npos);
+}
+
+TEST_F(DeploymentTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
+  serve();
+  const auto process = client();
+  auto reader = process->open_reader({TaskId("a"), "out"}, 10).value();
+  EXPECT_EQ(reader->type_name(), "/int32_t");
+  EXPECT_EQ(reader->read(2), (std::vector<Value>{11, 12}));
+  EXPECT_EQ(process->open_reader({TaskId("a"), "no"}, 10).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(deployment_.open_readers, 1);
+  reader.reset();
+  EXPECT_TRUE(eventually([&] { return deployment_.open_readers == 0; }));
+  reader = process->open_reader({TaskId("a"), "out"}, 10).value();
+  server_.reset();
+  EXPECT_EQ(deployment_.open_readers, 0);
+  EXPECT_TRUE(reader->read(1).empty());
+}
+
+TEST_F(DeploymentTest, ConnectionsBetweenProcessesAreArranged) {
+  deployment_.place = {1, 2, 3, true, "/Pose", 4, "definition", "b.in"};
+  serve();
+  const auto process = client();
+  const std::vector<model::PortRef> ports = {{TaskId("a"), "out"}, {TaskId("a"), "no"}};
+  const auto origins = process->describe_outputs(ports, soon());
+  ASSERT_EQ(origins.size(), 2U);
+  EXPECT_EQ(std::tuple(origins[0]->writer, origins[0]->sample_size, origins[0]->flat),
+            std::tuple(7U, 3U, true));
+  EXPECT_EQ(origins[1].error().code, ErrorCode::NotFound);
+
+  const model::Connection connection{ports[0], {TaskId("b"), "in"}, {BufferKind::Buffer, 9}, {}};
+  const auto places =
+      process->open_inputs(std::vector<deploy::OpenInput>{{connection, {8, 16, true}}}, soon());
+  ASSERT_EQ(places.size(), 1U);
+  EXPECT_EQ(places[0]->definition, "definition");
+  ASSERT_EQ(deployment_.opened.size(), 1U);
+  EXPECT_EQ(deployment_.opened[0].connection, connection);
+  EXPECT_EQ(deployment_.opened[0].origin.writer, 8U);
+
+  ASSERT_TRUE(
+      process->attach_outputs(std::vector<deploy::AttachOutput>{{connection, *places[0]}}, soon()).at(0));
+  EXPECT_EQ(deployment_.attached.at(0).place.generation, 3U);
+  const std::vector<deploy::CloseHalf> halves = {{connection, deploy::Side::Input, true},
+                                                 {connection, deploy::Side::Output, false}};
+  EXPECT_EQ(process->close_halves(halves, soon()).size(), 2U);
+  EXPECT_TRUE(deployment_.closed.at(0).peer_closed);
+  EXPECT_EQ(deployment_.closed.at(1).side, deploy::Side::Output);
+  ASSERT_TRUE(process->forget(77));
+  EXPECT_EQ(deployment_.forgotten, 77U);
+}
+
+TEST_F(DeploymentTest, MemoryArrivesAndNoDescriptorIsLeftBehind) {
+  serve();
+  const auto process = client();
+  ASSERT_TRUE(process->info());
+  const std::size_t before = open_descriptors();
+  for (int i = 0; i < 50; ++i) {
+    const auto offer = process->memory();
+    ASSERT_TRUE(offer) << to_string(offer.error());
+    EXPECT_EQ(offer->incarnation, 7U);
+    EXPECT_EQ(content_of(offer->payload), "payload");
+    EXPECT_EQ(content_of(offer->control), "control");
+    const link::MemoryOffer own{9, memory_with("mine"), memory_with("too")};
+    ASSERT_TRUE(process->admit(own));
+    EXPECT_EQ(deployment_.admitted, (std::vector<std::string>{"9", "mine", "too"}));
+  }
+  EXPECT_TRUE(eventually([&] { return open_descriptors() == before; })) << open_descriptors() - before;
+}
+
+TEST_F(DeploymentTest, EventsComeInOrderToAllWhoListen) {
+  serve();
+  const auto process = client();
+  const auto other = client();
+  std::atomic<int> first{0};
+  std::atomic<int> second{0};
+  std::atomic<bool> in_order{true};
+  process->set_listener([&](const host::TaskEvent& event) {
+    if (event.task.str() != "t" + std::to_string(first++) || event.state != TaskState::Fatal)
+      in_order = false;
+  });
+  other->set_listener([&](const host::TaskEvent&) { ++second; });
+  for (int i = 0; i < 1000; ++i)
+    deployment_.tell({TaskId("t" + std::to_string(i)), TaskState::Fatal, "message"});
+  EXPECT_TRUE(eventually([&] { return first == 1000 && second == 1000; })) << first << " " << second;
+  EXPECT_TRUE(in_order);
+}
+
+TEST_F(DeploymentTest, AListenerThatDoesNotKeepUpLosesTheOldestAndBlocksNobody) {
+  serve();
+  const auto slow = client();
+  const auto quick = client();
+  Gate go_on;
+  std::atomic<int> got{0};
+  std::atomic<int> newest{-1};
+  slow->set_listener([&](const host::TaskEvent& event) {
+    go_on.wait();
+    ++got;
+    newest = std::stoi(event.message);
+  });
+  constexpr int kEvents = 30'000;
+  for (int i = 0; i < kEvents; ++i) {
+    deployment_.tell({TaskId("t"), TaskState::Exception, std::to_string(i)});
+    if (i % 1000 == 0) {
+      ASSERT_TRUE(quick->info());
+    }
+  }
+  go_on.open();
+  EXPECT_TRUE(eventually([&] { return newest == kEvents - 1; })) << newest;
+  EXPECT_LT(got, kEvents);
+}
+
+TEST_F(DeploymentTest, NoEventComesAfterTheListenerIsTakenAway) {
+  serve();
+  const auto process = client();
+  std::atomic<bool> told{false};
+  process->set_listener([&](const host::TaskEvent&) { told = true; });
+  deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
+  EXPECT_TRUE(eventually([&] { return told.load(); }));
+  process->set_listener(nullptr);
+  told = false;
+  deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
+  ASSERT_TRUE(process->info());
+  ASSERT_TRUE(process->info());
+  EXPECT_FALSE(told);
+}
+
+TEST_F(DeploymentTest, AServerThatGoesTakesItsListenerAway) {
+  serve();
+  EXPECT_EQ(deployment_.listeners_set, 1);
+  server_.reset();
+  EXPECT_EQ(deployment_.listeners_set, 2);
+  deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
+}
+
+TEST_F(DeploymentTest, AHangingCallEndsAtItsDeadlineAndOthersAreAnswered) {
+  serve();
+  const auto process = client();
+  const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(50);
+  auto hanging =
+      std::async(std::launch::async, [&] { return process->call(TaskId("a"), "hang", Value(), deadline); });
+  ASSERT_TRUE(deployment_.entered.wait());
+  EXPECT_TRUE(process->info());
+  EXPECT_TRUE(process->perform(std::vector{action_of(ActionKind::Stop, "a")}, soon()).at(0));
+  const auto late = hanging.get();
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_TRUE(process->info());
+}
+
+TEST_F(DeploymentTest, ADeadlineThatPassesIsAnAnswerForEachAction) {
+  serve();
+  const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(20);
+  const auto late = client()->perform(std::vector{action_of(ActionKind::Stop, "wait")}, deadline);
+  ASSERT_EQ(late.size(), 1U);
+  EXPECT_EQ(late[0].error().message, "nobody let me go");
+}
+
+TEST_F(DeploymentTest, GoneIsToldOnceAndCallsAreUnavailable) {
+  serve();
+  std::atomic<int> gone{0};
+  const auto process = client([&] { ++gone; });
+  ASSERT_TRUE(process->info());
+  EXPECT_EQ(gone, 0);
+  server_.reset();
+  EXPECT_TRUE(eventually([&] { return gone == 1; }));
+  EXPECT_EQ(process->info().error().code, ErrorCode::Unavailable);
+  const auto outcomes = process->perform(std::vector(3, action_of(ActionKind::Stop, "a")), soon());
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_EQ(outcomes[2].error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(process->snapshot().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(gone, 1);
+}
+
+TEST_F(DeploymentTest, AClientThatLeavesIsNotToldThatTheOtherWent) {
+  serve();
+  std::atomic<int> gone{0};
+  auto process = client([&] { ++gone; });
+  const auto reader = process->open_reader({TaskId("a"), "out"}, 1).value();  // keeps the connection
+  process.reset();
+  server_.reset();
+  EXPECT_TRUE(reader->read(1).empty());
+  EXPECT_EQ(gone, 0);
+}
+
+/// As the process server makes it: bound and listening before anybody serves.
+Descriptor listening_socket(const std::filesystem::path& path) {
+  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(::listen(socket.get(), 8), 0);
+  return socket;
+}
+
+TEST_F(DeploymentTest, AProcessThatIsStillStartingIsWaitedFor) {
+  auto listening = listening_socket(socket_);
+  auto early = std::async(std::launch::async, [&] { return client()->info(); });
+  auto server = Server::serve(std::move(listening), &deployment_);
+  ASSERT_TRUE(server) << to_string(server.error());
+  EXPECT_TRUE(early.get());
+  server->reset();
+  EXPECT_TRUE(std::filesystem::exists(socket_));
+}
+
+TEST_F(DeploymentTest, AProcessThatNeverStartsIsWaitedForUntilTheDeadline) {
+  const auto listening = listening_socket(socket_);
+  std::atomic<int> gone{0};
+  const auto deadline = RealClock::instance().now() + std::chrono::milliseconds(20);
+  const auto late = connect_deployment(socket_, deadline, [&] { ++gone; });
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_EQ(gone, 0);
+}
+
+TEST_F(DeploymentTest, AProcessThatDiesWhileItStartsIsUnavailable) {
+  auto listening = listening_socket(socket_);
+  auto early = std::async(std::launch::async,
+                          [&] { return connect_deployment(socket_, soon(), nullptr).error().code; });
+  // Once the client's connection waits in the queue, the process ends.
+  const Descriptor accepted(::accept(listening.get(), nullptr, nullptr));
+  { const Descriptor closing(listening.release()); }
+  ::shutdown(accepted.get(), SHUT_RDWR);
+  EXPECT_EQ(early.get(), ErrorCode::Unavailable);
+}
+
+TEST_F(DeploymentTest, WhatIsNoListeningSocketIsNotServed) {
+  const auto refused = Server::serve(memory_with("x"), &deployment_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(Server::serve(Descriptor(), &deployment_).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(Server::serve(Descriptor(::socket(AF_UNIX, SOCK_STREAM, 0)), &deployment_).error().code,
+            ErrorCode::InvalidArgument);
+}
+
+TEST_F(DeploymentTest, AnotherKindOfServiceIsAClearError) {
+  serve();
+  const auto robot = connect(socket_, kLong);
+  ASSERT_FALSE(robot);
+  EXPECT_EQ(robot.error().code, ErrorCode::Unsupported);
+  EXPECT_NE(robot.error().message.find("'robot'"), std::string::npos) << robot.error().message;
+  EXPECT_NE(robot.error().message.find("the deployment process"), std::string::npos);
+  EXPECT_EQ(connect_processes(socket_, kLong).error().code, ErrorCode::Unsupported);
+}
+
+TEST_F(DeploymentTest, WhatIsTooLargeIsRefusedAndTheConnectionLives) {
+  serve();
+  const auto process = client();
+  const Value large(std::string(std::size_t{5} << 20, 'x'));
+  EXPECT_EQ(process->set_property(TaskId("a"), "p", large, soon()).error().code,
+            ErrorCode::ResourceExhausted);
+  EXPECT_EQ(process->call(TaskId("a"), "echo", large, soon()).error().code, ErrorCode::ResourceExhausted);
+  const std::vector actions(100'000, action_of(ActionKind::Stop, "a_task_with_a_longer_name"));
+  EXPECT_EQ(process->perform(actions, soon()).at(99'999).error().code, ErrorCode::ResourceExhausted);
+  Value deep(1);
+  for (int i = 0; i < 400; ++i)
+    deep = Value::list({std::move(deep)});
+  EXPECT_EQ(process->call(TaskId("a"), "echo", deep, soon()).error().code, ErrorCode::InvalidArgument);
+  EXPECT_TRUE(process->info());
+}
+
+class ProcessesTest : public ControlTest {
+ protected:
+  void serve() {
+    auto server = Server::listen(socket_, &processes_);
+    ASSERT_TRUE(server) << to_string(server.error());
+    server_ = std::move(*server);
+  }
+  std::unique_ptr<deploy::ProcessService> client() { return connect_processes(socket_, kLong).value(); }
+
+  FakeProcesses processes_;
+};
+
+TEST_F(ProcessesTest, StartStopAndListTravel) {
+  processes_.process.robot = "spot";
+  processes_.process.pid = 42;
+  processes_.exit.signal = 9;
+  serve();
+  const auto processes = client();
+  deploy::Launch launch;
+  launch.robot = "spot";
+  launch.deployment.process = model::ProcessName("p");
+  launch.libraries = {"a", "b"};
+  launch.memory.prefault = 4096;
+  EXPECT_EQ(processes->start(launch, soon()).value().pid, 42);
+  EXPECT_EQ(processes_.launched, launch);
+  launch.robot = "twice";
+  EXPECT_EQ(processes->start(launch, soon()).error().code, ErrorCode::AlreadyExists);
+  EXPECT_EQ(processes->stop("spot", {model::kLocalHost, model::ProcessName("p")}, soon()).value().signal, 9);
+  EXPECT_EQ(processes_.asked, "spot:localhost/p");
+  EXPECT_EQ(processes->processes("spot").value().size(), 2U);
+  EXPECT_EQ(connect(socket_, kLong).error().code, ErrorCode::Unsupported);
+}
+
+TEST_F(ProcessesTest, EndsOfProcessesAreTold) {
+  serve();
+  const auto processes = client();
+  std::atomic<int> pid{0};
+  processes->set_listener([&](const deploy::ProcessInfo& process) { pid = process.pid; });
+  deploy::ProcessInfo ended;
+  ended.pid = 7;
+  processes_.tell(ended);
+  EXPECT_TRUE(eventually([&] { return pid == 7; }));
+}
+
+}  // namespace
+}  // namespace segue::control

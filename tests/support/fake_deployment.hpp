@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/deployment_client.hpp>
+#include <segue/control/server.hpp>
+#include <support/fake_robot.hpp>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Services that answer with what they were asked or told to answer, so that tests see what travelled.
+namespace segue::control {
+
+inline Descriptor memory_with(std::string_view text) {
+  Descriptor memory(::memfd_create("test", MFD_CLOEXEC));
+  EXPECT_EQ(::write(memory.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  return memory;
+}
+
+inline std::string content_of(const Descriptor& memory) {
+  std::string text(64, '\0');
+  const auto size = ::pread(memory.get(), text.data(), text.size(), 0);
+  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  return text;
+}
+
+inline model::Action action_of(model::ActionKind kind, const std::string& task) {
+  return {1, kind, model::TaskAction{model::TaskId(task)}, model::Phase::Commit, {}};
+}
+
+class FakeDeployment final : public deploy::DeploymentService {
+ public:
+  Gate entered;  ///< a call that waits has begun
+  Gate release;  ///< ends calls that wait
+  std::atomic<int> open_readers{0};
+  std::atomic<int> listeners_set{0};
+
+  // What is answered, and what was asked last; set before, read after the call.
+  deploy::DeploymentInfo who{};
+  deploy::Snapshot now{};
+  model::Network expected{};
+  model::Transition concluded{};
+  std::vector<model::Action> performed{};
+  model::ComponentModel component{};
+  type::Value value{};
+  std::string written{};
+  link::Incarnation forgotten = 0;
+  std::vector<std::string> admitted{};
+  link::InputPlace place{};
+  std::vector<deploy::OpenInput> opened{};
+  std::vector<deploy::AttachOutput> attached{};
+  std::vector<deploy::CloseHalf> closed{};
+  Duration left{0};
+
+  Result<deploy::DeploymentInfo> info() override { return who; }
+  Result<deploy::Snapshot> snapshot() override { return now; }
+  Result<void> expect(const model::Network& network) override {
+    expected = network;
+    return {};
+  }
+  /// A stop of "wait" waits, one of "bad" fails.
+  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override {
+    note(deadline);
+    performed.assign(actions.begin(), actions.end());
+    std::vector<Result<void>> outcomes;
+    for (const model::Action& action : actions) {
+      const std::string task = action.task() != nullptr ? action.task()->str() : "";
+      if (task == "wait")
+        outcomes.push_back(wait(deadline));
+      else if (task == "bad")
+        outcomes.push_back(fail(ErrorCode::HookFailed, "it is bad", "bad"));
+      else
+        outcomes.emplace_back();
+    }
+    return outcomes;
+  }
+  Result<void> conclude(const model::Transition& transition) override {
+    concluded = transition;
+    return {};
+  }
+  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+    if (task.str() == "throws") throw std::runtime_error("a defect");
+    return component;
+  }
+  Result<type::Value> properties(const model::TaskId& task) override {
+    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    return value;
+  }
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& set,
+                            TimePoint deadline) override {
+    note(deadline);
+    written = task.str() + "." + std::string(path);
+    value = set;
+    return {};
+  }
+  Result<type::Value> call(const model::TaskId&, std::string_view operation, const type::Value& arguments,
+                           TimePoint deadline) override {
+    if (operation == "echo") return arguments;
+    // A hook that never returns does not care for deadlines.
+    if (auto done = wait(operation == "hang" ? deadline + kLong : deadline); !done) return done.error();
+    return type::Value("released");
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    if (port.port != "out") return fail(ErrorCode::NotFound, "no port");
+    return std::make_unique<Numbers>(open_readers, static_cast<int>(buffer));
+  }
+  Result<link::MemoryOffer> memory() override {
+    return link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
+  }
+  Result<void> admit(const link::MemoryOffer& peer) override {
+    admitted = {std::to_string(peer.incarnation), content_of(peer.payload), content_of(peer.control)};
+    return {};
+  }
+  Result<void> forget(link::Incarnation peer) override {
+    forgotten = peer;
+    return {};
+  }
+  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                           TimePoint deadline) override {
+    note(deadline);
+    std::vector<Result<link::OutputOrigin>> origins;
+    for (const auto& port : ports) {
+      if (port.port == "no")
+        origins.push_back(fail(ErrorCode::NotFound, "no port"));
+      else
+        origins.push_back(link::OutputOrigin{7, port.port.size(), true});
+    }
+    return origins;
+  }
+  std::vector<Result<link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
+                                                    TimePoint deadline) override {
+    note(deadline);
+    opened.assign(inputs.begin(), inputs.end());
+    return {inputs.size(), Result<link::InputPlace>(place)};
+  }
+  std::vector<Result<void>> attach_outputs(std::span<const deploy::AttachOutput> outputs,
+                                           TimePoint deadline) override {
+    note(deadline);
+    attached.assign(outputs.begin(), outputs.end());
+    return std::vector<Result<void>>(outputs.size());
+  }
+  std::vector<Result<void>> close_halves(std::span<const deploy::CloseHalf> halves,
+                                         TimePoint deadline) override {
+    note(deadline);
+    closed.assign(halves.begin(), halves.end());
+    return std::vector<Result<void>>(halves.size());
+  }
+  void set_listener(Listener listener) override {
+    const std::lock_guard lock(mutex_);
+    listener_ = std::move(listener);
+    ++listeners_set;
+  }
+
+  void tell(const host::TaskEvent& event) {
+    const std::lock_guard lock(mutex_);
+    if (listener_) listener_(event);
+  }
+
+ private:
+  void note(TimePoint deadline) { left = deadline - RealClock::instance().now(); }
+  Result<void> wait(TimePoint deadline) {
+    entered.open();
+    if (!release.wait_until(deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
+    return {};
+  }
+
+  class Numbers final : public host::PortReader {
+   public:
+    Numbers(std::atomic<int>& open, int first) : open_(open), last_(first) { ++open_; }
+    ~Numbers() override { --open_; }
+    std::vector<type::Value> read(std::size_t limit) override {
+      std::vector<type::Value> samples;
+      while (samples.size() < limit)
+        samples.emplace_back(++last_);
+      return samples;
+    }
+    [[nodiscard]] std::string type_name() const override { return "/int32_t"; }
+
+   private:
+    std::atomic<int>& open_;
+    int last_;
+  };
+
+  std::mutex mutex_;
+  Listener listener_;
+};
+
+class FakeProcesses final : public deploy::ProcessService {
+ public:
+  deploy::Launch launched{};
+  deploy::ProcessInfo process{};
+  deploy::ExitReason exit{};
+  std::string asked{};
+
+  Result<deploy::ProcessInfo> start(const deploy::Launch& launch, TimePoint) override {
+    launched = launch;
+    if (launch.robot == "twice") return fail(ErrorCode::AlreadyExists, "it runs");
+    return process;
+  }
+  Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint) override {
+    asked = robot + ":" + to_string(key);
+    return exit;
+  }
+  Result<std::vector<deploy::ProcessInfo>> processes(const std::string& robot) override {
+    asked = robot;
+    return std::vector<deploy::ProcessInfo>{process, {}};
+  }
+  void set_listener(Listener listener) override {
+    const std::lock_guard lock(mutex_);
+    listener_ = std::move(listener);
+  }
+  void tell(const deploy::ProcessInfo& event) {
+    const std::lock_guard lock(mutex_);
+    if (listener_) listener_(event);
+  }
+
+ private:
+  std::mutex mutex_;
+  Listener listener_;
+};
+
+/// A deployment behind a socket.
+class DeploymentTest : public ControlTest {
+ protected:
+  void TearDown() override {
+    deployment_.release.open();
+    ControlTest::TearDown();
+  }
+  void serve() {
+    auto server = Server::listen(socket_, &deployment_);
+    ASSERT_TRUE(server) << to_string(server.error());
+    server_ = std::move(*server);
+  }
+  std::unique_ptr<deploy::DeploymentService> client(std::function<void()> gone = nullptr) {
+    auto connected = connect_deployment(socket_, soon(), std::move(gone));
+    EXPECT_TRUE(connected) << to_string(connected.error());
+    return connected ? std::move(*connected) : nullptr;
+  }
+
+  FakeDeployment deployment_;
+};
+
+}  // namespace segue::control
