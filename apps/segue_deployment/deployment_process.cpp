@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "deployment_process.hpp"
+
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/server.hpp>
+#include <segue/deploy/assignment.hpp>
+#include <segue/deploy/deployment_exit.hpp>
+#include <segue/deploy/inherited_process.hpp>
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/deploy/process_limits.hpp>
+#include <segue/deploy/process_log.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/model/files.hpp>
+#include <segue/task/realtime_log.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <utility>
+
+namespace segue {
+
+namespace {
+
+using deploy::Assignment;
+using deploy::Launch;
+
+constexpr std::string_view kLogSource = "segue-deployment";
+/// How often output is looked at, whether it is to be rotated.
+constexpr Duration kHousekeeping = std::chrono::seconds(1);
+/// How long tasks have to stop and be cleaned up when the process is told to go.
+constexpr Duration kShutDownTime = std::chrono::seconds(5);
+
+int give_up(int status, const Error& error) {
+  log(LogLevel::Error, kLogSource, to_string(error));
+  return status;
+}
+
+LogLevel level_of(const std::string& name) {
+  constexpr std::array kLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
+  for (const LogLevel level : kLevels) {
+    if (to_string(level) == name) return level;
+  }
+  return LogLevel::Info;
+}
+
+/// What tasks are made of.
+struct Workshop {
+  host::LibrarySet libraries;
+  model::ComponentCatalog catalog;
+  host::LocalOptions options;
+
+  Result<void> load(const Launch& launch);
+  Result<void> load_library(const std::string& name, bool may_lack);
+  Result<void> load_models(const std::vector<std::string>& files);
+};
+
+/// Where stand-ins may take its place, a library may be missing. Catalogues are for stand-ins only: reading
+/// them costs more than all the rest.
+Result<void> Workshop::load_library(const std::string& name, bool may_lack) {
+  auto loaded = libraries.load(name);
+  if (loaded) return {};
+  if (!may_lack || loaded.error().code != ErrorCode::NotFound) return loaded;
+  log(LogLevel::Warning, kLogSource, to_string(loaded.error()) + "; stand-ins take its place");
+  return {};
+}
+
+Result<void> Workshop::load_models(const std::vector<std::string>& files) {
+  Diagnostics diagnostics;
+  for (const std::string& file : files)
+    model::load_components(file, catalog, diagnostics);
+  model::resolve_inheritance(catalog, diagnostics);
+  if (diagnostics.has_errors()) return diagnostics.to_error();
+  return {};
+}
+
+Result<void> Workshop::load(const Launch& launch) {
+  options.stand_in = launch.stand_in;
+  options.only_stand_ins = launch.only_stand_ins;
+  const bool may_lack = launch.stand_in || launch.only_stand_ins;
+  for (const std::string& library : launch.libraries) {
+    if (auto loaded = load_library(library, may_lack); !loaded) return loaded;
+    if (!launch.only_stand_ins) continue;
+    auto models = libraries.export_models(library, catalog.types());
+    if (!models) continue;
+    for (auto& model : *models)
+      catalog.add(std::move(model));
+  }
+  if (may_lack) {
+    if (auto loaded = load_models(launch.models); !loaded) return loaded;
+  }
+  if (launch.stand_ins.empty()) return {};
+  Diagnostics diagnostics;
+  const auto document = type::parse_yaml(launch.stand_ins, "stand-ins");
+  if (!document) return document.error();
+  auto table = host::StandInTable::read(*document, "stand-ins", diagnostics);
+  if (!table) return diagnostics.to_error();
+  options.stand_ins = std::move(*table);
+  return {};
+}
+
+deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnation) {
+  deploy::DeploymentInfo info;
+  info.robot = launch.robot;
+  info.deployment = launch.deployment;
+  info.pid = ::getpid();
+  info.software = SEGUE_VERSION;
+  info.incarnation = incarnation;
+  return info;
+}
+
+/// Serves until it is told to go. The parts are made in such an order that they can go in the reverse one;
+/// where a hook hangs, none of them may.
+int serve(const Assignment& assignment, const Workshop& workshop, deploy::InheritedProcess& process) {
+  const Launch& launch = assignment.launch;
+  auto memory = link::SharedMemory::create(launch.memory);
+  if (!memory) return give_up(deploy::kNoMemory, memory.error());
+  const task::RealtimeLogDrain log_drain;
+  host::LocalTaskHost tasks(workshop.libraries, workshop.catalog, workshop.options);
+  deploy::LocalDeployment deployment(info_of(launch, (*memory)->incarnation()), tasks, *memory);
+  auto server = control::Server::serve(process.take_listener(), &deployment);
+  if (!server) return give_up(deploy::kNoMemory, server.error());
+  while (!process.wait_for_end(kHousekeeping))
+    deploy::rotate_output(assignment.log, assignment.log_size, assignment.log_files);
+  if (!deployment.shut_down(RealClock::instance().now() + kShutDownTime)) {
+    log(LogLevel::Error, kLogSource, "a hook of a task has not returned; ended without it");
+    process.leave();
+    std::_Exit(deploy::kHanging);
+  }
+  return deploy::kOrderly;
+}
+
+}  // namespace
+
+int deployment_process() {
+  deploy::InheritedProcess process;
+  const auto assignment = deploy::read_assignment(deploy::kAssignment);
+  if (!assignment) return give_up(deploy::kWrongUse, assignment.error());
+  set_log_level(level_of(assignment->launch.log_level));
+  process.begin(assignment->socket, SEGUE_VERSION);
+  if (const auto applied = deploy::apply_to_this_process(assignment->launch.deployment); !applied) {
+    return give_up(deploy::kNotPermitted, applied.error());
+  }
+  Workshop workshop;
+  if (const auto loaded = workshop.load(assignment->launch); !loaded) {
+    return give_up(deploy::kNoLibrary, loaded.error());
+  }
+  const int status = serve(*assignment, workshop, process);
+  process.leave();
+  return status;
+}
+
+}  // namespace segue
