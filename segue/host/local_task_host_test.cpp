@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <thread>
 
 namespace segue::host {
 namespace {
@@ -156,15 +157,23 @@ TEST_F(LocalHost, refuses_hostile_properties) {
   expect_refused(apply(task), ErrorCode::InvalidArgument, "expected a map");
 }
 
-TEST_F(LocalHost, lays_connections_again_when_a_task_gets_another_activity) {
-  expect_done(apply(task_of("a", "any::Thing")));
+TEST_F(LocalHost, keeps_connections_when_a_task_gets_another_activity_or_other_properties) {
+  bring_to_running("a");
   bring_to_running("b");
   expect_done(on_connection(ActionKind::Connect, wire("a", "out", "b", "in")));
-  auto task = task_of("a", "any::Thing");
+  while (host_.connections().front().written == 0) {
+    std::this_thread::yield();
+  }
+  expect_done(on_task(ActionKind::Stop, "a"));
+  expect_done(on_task(ActionKind::Cleanup, "a"));
+  const std::uint64_t written = host_.connections().front().written;
+  auto task = task_of("a", "any::Thing", type::Value::map({{"speed", 3}}));
   task.activity = Activity{Trigger::Periodic, std::chrono::milliseconds(7), {}, 0, {}, {}, false};
   expect_done(apply(task));
-  EXPECT_EQ(host_.observe().connections.size(), 1U);
+  ASSERT_EQ(host_.connections().size(), 1U);
+  EXPECT_EQ(host_.connections().front().written, written) << "it is still the same one";
   EXPECT_EQ(host_.tasks().front().activity.period, std::chrono::milliseconds(7));
+  EXPECT_EQ(*host_.properties(model::TaskId("a"))->find("speed"), 3);
   expect_done(on_task(ActionKind::Configure, "a"));
   expect_refused(apply(task_of("a", "any::Thing")), ErrorCode::InvalidState, "activity");
 }

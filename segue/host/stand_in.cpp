@@ -83,6 +83,10 @@ class StandIn final : public task::Component {
   explicit StandIn(const StandInPlan& plan);
 
   Result<void> grow(const ExpectedPort& port, bool configured);
+  void add_unknown_property(const std::string& name) {
+    properties_.push_back(std::make_unique<task::DynamicProperty>(
+        *this, name, "", type::Value{}, task::PropertyOptions{true, "named by the network"}));
+  }
 
  protected:
   Result<void> on_configure() override;
@@ -193,7 +197,7 @@ void StandIn::add_properties(const StandInPlan& plan) {
         {property.live, property.doc}, check_against(type_named(property.type, types_)));
   }
   for (const auto& name : plan.properties) {
-    if (names.insert(name).second) add(name, "", {}, {true, "named by the network"}, nullptr);
+    if (names.insert(name).second) add_unknown_property(name);
   }
 }
 
@@ -374,6 +378,21 @@ bool is_stand_in(const task::Component& component) {
 
 Result<void> grow_port(task::Component& stand_in, const ExpectedPort& port, bool configured) {
   return dynamic_cast<StandIn&>(stand_in).grow(port, configured);
+}
+
+std::vector<std::string> missing_properties(const task::Component& component,
+                                            const std::vector<std::string>& names) {
+  std::vector<std::string> missing;
+  for (const auto& name : names) {
+    if (component.find_property(name) == nullptr) missing.push_back(name);
+  }
+  return missing;
+}
+
+void add_properties(task::Component& stand_in, const std::vector<std::string>& names) {
+  for (const auto& name : names) {
+    dynamic_cast<StandIn&>(stand_in).add_unknown_property(name);
+  }
 }
 
 Activity stand_in_activity(const model::ComponentModel* model, const StandInBehaviour& behaviour) {

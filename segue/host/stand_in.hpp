@@ -109,6 +109,14 @@ std::unique_ptr<task::Component> make_stand_in(const StandInPlan& plan);
 /// is_stand_in().
 Result<void> grow_port(task::Component& stand_in, const ExpectedPort& port, bool configured);
 
+/// The properties among `names` that a component lacks.
+std::vector<std::string> missing_properties(const task::Component& component,
+                                            const std::vector<std::string>& names);
+
+/// Gives a stand-in more properties, which take any value and are null. Requires is_stand_in(), that it lacks
+/// them, and that nobody looks at its properties meanwhile.
+void add_properties(task::Component& stand_in, const std::vector<std::string>& names);
+
 /// The activity of a stand-in whose network gives none: of its model where a stand-in can follow it, at the
 /// rate of its behaviour.
 Activity stand_in_activity(const model::ComponentModel* model, const StandInBehaviour& behaviour);

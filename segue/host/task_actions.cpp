@@ -173,8 +173,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   // The others make and unmake ports.
   const std::unique_lock ports(*entry.ports, deadline);
   if (!ports) {
-    return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned",
-                entry.definition.id.str());
+    return busy(entry);
   }
   auto done = kind == ActionKind::Configure ? task.configure(deadline)
               : kind == ActionKind::Cleanup ? task.cleanup(deadline)
@@ -293,15 +292,20 @@ Result<void> TaskActions::reapply(TaskEntry entry, const model::ConfigAction& ac
     return fail(ErrorCode::InvalidState, "is in " + state_text(entry) + "; recover it first");
   }
   const model::Task& wanted = action.definition;
-  const bool other_activity =
-      maker_.activity_for(wanted, process, entry.task->component(), entry.stand_in) != entry.task->activity();
-  const bool other_properties = !(wanted.properties == entry.definition.properties);
-  if (state == TaskState::PreOperational && (other_activity || (entry.stand_in && other_properties))) {
-    return make_anew(entry, action, process, deadline);
+  const Activity activity = maker_.activity_for(wanted, process, entry.task->component(), entry.stand_in);
+  if (activity != entry.task->activity()) {
+    if (auto renewed = renew(entry, activity, process, deadline); !renewed) {
+      return renewed;
+    }
   }
-  if (other_activity) {
-    return fail(ErrorCode::InvalidState,
-                "its activity can only change in 'pre_operational', and it is " + state_text(entry));
+  if (state == TaskState::PreOperational) {
+    if (auto completed = TaskMaker::complete(entry, wanted, deadline); !completed) {
+      return completed;
+    }
+  }
+  const auto shape = hold_ports(entry, deadline);
+  if (!shape) {
+    return shape.error();
   }
   const type::Value values =
       values_for(entry.task->component(), wanted.properties, entry.definition.properties);
@@ -316,22 +320,19 @@ Result<void> TaskActions::reapply(TaskEntry entry, const model::ConfigAction& ac
   return {};
 }
 
-/// What a task is made of (its thread; a stand-in's properties) changes only by making another one;
-/// connections that stay are laid again.
-Result<void> TaskActions::make_anew(const TaskEntry& old, const model::ConfigAction& action,
-                                    const ProcessEntry* process, TimePoint deadline) {
-  const model::TaskId& id = old.definition.id;
-  const auto connections = table_.wires_of(id);
-  if (auto made = create(action, process, deadline); !made) {
-    return made;
+Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, const ProcessEntry* process,
+                                TimePoint deadline) {
+  if (entry.state() != TaskState::PreOperational) {
+    return fail(ErrorCode::InvalidState,
+                "its activity can only change in 'pre_operational', and it is " + state_text(entry));
   }
-  table_.take_wires_of(id);
-  for (const auto& connection : connections) {
-    if (auto connected = connections_.connect(connection, deadline); !connected) {
-      return fail(ErrorCode::Internal, "could not lay " + quote(to_string(connection)) + " again")
-          .because_of(std::move(connected.error()));
-    }
+  auto task = maker_.renew(entry, activity, process, deadline);
+  if (!task) {
+    return std::move(task.error());
   }
+  entry.task = std::move(*task);
+  listen_to(entry);
+  table_.put(entry);
   return {};
 }
 
@@ -353,6 +354,10 @@ Result<void> TaskActions::set_property(const model::TaskId& id, std::string_view
   auto entry = table_.find(id);
   if (!entry) {
     return std::move(entry.error());
+  }
+  const auto shape = hold_ports(*entry, deadline);
+  if (!shape) {
+    return shape.error();
   }
   const type::Value values = nested(*entry->task, path, value);
   if (auto set = entry->task->set_properties(values, deadline); !set) {

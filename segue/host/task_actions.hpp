@@ -33,8 +33,9 @@ class TaskActions {
   Result<void> create(const model::ConfigAction& action, const ProcessEntry* process, TimePoint deadline);
   Result<void> reapply(TaskEntry entry, const model::ConfigAction& action, const ProcessEntry* process,
                        TimePoint deadline);
-  Result<void> make_anew(const TaskEntry& old, const model::ConfigAction& action, const ProcessEntry* process,
-                         TimePoint deadline);
+  /// Puts a renewed task into the table and the entry.
+  Result<void> renew(TaskEntry& entry, const Activity& activity, const ProcessEntry* process,
+                     TimePoint deadline);
   Result<void> check_devices(const TaskEntry& entry) const;
   void listen_to(const TaskEntry& entry);
 

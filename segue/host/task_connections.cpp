@@ -9,15 +9,6 @@ namespace {
 
 using PortsLock = std::shared_lock<PortsMutex>;
 
-Result<PortsLock> hold(const TaskEntry& entry, TimePoint deadline) {
-  PortsLock lock(*entry.ports, deadline);
-  if (!lock) {
-    return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned",
-                entry.definition.id.str());
-  }
-  return lock;
-}
-
 WireEnd end_of(const TaskEntry& entry) {
   return {entry.task->component(), entry.stand_in, entry.configured()};
 }
@@ -44,13 +35,13 @@ Result<void> TaskConnections::connect(const model::Connection& connection, TimeP
   if (!to) {
     return std::move(to.error());
   }
-  const auto from_ports = hold(*from, deadline);
+  const auto from_ports = hold_ports(*from, deadline);
   if (!from_ports) {
     return from_ports.error();
   }
   Result<PortsLock> to_ports;  // a task may be connected with itself
   if (to->ports != from->ports) {
-    to_ports = hold(*to, deadline);
+    to_ports = hold_ports(*to, deadline);
     if (!to_ports) {
       return to_ports.error();
     }
@@ -77,7 +68,7 @@ Result<void> TaskConnections::with_output(const model::PortRef& port, TimePoint 
   if (!entry) {
     return entry.error();
   }
-  const auto lock = hold(*entry, deadline);
+  const auto lock = hold_ports(*entry, deadline);
   if (!lock) {
     return lock.error();
   }
@@ -96,7 +87,7 @@ Result<void> TaskConnections::with_input(const model::PortRef& port, TimePoint d
   if (!entry) {
     return entry.error();
   }
-  const auto lock = hold(*entry, deadline);
+  const auto lock = hold_ports(*entry, deadline);
   if (!lock) {
     return lock.error();
   }

@@ -114,6 +114,39 @@ Activity TaskMaker::activity_for(const model::Task& definition, const ProcessEnt
   return activity;
 }
 
+Result<std::shared_ptr<task::Executor>> TaskMaker::executor_for(const model::TaskId& task,
+                                                                const Activity& activity,
+                                                                const ProcessEntry* process) {
+  task::ExecutorSet& executors = process == nullptr ? task::ExecutorSet::of_process() : *process->executors;
+  return executors.executor_for(task.str(), activity);
+}
+
+Result<std::shared_ptr<task::Task>> TaskMaker::renew(const TaskEntry& entry, const Activity& activity,
+                                                     const ProcessEntry* process, TimePoint deadline) const {
+  auto executor = executor_for(entry.definition.id, activity, process);
+  if (!executor) {
+    return std::move(executor.error());
+  }
+  auto task = task::Task::renew(*entry.task, activity, std::move(*executor), deadline);
+  if (!task) {
+    return std::move(task.error());
+  }
+  return std::shared_ptr<task::Task>(std::move(*task));
+}
+
+Result<void> TaskMaker::complete(const TaskEntry& entry, const model::Task& definition, TimePoint deadline) {
+  const auto missing = missing_properties(entry.task->component(), property_names(definition));
+  if (!entry.stand_in || missing.empty()) {
+    return {};
+  }
+  const std::unique_lock shape(*entry.ports, deadline);
+  if (!shape) {
+    return busy(entry);
+  }
+  return entry.task->extend([&](task::Component& component) { add_properties(component, missing); },
+                            deadline);
+}
+
 Result<TaskEntry> TaskMaker::make(const model::Task& definition, const ProcessEntry* process) const {
   const bool stand_in = wants_stand_in(definition.component);
   auto component = make_component(definition, stand_in);
@@ -121,8 +154,7 @@ Result<TaskEntry> TaskMaker::make(const model::Task& definition, const ProcessEn
     return std::move(component.error());
   }
   const Activity activity = activity_for(definition, process, **component, stand_in);
-  task::ExecutorSet& executors = process == nullptr ? task::ExecutorSet::of_process() : *process->executors;
-  auto executor = executors.executor_for(definition.id.str(), activity);
+  auto executor = executor_for(definition.id, activity, process);
   if (!executor) {
     return std::move(executor.error());
   }

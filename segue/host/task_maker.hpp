@@ -27,6 +27,13 @@ class TaskMaker {
   /// A task in PreOperational without its properties. `process` is nullptr for the runtime's own.
   Result<TaskEntry> make(const model::Task& definition, const ProcessEntry* process) const;
 
+  /// The task of `entry` on another thread: its component stays, with its ports and their connections.
+  [[nodiscard]] Result<std::shared_ptr<task::Task>> renew(const TaskEntry& entry, const Activity& activity,
+                                                          const ProcessEntry* process,
+                                                          TimePoint deadline) const;
+  /// Gives a stand-in the properties that `definition` names and that it lacks.
+  static Result<void> complete(const TaskEntry& entry, const model::Task& definition, TimePoint deadline);
+
   /// What the task's thread is to be: of the network, else of the component; what neither says, of the
   /// process.
   [[nodiscard]] Activity activity_for(const model::Task& definition, const ProcessEntry* process,
@@ -35,6 +42,9 @@ class TaskMaker {
   [[nodiscard]] StandInBehaviour behaviour_of(const model::Task& definition) const;
 
  private:
+  [[nodiscard]] static Result<std::shared_ptr<task::Executor>> executor_for(const model::TaskId& task,
+                                                                            const Activity& activity,
+                                                                            const ProcessEntry* process);
   [[nodiscard]] bool wants_stand_in(const model::ComponentName& component) const;
   Result<std::unique_ptr<task::Component>> make_component(const model::Task& definition, bool stand_in) const;
   [[nodiscard]] std::unique_ptr<task::Component> make_stand_in_for(const model::Task& definition) const;

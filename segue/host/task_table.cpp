@@ -13,6 +13,18 @@ bool ends_at(const model::Connection& connection, const model::TaskId& id) {
 
 }  // namespace
 
+Error busy(const TaskEntry& entry) {
+  return fail(ErrorCode::DeadlineExceeded, "a hook of the task has not returned", entry.definition.id.str());
+}
+
+Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline) {
+  std::shared_lock lock(*entry.ports, deadline);
+  if (!lock) {
+    return busy(entry);
+  }
+  return lock;
+}
+
 Result<TaskEntry> TaskTable::find(const model::TaskId& id) const {
   const std::shared_lock lock(mutex_);
   if (const auto found = tasks_.find(id); found != tasks_.end()) {
@@ -151,17 +163,6 @@ std::vector<WireEntry> TaskTable::take_wires_of(const model::TaskId& id) {
     place = wires_.erase(place);
   }
   return taken;
-}
-
-std::vector<model::Connection> TaskTable::wires_of(const model::TaskId& id) const {
-  const std::shared_lock lock(mutex_);
-  std::vector<model::Connection> connections;
-  for (const auto& [connection, wire] : wires_) {
-    if (ends_at(connection, id) && wire.wire.stands()) {
-      connections.push_back(connection);
-    }
-  }
-  return connections;
 }
 
 void TaskTable::for_each_wire(const std::function<void(const WireEntry&)>& see) const {

@@ -18,8 +18,8 @@
 
 namespace segue::host::detail {
 
-/// Ports come and go with configure and cleanup: whoever walks over them holds this shared, those verbs hold
-/// it alone. With a deadline, since a hook may hang.
+/// Ports come and go with configure and cleanup (and a stand-in gets properties): whoever walks over them
+/// holds this shared, those verbs hold it alone. With a deadline, since a hook may hang.
 using PortsMutex = std::shared_timed_mutex;
 
 /// A task with what the network says of it. A value: the table hands out copies, so that nothing is locked
@@ -41,6 +41,11 @@ struct ProcessEntry {
   model::Deployment deployment;
   std::shared_ptr<task::ExecutorSet> executors;
 };
+
+/// What the verbs of others answer while a hook has an entry's ports.
+Error busy(const TaskEntry& entry);
+/// Holds the entry's ports still, shared; DeadlineExceeded.
+Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline);
 
 struct ByIdentity {
   bool operator()(const model::Connection& a, const model::Connection& b) const {
@@ -78,7 +83,6 @@ class TaskTable {
   void drop_dead_wires();
   /// Wires at a task, out of the table.
   std::vector<WireEntry> take_wires_of(const model::TaskId& id);
-  [[nodiscard]] std::vector<model::Connection> wires_of(const model::TaskId& id) const;
   /// Calls `see` for each wire that stands, under the lock.
   void for_each_wire(const std::function<void(const WireEntry&)>& see) const;
 

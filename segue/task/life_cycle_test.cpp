@@ -273,6 +273,27 @@ TEST_F(LifeCycle, DestructionStopsAndCleansUp) {
   EXPECT_THAT(hooks, ElementsAre("stop", "cleanup"));
 }
 
+TEST_F(LifeCycle, RenewedTaskHasItsComponentAndTheOldOneRetires) {
+  ASSERT_TRUE(task->set_properties(type::Value::map({{"gain", 4.0}}), soon()));
+  const Activity slow{Trigger::Periodic, std::chrono::seconds(1), {}, 0, {}, {}, false};
+  auto renewed = Task::renew(*task, slow, executor, soon());
+  ASSERT_TRUE(renewed) << to_string(renewed.error());
+  EXPECT_EQ(&(*renewed)->component(), probe);
+  EXPECT_EQ(*(*renewed)->properties().find("gain"), 4.0);
+  EXPECT_EQ((*renewed)->activity(), slow);
+  const auto refused = task->configure(soon());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidState);
+  EXPECT_THAT(refused.error().message, HasSubstr("anew"));
+  ASSERT_TRUE((*renewed)->configure(soon()));
+  ASSERT_TRUE((*renewed)->start(soon()));
+  task.reset();
+  executor->run_ready();
+  EXPECT_THAT(probe->hooks, ElementsAre("configure", "start", "update"));
+  EXPECT_EQ(probe->id(), "probe") << "what retires leaves the component alone";
+  ASSERT_FALSE(Task::renew(**renewed, slow, executor, soon())) << "only in pre_operational";
+}
+
 TEST_F(LifeCycle, UpdatesOnlyWhileRunning) {
   bring_to(TaskState::Stopped);
   update();

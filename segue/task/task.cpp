@@ -52,8 +52,20 @@ Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Compon
     : name(std::move(task_id)),
       activity(std::move(wanted)),
       executor(std::move(runner)),
-      component(std::move(made)) {
+      component(std::move(made)),
+      properties_mutex(std::make_shared<std::mutex>()) {
   RealtimeLog::instance();
+  ComponentAccess::set_context(*component, this);
+  executor->add(*this);
+}
+
+Task::Implementation::Implementation(const Implementation& old, Activity wanted,
+                                     std::shared_ptr<Executor> runner)
+    : name(old.name),
+      activity(std::move(wanted)),
+      executor(std::move(runner)),
+      component(old.component),
+      properties_mutex(old.properties_mutex) {
   ComponentAccess::set_context(*component, this);
   executor->add(*this);
 }
@@ -65,13 +77,15 @@ Task::Implementation::~Implementation() {
     listener = nullptr;
     return {};
   }));
-  for (InputPortBase* input : component->inputs())
-    input->disconnect_all();
-  for (OutputPortBase* output : component->outputs())
-    output->disconnect_all();
+  if (!retired) {
+    for (InputPortBase* input : component->inputs())
+      input->disconnect_all();
+    for (OutputPortBase* output : component->outputs())
+      output->disconnect_all();
+  }
   executor->remove(*this);
   calls.take_all([](detail::PendingCall& call) { call.cancel(); });
-  ComponentAccess::set_context(*component, nullptr);
+  if (!retired) ComponentAccess::set_context(*component, nullptr);
 }
 
 std::string Task::Implementation::state_name() const {
@@ -143,6 +157,23 @@ Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Compo
   return task;
 }
 
+Result<std::unique_ptr<Task>> Task::renew(Task& old, const Activity& activity,
+                                          std::shared_ptr<Executor> executor, TimePoint deadline) {
+  Implementation& before = *old.implementation_;
+  if (auto checked = check_activity(before.name, activity); !checked) return std::move(checked.error());
+  std::unique_ptr<Task> task;
+  auto done = before.exclusive("renew", deadline, [&]() -> Result<void> {
+    if (before.state() != TaskState::PreOperational) return before.illegal("renew", "pre_operational");
+    task.reset(new Task(std::make_unique<Implementation>(before, activity, std::move(executor))));
+    task->implementation_->task = task.get();
+    before.retired = true;
+    before.serve_calls();
+    return {};
+  });
+  if (!done) return std::move(done.error());
+  return task;
+}
+
 Task::Task(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Task::~Task() = default;
 
@@ -200,7 +231,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
     return fail(ErrorCode::InvalidArgument, "properties must be a map, not " + type::describe(values),
                 self.name);
   }
-  const std::lock_guard lock(self.properties_mutex);
+  const std::lock_guard lock(*self.properties_mutex);
   // Checked before and freed after the task is held, so that its updates wait for the swap only.
   std::vector<std::unique_ptr<PropertyBase::Staged>> staged;
   std::vector<std::string> not_live;
@@ -235,8 +266,18 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
   });
 }
 
+Result<void> Task::extend(const std::function<void(Component&)>& add, TimePoint deadline) {
+  Implementation& self = *implementation_;
+  const std::lock_guard lock(*self.properties_mutex);
+  return self.exclusive("extend", deadline, [&]() -> Result<void> {
+    if (self.state() != TaskState::PreOperational) return self.illegal("extend", "pre_operational");
+    add(*self.component);
+    return {};
+  });
+}
+
 type::Value Task::properties() const {
-  const std::lock_guard lock(implementation_->properties_mutex);
+  const std::lock_guard lock(*implementation_->properties_mutex);
   type::ValueMap map;
   for (const PropertyBase* property : implementation_->component->properties()) {
     map.set(property->name(), property->value());

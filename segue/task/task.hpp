@@ -36,6 +36,10 @@ class Task {
   /// As above on a given executor (thread groups, tests).
   static Result<std::unique_ptr<Task>> create(std::string id, std::unique_ptr<Component> component,
                                               const Activity& activity, std::shared_ptr<Executor> executor);
+  /// The same component in PreOperational as a task with another activity, on another executor: its ports
+  /// keep their connections. `old` answers InvalidState from then on.
+  static Result<std::unique_ptr<Task>> renew(Task& old, const Activity& activity,
+                                             std::shared_ptr<Executor> executor, TimePoint deadline);
   /// Stops and cleans up if need be; disconnects every port. Waits for an update in progress without a
   /// deadline; must not be called from inside one of the task's hooks.
   ~Task();
@@ -68,6 +72,9 @@ class Task {
   /// first. In Running and Stopped only live properties may be set; in PreOperational all.
   Result<void> set_properties(const type::Value& values, TimePoint deadline);
   [[nodiscard]] type::Value properties() const;
+  /// In PreOperational: lets `add` give the component more properties, while nobody reads or sets them
+  /// through this. Others who look at its properties must be kept away by the caller.
+  Result<void> extend(const std::function<void(Component&)>& add, TimePoint deadline);
 
   /// Calls an operation with named arguments (a map) or a list in order. Waits until `deadline` for
   /// operations that run in the task's own thread; one that has not begun by then never will.

@@ -38,6 +38,8 @@ class ComponentAccess {
 struct Task::Implementation final : Job, TaskContext, SampleListener {
   Implementation(std::string task_id, std::unique_ptr<Component> made, Activity wanted,
                  std::shared_ptr<Executor> runner);
+  /// Takes the component of another one over, which must be retired then.
+  Implementation(const Implementation& old, Activity wanted, std::shared_ptr<Executor> runner);
   ~Implementation();
 
   // What hooks may ask for (TaskContext).
@@ -103,7 +105,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   const std::string name;
   const Activity activity;
   const std::shared_ptr<Executor> executor;
-  const std::unique_ptr<Component> component;
+  const std::shared_ptr<Component> component;  ///< of this one, and of retired ones
   Task* task = nullptr;
 
   detail::Ownership ownership;               ///< any thread
@@ -111,11 +113,13 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   detail::RealtimeText message;              ///< any thread reads
   detail::TimingRecorder recorder;           ///< any thread reads
   detail::CallQueue calls;                   ///< any thread
-  std::mutex properties_mutex;               ///< held to set properties and to read them from outside
+  /// Held to set properties and to read them from outside; goes with the component.
+  const std::shared_ptr<std::mutex> properties_mutex;
 
   Task::StateListener listener;
   Request request = Request::None;
   bool starting = false;
+  bool retired = false;              ///< the component is another task's now
   std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
   std::vector<InputPortBase*> trigger_inputs;
   std::vector<int> descriptors;
@@ -141,6 +145,9 @@ Result<void> Task::Implementation::exclusive(std::string_view verb, TimePoint de
     Implementation& owned;
     ~Releaser() { owned.release(); }
   } const releaser{*this};
+  if (retired) {
+    return fail(ErrorCode::InvalidState, "the task has been made anew; ask again", name);
+  }
   return body();
 }
 

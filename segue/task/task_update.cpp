@@ -98,6 +98,10 @@ void Task::Implementation::look_again() noexcept {
 }
 
 void Task::Implementation::serve_calls() noexcept {
+  if (retired) {
+    calls.take_all([](detail::PendingCall& call) { call.cancel(); });
+    return;
+  }
   request = Request::None;
   calls.take_all([](detail::PendingCall& call) { call.run(); });
   if (request == Request::None) return;
