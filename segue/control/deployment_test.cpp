@@ -7,7 +7,6 @@
 #include <sys/un.h>
 
 #include <future>
-#include <thread>
 
 namespace segue::control {
 namespace {
@@ -15,24 +14,6 @@ namespace {
 using model::ActionKind;
 using model::TaskId;
 using type::Value;
-
-std::size_t open_descriptors() {
-  std::size_t count = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
-    ++count;
-  return count;
-}
-
-/// Waits for something that another thread brings about.
-template <class Condition>
-bool eventually(Condition condition) {
-  const TimePoint limit = soon() + kLong;
-  while (!condition()) {
-    if (RealClock::instance().now() > limit) return false;
-    std::this_thread::yield();
-  }
-  return true;
-}
 
 TEST_F(DeploymentTest, WhoItIsTravels) {
   deployment_.who.robot = "spot";

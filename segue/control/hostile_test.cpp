@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/robot.capnp.h>
-#include <segue/control/detail/event_loop.hpp>
-#include <segue/control/detail/socket.hpp>
 #include <segue/control/detail/wire.hpp>
-#include <support/fake_robot.hpp>
+#include <support/hostile_client.hpp>
 
-#include <capnp/message.h>
-#include <capnp/rpc-twoparty.h>
-#include <capnp/rpc.capnp.h>
-#include <capnp/serialize.h>
-#include <poll.h>
-#include <sys/socket.h>
-
-#include <cstring>
-#include <future>
 #include <random>
 #include <vector>
 
@@ -21,127 +10,6 @@ namespace segue::control {
 namespace {
 
 using type::Value;
-
-/// A client that does not speak the protocol.
-class Raw {
- public:
-  explicit Raw(const std::filesystem::path& socket)
-      : descriptor_(detail::connect_socket(socket, kLong).value()) {}
-
-  /// How much the server takes before it closes or stops reading for `patience`.
-  std::size_t send(std::string_view bytes, Duration patience = kLong) {
-    std::size_t total = 0;
-    while (total < bytes.size()) {
-      const auto sent = ::send(descriptor_.get(), bytes.data() + total, bytes.size() - total, MSG_NOSIGNAL);
-      if (sent > 0) {
-        total += static_cast<std::size_t>(sent);
-      } else if (errno != EAGAIN || !wait_for(POLLOUT, patience)) {
-        break;
-      }
-    }
-    return total;
-  }
-
-  /// Whether the server closes in time; what it says before is dropped.
-  bool is_closed() {
-    char buffer[4096];
-    for (;;) {
-      const auto got = ::recv(descriptor_.get(), buffer, sizeof buffer, 0);
-      if (got == 0 || (got < 0 && errno != EAGAIN)) return true;
-      if (got < 0 && !wait_for(POLLIN, kLong)) return false;
-    }
-  }
-
- private:
-  bool wait_for(short events, Duration limit) {
-    pollfd entry{descriptor_.get(), events, 0};
-    const auto limit_ms = std::chrono::duration_cast<std::chrono::milliseconds>(limit).count();
-    return ::poll(&entry, 1, static_cast<int>(limit_ms)) > 0;
-  }
-  Descriptor descriptor_;
-};
-
-/// Eight bytes: the begin of a message.
-std::string word(std::uint32_t low, std::uint32_t high) {
-  std::string bytes(8, '\0');
-  std::memcpy(bytes.data(), &low, 4);
-  std::memcpy(bytes.data() + 4, &high, 4);
-  return bytes;
-}
-
-/// A request for the bootstrap capability, which the server answers.
-std::string bootstrap_message(std::uint32_t question) {
-  capnp::MallocMessageBuilder message;
-  message.initRoot<capnp::rpc::Message>().initBootstrap().setQuestionId(question);
-  const auto words = capnp::messageToFlatArray(message);
-  const auto bytes = words.asBytes();
-  return {reinterpret_cast<const char*>(bytes.begin()), bytes.size()};
-}
-
-/// A client that speaks the protocol, but as it likes. Lives in an event loop of its own.
-class Speaker {
- public:
-  explicit Speaker(const std::filesystem::path& socket)
-      : descriptor_(detail::connect_socket(socket, kLong).value()) {
-    loop_.run([this](kj::AsyncIoContext& io) {
-      stream_ = io.lowLevelProvider->wrapSocketFd(descriptor_.get());
-      client_ = kj::heap<capnp::TwoPartyClient>(*stream_);
-    });
-  }
-  ~Speaker() { vanish(); }
-
-  /// The error of a hello, or an empty one.
-  Error hello(std::uint32_t version) {
-    auto done = std::make_shared<std::promise<Error>>();
-    auto answer = done->get_future();
-    loop_.run([&](kj::AsyncIoContext&) {
-      auto request = client_->bootstrap().castAs<wire::Gate>().helloRequest();
-      request.setVersion(version);
-      request.setSoftware("99.0");
-      request.setWants("robot");
-      promise_ = request.send()
-                     .then([this, done](auto&& response) {
-                       if (response.hasService())
-                         robot_ = response.getService().template castAs<wire::Robot>();
-                       done->set_value(response.hasError() ? detail::decode(response.getError())
-                                                           : fail(ErrorCode::Internal, ""));
-                     })
-                     .eagerlyEvaluate(nullptr);
-    });
-    return answer.get();
-  }
-
-  /// Begins a call that waits, and does not wait for it.
-  void call_and_forget() {
-    loop_.run([&](kj::AsyncIoContext&) {
-      auto request = robot_.callRequest();
-      request.setOperation("wait");
-      request.setTimeout(Duration(kLong).count());
-      call_ = request.send().ignoreResult().eagerlyEvaluate([](kj::Exception&&) {});
-    });
-  }
-
-  /// As a killed process: the socket closes without a word.
-  void vanish() {
-    loop_.run([this](kj::AsyncIoContext&) {
-      ::shutdown(descriptor_.get(), SHUT_RDWR);
-      call_ = nullptr;
-      promise_ = nullptr;
-      robot_ = nullptr;
-      client_ = nullptr;
-      stream_ = nullptr;
-    });
-  }
-
- private:
-  Descriptor descriptor_;
-  kj::Own<kj::AsyncIoStream> stream_;
-  kj::Own<capnp::TwoPartyClient> client_;
-  wire::Robot::Client robot_ = nullptr;
-  kj::Promise<void> promise_ = nullptr;
-  kj::Promise<void> call_ = nullptr;
-  detail::EventLoop loop_;  // goes first: the rest is empty by then
-};
 
 TEST_F(ControlTest, GarbageIsRefusedAndOthersAreNotDisturbed) {
   serve();
@@ -196,18 +64,23 @@ TEST_F(ControlTest, AClientThatOnlyTalksIsNotHeardForLong) {
 TEST_F(ControlTest, AnotherVersionIsToldBothVersions) {
   serve();
   Speaker other(socket_);
-  const Error refused = other.hello(999);
+  const Error refused = other.hello(999, "robot");
   EXPECT_EQ(refused.code, ErrorCode::Unsupported);
   EXPECT_NE(refused.message.find("999"), std::string::npos) << refused.message;
   EXPECT_NE(refused.message.find("speaks version 2 "), std::string::npos) << refused.message;
-  EXPECT_EQ(Speaker(socket_).hello(detail::kProtocolVersion).message, "");
+  EXPECT_EQ(Speaker(socket_).hello(detail::kProtocolVersion, "robot").message, "");
 }
 
 TEST_F(ControlTest, AClientThatVanishesInACallLeavesTheServerWhole) {
   serve();
   Speaker doomed(socket_);
-  ASSERT_EQ(doomed.hello(detail::kProtocolVersion).message, "");
-  doomed.call_and_forget();
+  ASSERT_EQ(doomed.hello(detail::kProtocolVersion, "robot").message, "");
+  doomed.begin([](capnp::Capability::Client service) {
+    auto request = service.castAs<wire::Robot>().callRequest();
+    request.setOperation("wait");
+    request.setTimeout(Duration(kLong).count());
+    return request.send().ignoreResult();
+  });
   ASSERT_TRUE(robot_.entered.wait());
   doomed.vanish();
   const auto good = client();

@@ -10,10 +10,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 /// Services that answer with what they were asked or told to answer, so that tests see what travelled.
@@ -30,6 +32,24 @@ inline std::string content_of(const Descriptor& memory) {
   const auto size = ::pread(memory.get(), text.data(), text.size(), 0);
   text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
   return text;
+}
+
+inline std::size_t open_descriptors() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
+    ++count;
+  return count;
+}
+
+/// Waits for something that another thread brings about.
+template <class Condition>
+bool eventually(Condition condition) {
+  const TimePoint limit = soon() + kLong;
+  while (!condition()) {
+    if (RealClock::instance().now() > limit) return false;
+    std::this_thread::yield();
+  }
+  return true;
 }
 
 inline model::Action action_of(model::ActionKind kind, const std::string& task) {
