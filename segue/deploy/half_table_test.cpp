@@ -25,6 +25,7 @@ class FakeHalf final : public link::SharedHalf {
   [[nodiscard]] link::Counters counters() const override { return {}; }
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] link::Incarnation peer() const override { return 0; }
+  [[nodiscard]] std::uint64_t corrupt() const override { return 0; }
 
  private:
   std::atomic<bool> connected_ = true;
