@@ -65,7 +65,8 @@ Result<std::byte*> find_ring(const PeerMemory& reader, const InputPlace& place, 
     const RingHeader& header = SharedRing(memory, policy, place.generation).header();
     if (header.generation.load(std::memory_order_acquire) == place.generation &&
         header.kind.load(std::memory_order_relaxed) == static_cast<std::uint64_t>(policy.kind) &&
-        header.size.load(std::memory_order_relaxed) == policy.size) {
+        header.size.load(std::memory_order_relaxed) == policy.size &&
+        header.init.load(std::memory_order_relaxed) == (policy.init ? 1U : 0U)) {
       return memory;
     }
   }

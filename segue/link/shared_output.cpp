@@ -24,9 +24,9 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       ring_(ring, policy, place.generation),
       given_(std::make_unique<Given[]>(ring_.entries().size())) {
   // The last one is kept for offer_last().
-  const auto last = static_cast<std::uint32_t>(ring_.entries().size() - 1);
+  const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
   free_.reserve(ring_.entries().size());
-  for (std::uint32_t entry = last; entry-- > 0;)
+  for (auto entry = static_cast<std::uint32_t>(count); entry-- > 0;)
     free_.push_back(entry);
 }
 

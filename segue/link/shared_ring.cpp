@@ -17,7 +17,7 @@ constexpr std::size_t whole_lines(std::size_t bytes) {
 /// Where each part begins, and the whole.
 struct Layout {
   explicit Layout(const Policy& policy)
-      : entry_count(policy.size + SharedRing::kExtra),
+      : entry_count(policy.size + SharedRing::kExtra + (policy.init ? 1 : 0)),
         returned_count((entry_count + 63) / 64),
         returned(words + whole_lines(WordRing::places(policy.kind, policy.size) * sizeof(Word))),
         entries(returned + whole_lines(returned_count * sizeof(Word))),

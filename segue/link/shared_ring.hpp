@@ -18,6 +18,7 @@ struct RingHeader {
   std::atomic<std::uint64_t> generation{0};  ///< 0 once the place is free again
   std::atomic<std::uint64_t> kind{0};
   std::atomic<std::uint64_t> size{0};
+  std::atomic<std::uint64_t> init{0};
   // Of the reader, at any time.
   alignas(64) std::atomic<std::uint64_t> bell{0};  ///< of BellLine; 0: nobody waits
   std::atomic<std::uint64_t> closed{0};            ///< 1: the reader's half has ended
@@ -44,9 +45,9 @@ struct RingEntry {
 class SharedRing {
  public:
   /// Entries beyond the samples that wait: one that the reader holds, one that it takes meanwhile, one that
-  /// the writer puts in before it gets another one back, one for Policy::init.
-  static constexpr std::size_t kExtra = 4;
-  static constexpr std::size_t kLargest = (std::size_t{1} << 20) - kExtra;
+  /// the writer puts in before it gets another one back. With Policy::init one more, the last.
+  static constexpr std::size_t kExtra = 3;
+  static constexpr std::size_t kLargest = (std::size_t{1} << 20) - kExtra - 1;
 
   SharedRing(std::byte* memory, const Policy& policy, std::uint64_t generation);
   /// Bytes that a ring of this policy takes; its size must be at most kLargest.

@@ -13,6 +13,7 @@ OwnedRing::OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, st
   RingHeader& header = *new (memory_.get()) RingHeader;
   header.kind.store(static_cast<std::uint64_t>(policy.kind), std::memory_order_relaxed);
   header.size.store(policy.size, std::memory_order_relaxed);
+  header.init.store(policy.init ? 1 : 0, std::memory_order_relaxed);
   header.generation.store(generation, std::memory_order_release);
 }
 

@@ -29,9 +29,16 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
+/// 100 MB of which only what is written becomes memory.
+struct Image {
+  Image() {}  // NOLINT(modernize-use-equals-default): that would fill it with zeros
+  std::array<std::uint8_t, 100'000'000> pixels;
+};
+
 }  // namespace segue::link::shared_test
 
 SEGUE_TYPE(segue::link::shared_test::Pose, number, check)
+SEGUE_TYPE(segue::link::shared_test::Image, pixels)
 
 namespace segue::link::shared_test {
 
@@ -63,9 +70,11 @@ struct Source : Component {
   OutputPort<T> out{*this, "out"};
 };
 
+/// Outside of a task a port's name is all that tells one from another.
 template <class T>
 struct Sink : Component {
-  InputPort<T> in{*this, "in"};
+  explicit Sink(const std::string& name = "in") : in(*this, name) {}
+  InputPort<T> in;
 };
 
 /// Takes everything, one sample for each update.

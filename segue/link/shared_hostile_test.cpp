@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// A peer that may write anything to the memory that it shares.
+#include <segue/link/shared_pools.hpp>
+#include <segue/link/shared_ring.hpp>
+#include <segue/link/shared_test_support.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace segue::link {
+namespace {
+
+using namespace shared_test;
+using Text = std::vector<std::string>;
+
+/// The whole control pool of a process, as a peer sees it.
+struct Hostile {
+  explicit Hostile(const SharedMemory& victim) : offer(*victim.offer()), memory(*PeerMemory::map(offer)) {}
+  [[nodiscard]] SharedRing ring(const InputPlace& place, const Policy& policy) const {
+    return {memory->control(place.offset, SharedRing::bytes(policy)), policy, place.generation};
+  }
+  MemoryOffer offer;
+  std::shared_ptr<const PeerMemory> memory;
+};
+
+TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
+  for (const Policy policy :
+       {Policy{}, Policy{BufferKind::Buffer, 4}, Policy{BufferKind::CircularBuffer, 4}}) {
+    Pair pair;
+    const Hostile hostile(*pair.reader);
+    Source<Pose> source;
+    Sink<Pose> sink;
+    const Link link = pair.connect(source.out, sink.in, policy);
+    ASSERT_TRUE(link.ok);
+    SharedRing ring = hostile.ring(link.place, policy);
+    std::uint64_t before = 0;
+    ring.words().push(0x3ffffffffff, before);  // no such mark
+    EXPECT_FALSE(sink.in.take());
+    EXPECT_EQ(link.input->corrupt(), 1U);
+  }
+}
+
+TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
+  const Policy policy{BufferKind::Buffer, 8};
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  Source<Pose> source;
+  Sink<Pose> sink;
+  const Link link = pair.connect(source.out, sink.in, policy);
+  ASSERT_TRUE(link.ok);
+  SharedRing ring = hostile.ring(link.place, policy);
+  struct Lie {
+    std::uint64_t offset;
+    std::uint64_t size;
+  };
+  const std::vector<Lie> lies = {{~std::uint64_t{0}, sizeof(Pose)},
+                                 {~std::uint64_t{0} - 255, sizeof(Pose)},
+                                 {(1 << 24) - 8, sizeof(Pose)},
+                                 {65, sizeof(Pose)},
+                                 {64, sizeof(Pose) - 1},
+                                 {64, ~std::uint64_t{0}},
+                                 {64, 0}};
+  std::uint64_t expected = 0;
+  for (const Lie& lie : lies) {
+    RingEntry& entry = ring.entries()[0];
+    entry.offset = lie.offset;
+    entry.size = lie.size;
+    entry.sequence = 1;
+    entry.generation = link.place.generation;
+    std::uint64_t before = 0;
+    ASSERT_EQ(ring.words().push(ring.cargo_of(0), before), WordRing::Push::Taken);
+    EXPECT_FALSE(sink.in.take());
+    EXPECT_EQ(link.input->corrupt(), ++expected);
+  }
+  // The same entry twice, while the reader holds it.
+  RingEntry& entry = ring.entries()[0];
+  entry.offset = 64;
+  entry.size = sizeof(Pose);
+  std::uint64_t before = 0;
+  ring.words().push(ring.cargo_of(0), before);
+  ring.words().push(ring.cargo_of(0), before);
+  const auto held = sink.in.take();
+  EXPECT_TRUE(held);
+  EXPECT_FALSE(sink.in.take());
+  EXPECT_EQ(link.input->corrupt(), ++expected);
+  // Of a connection that had this place before.
+  ring.entries()[1].generation = link.place.generation + 1;
+  ring.words().push(ring.cargo_of(1), before);
+  EXPECT_FALSE(sink.in.take());
+  EXPECT_EQ(link.input->corrupt(), ++expected);
+}
+
+TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {
+  const Policy policy{BufferKind::Buffer, 8};
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  Source<Text> source;
+  Sink<Text> sink;
+  const Link link = pair.connect(source.out, sink.in, policy);
+  ASSERT_TRUE(link.ok);
+  source.out.write({"one", "two"});
+  SharedRing ring = hostile.ring(link.place, policy);
+  for (RingEntry& entry : ring.entries())
+    entry.size = 12;  // cut off
+  EXPECT_FALSE(sink.in.take());
+  EXPECT_EQ(link.input->corrupt(), 1U);
+  source.out.write({"three"});
+  EXPECT_TRUE(sink.in.take()) << "the connection goes on";
+}
+
+TEST(SharedHostile, ReaderThatGivesBackWhatItWasNeverGivenIsCounted) {
+  const Policy policy{BufferKind::Buffer, 4};
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  Source<Pose> source;
+  Sink<Pose> sink;
+  const Link link = pair.connect(source.out, sink.in, policy);
+  ASSERT_TRUE(link.ok);
+  const SharedRing ring = hostile.ring(link.place, policy);
+  for (int i = 1; i < 200; ++i) {
+    for (auto& word : ring.returned())
+      word = ~std::uint64_t{0};
+    source.out.write(Pose(i));
+    sink.in.take();
+  }
+  EXPECT_GT(link.output->corrupt(), 0U);
+  const std::size_t used = pair.writer->usage().payload_used;
+  pair.disconnect(link);
+  EXPECT_EQ(pair.writer->usage().payload_used, used);
+  Sink<Pose> other("other");
+  ASSERT_TRUE(pair.connect(source.out, other.in, policy).ok);
+  source.out.write(Pose(7));
+  EXPECT_EQ(*other.in.take(), Pose(7)) << "nothing was given away twice";
+}
+
+/// Whatever is written to a control pool at any time: no crash, no endless loop, and the writer's samples are
+/// whole for those who are honest.
+TEST(SharedHostile, GarbageAnywhereInTheControlPoolHarmsNobodyElse) {
+  std::minstd_rand random(7);
+  for (int round = 0; round < 30; ++round) {
+    Pair pair;
+    const Hostile hostile(*pair.reader);
+    const auto honest = *SharedMemory::create(kSmall);
+    ASSERT_TRUE(honest->admit(*pair.writer->offer()));
+    ASSERT_TRUE(pair.writer->admit(*honest->offer()));
+    Source<Pose> source;
+    Source<Text> texts;
+    auto [task, counter] = running<Counter>("counter", {});
+    Sink<Text> text_sink;
+    Sink<Pose> good("good");
+    const auto kind = static_cast<BufferKind>(round % 3);
+    const Policy policy{kind, kind == BufferKind::Data ? 1U : 5U};
+    ASSERT_TRUE(pair.connect(source.out, counter->in, policy).ok);
+    ASSERT_TRUE(pair.connect(texts.out, text_sink.in, policy).ok);
+    auto input = open_input(*honest, describe_output(*pair.writer, source.out), good.in, {});
+    ASSERT_TRUE(input);
+    ASSERT_TRUE(attach_output(*pair.writer, input->place, source.out, {}));
+    auto* words = reinterpret_cast<std::atomic<std::uint64_t>*>(hostile.memory->control(0, 1 << 16));
+    const std::size_t used = pair.reader->usage().control_used / 8;
+    for (int i = 1; i <= 300; ++i) {
+      for (int spoiled = 0; spoiled < 4; ++spoiled) {
+        // The low bits now and then only, so that words stay plausible.
+        const std::uint64_t garbage = std::uint64_t{random()} << (random() % 40);
+        words[random() % used] ^= random() % 2 == 0 ? garbage : std::uint64_t{1} << (random() % 64);
+      }
+      source.out.write(Pose(i));
+      texts.out.write({"text"});
+      static_cast<void>(text_sink.in.take());
+      const auto sample = good.in.take();
+      ASSERT_TRUE(sample);
+      ASSERT_EQ(*sample, Pose(i));
+    }
+    EXPECT_TRUE(task->stop(soon()));
+  }
+}
+
+}  // namespace
+}  // namespace segue::link
