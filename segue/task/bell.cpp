@@ -15,6 +15,7 @@ using detail::futex_wake;
 using detail::FutexScope;
 
 constexpr std::uint32_t kModeMask = 3;
+constexpr std::uint32_t kWoken = 3;  ///< as mode: was InFutex, has not run yet
 
 std::uint64_t bit_of(std::size_t index) {
   return std::uint64_t{1} << (index % 64);
@@ -34,17 +35,20 @@ void ring(BellWords& words, unsigned line) noexcept {
   words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
   words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
   std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
-  if ((seen & kModeMask) == 0) return;
-  // First the wake, then the note that it was woken: who dies in between leaves the next one to wake it
-  // again.
-  if ((seen & kModeMask) == static_cast<std::uint32_t>(Bell::Sleep::InPoll)) {
+  const std::uint32_t mode = seen & kModeMask;
+  if (mode == 0) return;
+  if (mode == static_cast<std::uint32_t>(Bell::Sleep::InPoll)) {
+    // First the wake, then the note that it was woken: who dies in between leaves the next one to wake it
+    // again.
     words.rings.fetch_add(1, std::memory_order_seq_cst);
     futex_wake(words.rings, 1, FutexScope::Host);
-  } else {
-    futex_wake(words.sleeping, 1, FutexScope::Host);
+    words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
+    return;
   }
-  // Where it was not yet asleep it finds the word changed.
-  words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
+  // First the word, so that it does not fall asleep between the wake and the note. It goes on saying that
+  // there is somebody to wake: who dies in between leaves the next one to do so.
+  words.sleeping.compare_exchange_strong(seen, seen | kWoken, std::memory_order_seq_cst);
+  futex_wake(words.sleeping, 1, FutexScope::Host);
 }
 
 Result<std::shared_ptr<Bell>> check_bell(std::shared_ptr<Bell> made) {
