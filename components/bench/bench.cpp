@@ -120,10 +120,7 @@ class Consumer final : public Component {
 
  protected:
   Result<void> on_start() override {
-    statistics_ = {};
-    latency_sum_ = 0;
-    gaps_ = {};
-    fixed_gaps_ = {};
+    reset();
     return {};
   }
 
@@ -138,8 +135,22 @@ class Consumer final : public Component {
   }
 
  private:
+  void reset() {
+    statistics_ = {};
+    latency_sum_ = 0;
+    gaps_ = {};
+    fixed_gaps_ = {};
+    last_arrival_ = 0;
+  }
+
   void count(std::uint64_t sequence, std::int64_t stamp, GapCounter& gaps) {
-    const double latency = 1e-9 * static_cast<double>(nanoseconds(now()) - stamp);
+    const std::int64_t arrival = nanoseconds(now());
+    const double latency = 1e-9 * static_cast<double>(arrival - stamp);
+    if (last_arrival_ > 0) {
+      const double pause = 1e-9 * static_cast<double>(arrival - last_arrival_);
+      statistics_.pause_max = std::max(statistics_.pause_max, pause);
+    }
+    last_arrival_ = arrival;
     ++statistics_.count;
     statistics_.lost += gaps.lost_before(sequence);
     latency_sum_ += latency;
@@ -152,8 +163,10 @@ class Consumer final : public Component {
   InputPort<FixedSample> fixed_in_{*this, "fixed_in"};
   OutputPort<Statistics> statistics_out_{*this, "statistics", {.doc = "after every update"}};
   Operation<Statistics()> read_{*this, "statistics", {}, [this] { return statistics_; }};
+  Operation<void()> reset_{*this, "reset", {}, [this] { reset(); }};
   Statistics statistics_;
   double latency_sum_ = 0;
+  std::int64_t last_arrival_ = 0;
   GapCounter gaps_;
   GapCounter fixed_gaps_;
 };
