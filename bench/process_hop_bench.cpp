@@ -3,7 +3,9 @@
 // others have built.
 #include "process/hop.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -45,9 +47,14 @@ void compare(const std::string& title, const Transports& all, Experiment experim
   std::fflush(stdout);
 }
 
-void compare_all(const Transports& all) {
+bool is_wanted(const std::string& size, std::span<char* const> sizes) {
+  return sizes.empty() || std::ranges::any_of(sizes, [&](const char* wanted) { return size == wanted; });
+}
+
+void compare_all(const Transports& all, std::span<char* const> sizes) {
   for (const auto& [name, bytes] : kSizes) {
     const std::string size = name;
+    if (!is_wanted(size, sizes)) continue;
     compare("One hop between processes, " + size + ", both on one processor", all, latency, {bytes, 0});
     compare("One hop between processes, " + size + ", processors free", all, latency, {bytes, {}});
     compare("Back to back, for each sample of " + size + ", processors free", all, throughput, {bytes, {}});
@@ -56,11 +63,12 @@ void compare_all(const Transports& all) {
 
 }  // namespace
 
-int main() {
+/// Arguments: only these sizes, as they are named in the titles ("1 MB").
+int main(int count, char** arguments) {
   const bool has_iceoryx = make_iceoryx() != nullptr;
   const auto roudi = has_iceoryx ? RouDi::start() : nullptr;
   if (make_cyclone() == nullptr) std::puts("left out: Cyclone DDS (tools/setup --bench-peers installs it)");
   if (!has_iceoryx) std::puts("left out: iceoryx (tools/setup --bench-peers installs it)");
   if (has_iceoryx && roudi == nullptr) std::puts("left out: iceoryx, whose daemon iox-roudi did not start");
-  compare_all(transports(roudi != nullptr));
+  compare_all(transports(roudi != nullptr), std::span(arguments, static_cast<std::size_t>(count)).subspan(1));
 }

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,22 +36,16 @@ bool wait_until_ready(pid_t pid, const std::string& output) {
   return false;
 }
 
-pid_t spawn_roudi(const std::string& config, const std::string& output) {
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT, 0600);
-  ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  std::string program = "iox-roudi";
-  std::string option = "-c";
-  std::string path = config;
-  std::string level_option = "-l";
-  std::string level = "warning";
-  char* arguments[] = {program.data(),      option.data(), path.data(),
-                       level_option.data(), level.data(),  nullptr};
-  pid_t pid = -1;
-  const int failed = ::posix_spawnp(&pid, "iox-roudi", &actions, nullptr, arguments, environ);
-  ::posix_spawn_file_actions_destroy(&actions);
-  return failed == 0 ? pid : -1;
+/// Ends with this process, however that ends.
+pid_t start_roudi(const std::string& config, const std::string& output) {
+  const pid_t pid = ::fork();
+  if (pid != 0) return pid;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  const int file = ::open(output.c_str(), O_WRONLY | O_CREAT, 0600);
+  ::dup2(file, STDOUT_FILENO);
+  ::dup2(file, STDERR_FILENO);
+  ::execlp("iox-roudi", "iox-roudi", "-c", config.c_str(), "-l", "warning", nullptr);
+  std::_Exit(127);
 }
 
 }  // namespace
@@ -61,7 +55,7 @@ std::unique_ptr<RouDi> RouDi::start() {
   if (::mkdtemp(folder.data()) == nullptr) return nullptr;
   write_config(folder + "/roudi.toml");
   const std::string output = folder + "/roudi.log";
-  const pid_t pid = spawn_roudi(folder + "/roudi.toml", output);
+  const pid_t pid = start_roudi(folder + "/roudi.toml", output);
   auto daemon = std::unique_ptr<RouDi>(new RouDi(pid, folder));
   if (pid <= 0 || !wait_until_ready(pid, output)) daemon.reset();
   return daemon;
