@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Values and errors out of messages that anybody may have written, under the limits of the server.
-#include <segue/control/detail/wire.hpp>
+// Everything that a message can hold, out of messages that anybody may have written, under the limits of the
+// server.
+#include <segue/control/detail/deployment_wire.hpp>
 
 #include <capnp/message.h>
 #include <capnp/serialize.h>
@@ -36,12 +37,8 @@ void check_round_trip(const type::Value& value) {
   require(*again == value, "a value arrives as it went");
 }
 
-void read_answer(kj::ArrayPtr<const capnp::word> words) {
-  capnp::ReaderOptions options;
-  options.traversalLimitInWords = kServerMessageWords;
-  options.nestingLimit = kMessageNesting;
-  capnp::FlatArrayMessageReader message(words, options);
-  const auto answer = decode(message.getRoot<wire::Answer>(), kMaxNodes);
+void read_answer(wire::Answer::Reader reader) {
+  const auto answer = decode(reader, kMaxNodes);
   if (answer) {
     check_round_trip(*answer);
   } else {
@@ -49,15 +46,58 @@ void read_answer(kj::ArrayPtr<const capnp::word> words) {
   }
 }
 
+/// What can be read is sent on, and is the same message when it is read and sent once more.
+template <class Wire>
+void pass_on(typename Wire::Reader reader) {
+  const auto read = decode(reader);
+  capnp::MallocMessageBuilder first;
+  encode(read, first.initRoot<Wire>());
+  if (first.sizeInWords() > kServerMessageWords / 2) return;
+  capnp::MallocMessageBuilder second;
+  encode(decode(first.getRoot<Wire>().asReader()), second.initRoot<Wire>());
+  require(capnp::messageToFlatArray(first).asBytes() == capnp::messageToFlatArray(second).asBytes(),
+          "what was read arrives as it went");
+}
+
+void read_message(unsigned kind, kj::ArrayPtr<const capnp::word> words) {
+  capnp::ReaderOptions options;
+  options.traversalLimitInWords = kServerMessageWords;
+  options.nestingLimit = kMessageNesting;
+  capnp::FlatArrayMessageReader message(words, options);
+  switch (kind % 9) {
+    case 0:
+      return read_answer(message.getRoot<wire::Answer>());
+    case 1:
+      return pass_on<wire::Transition>(message.getRoot<wire::Transition>());
+    case 2:
+      return pass_on<wire::Snapshot>(message.getRoot<wire::Snapshot>());
+    case 3:
+      return pass_on<wire::Component>(message.getRoot<wire::Component>());
+    case 4:
+      return pass_on<wire::Info>(message.getRoot<wire::Info>());
+    case 5:
+      return pass_on<wire::OpenInput>(message.getRoot<wire::OpenInput>());
+    case 6:
+      return pass_on<wire::PlaceOutcome>(message.getRoot<wire::PlaceOutcome>());
+    case 7:
+      return pass_on<wire::ProcessInfo>(message.getRoot<wire::ProcessInfo>());
+    default:
+      return pass_on<wire::CloseHalf>(message.getRoot<wire::CloseHalf>());
+  }
+}
+
 }  // namespace
 }  // namespace segue::control::detail
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  if (size == 0) return 0;
+  const unsigned kind = bytes[--size];  // last, so that the message is aligned as it would be
   std::vector<capnp::word> words(size / sizeof(capnp::word));
   if (!words.empty()) std::memcpy(words.data(), bytes, words.size() * sizeof(capnp::word));
   try {
-    segue::control::detail::read_answer({words.data(), words.size()});
-  } catch (const kj::Exception&) {  // malformed: the RPC system answers with an error
+    segue::control::detail::read_message(kind, {words.data(), words.size()});
+  } catch (const kj::Exception&) {                      // malformed: the RPC system answers with an error
+  } catch (const segue::control::detail::WireError&) {  // likewise
   }
   return 0;
 }
