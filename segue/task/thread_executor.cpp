@@ -144,7 +144,7 @@ void ThreadExecutor::State::wake() noexcept {
   const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
   if (how == kInFutex) detail::futex_wake(sleeping, 1);
   if (how == kInPoll) eventfd_write(wake_descriptor, 1);
-  if (how == kInBell) bell.load(std::memory_order_relaxed)->wake();
+  if (how == kInBell) bell.load(std::memory_order_acquire)->wake();
 }
 
 void ThreadExecutor::State::loop() noexcept {
@@ -153,7 +153,7 @@ void ThreadExecutor::State::loop() noexcept {
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
-    Bell* const ringing = bell.load(std::memory_order_relaxed);
+    Bell* const ringing = bell.load(std::memory_order_acquire);
     if (ringing != nullptr && ringing->rung()) ringing->answer();
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
