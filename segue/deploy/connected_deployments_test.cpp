@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two deployments, as if each had a process of its own, and connections between them.
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/deploy/test_hooks.hpp>
+#include <segue/host/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <thread>
+
+namespace pair {
+
+using segue::task::InputPort;
+using segue::task::OutputPort;
+
+class Source : public segue::task::Component {
+ public:
+  OutputPort<std::int64_t> out{*this, "out"};
+  OutputPort<std::string> words{*this, "words"};
+  Source() {
+    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(1)});
+    dynamic_outputs<std::int64_t>("extra");
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    extra_ =
+        std::make_unique<OutputPort<std::int64_t>>(*this, "extra", segue::task::PortOptions{.dynamic = true});
+    return {};
+  }
+  void on_update() override {
+    out.write(++count_);
+    extra_->write(count_);
+  }
+  void on_cleanup() override { extra_.reset(); }
+
+ private:
+  std::int64_t count_ = 0;
+  std::unique_ptr<OutputPort<std::int64_t>> extra_;
+};
+
+/// What all sinks saw, for the test.
+inline std::atomic<std::int64_t> last{0};
+inline std::atomic<std::int64_t> backwards{0};
+
+class Sink : public segue::task::Component {
+ public:
+  InputPort<std::int64_t> in{*this, "in"};
+  Sink() {
+    default_activity({.trigger = segue::Trigger::PortDriven});
+    dynamic_inputs<std::int64_t>("extra");
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    extra_ =
+        std::make_unique<InputPort<std::int64_t>>(*this, "extra", segue::task::PortOptions{.dynamic = true});
+    return {};
+  }
+  void on_update() override {
+    std::int64_t value = 0;
+    while (in.read(value) == segue::task::ReadStatus::NewData) {
+      if (value <= last.load()) ++backwards;
+      last = value;
+    }
+  }
+  void on_cleanup() override { extra_.reset(); }
+
+ private:
+  std::unique_ptr<InputPort<std::int64_t>> extra_;
+};
+
+}  // namespace pair
+
+SEGUE_COMPONENT(pair::Source)
+SEGUE_COMPONENT(pair::Sink)
+
+namespace segue::deploy {
+namespace {
+
+using host::testing::apply;
+using host::testing::on_task;
+using host::testing::soon;
+using host::testing::task_of;
+using host::testing::wire;
+using model::ActionKind;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// What one process has.
+struct Process {
+  explicit Process(std::string_view name) {
+    DeploymentInfo info;
+    info.deployment.process = model::ProcessName(name);
+    key = info.deployment.key();
+    auto made = link::SharedMemory::create();
+    EXPECT_TRUE(made) << to_string(made.error());
+    memory = *made;
+    info.incarnation = memory->incarnation();
+    deployment = std::make_unique<LocalDeployment>(info, host, memory);
+  }
+
+  void perform(const std::vector<model::Action>& actions) {
+    for (const auto& done : deployment->perform(actions, soon())) {
+      EXPECT_TRUE(done) << to_string(done.error());
+    }
+  }
+  void bring_to_running(const model::Task& task) {
+    perform({host::testing::apply(task, key.process.str()), on_task(ActionKind::Configure, task.id.str()),
+             on_task(ActionKind::Start, task.id.str())});
+  }
+  std::vector<HalfReport> halves() { return deployment->snapshot()->halves; }
+
+  model::DeploymentKey key;
+  std::shared_ptr<link::SharedMemory> memory;
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  std::unique_ptr<LocalDeployment> deployment;
+};
+
+void introduce(Process& a, Process& b) {
+  for (auto [to, from] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const auto offer = from->deployment->memory();
+    ASSERT_TRUE(offer);
+    ASSERT_TRUE(to->deployment->admit(*offer));
+  }
+}
+
+class ConnectedDeployments : public ::testing::Test {
+ protected:
+  ConnectedDeployments() {
+    hooks::reset();
+    pair::last = 0;
+    pair::backwards = 0;
+    introduce(p_, q_);
+  }
+  ~ConnectedDeployments() override { hooks::release_all(); }
+
+  Result<link::OutputOrigin> describe(const model::Connection& connection) {
+    const std::vector ports{connection.from};
+    return p_.deployment->describe_outputs(ports, soon()).at(0);
+  }
+  Result<link::InputPlace> open(const model::Connection& connection, const link::OutputOrigin& origin,
+                                TimePoint deadline = soon()) {
+    const std::vector<OpenInput> inputs{{connection, origin}};
+    return q_.deployment->open_inputs(inputs, deadline).at(0);
+  }
+  Result<void> attach(const model::Connection& connection, const link::InputPlace& place) {
+    const std::vector<AttachOutput> outputs{{connection, place}};
+    return p_.deployment->attach_outputs(outputs, soon()).at(0);
+  }
+  /// From p to q, as who connects processes does it.
+  Result<void> connect(const model::Connection& connection) {
+    const auto origin = describe(connection);
+    if (!origin) return origin.error();
+    const auto place = open(connection, *origin);
+    if (!place) return place.error();
+    return attach(connection, *place);
+  }
+  void close(const model::Connection& connection) {
+    EXPECT_TRUE(
+        p_.deployment->close_halves(std::vector<CloseHalf>{{connection, Side::Output, false}}, soon()).at(0));
+    EXPECT_TRUE(
+        q_.deployment->close_halves(std::vector<CloseHalf>{{connection, Side::Input, true}}, soon()).at(0));
+  }
+  void expect_refused(const Result<void>& done, ErrorCode code, std::string_view words) {
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, code) << to_string(done.error());
+    EXPECT_THAT(to_string(done.error()), HasSubstr(words));
+  }
+  void run_both() {
+    q_.bring_to_running(task_of("sink", "pair::Sink"));
+    p_.bring_to_running(task_of("source", "pair::Source"));
+  }
+  [[nodiscard]] static bool arrives_after(std::int64_t value) {
+    const TimePoint limit = soon();
+    while (pair::last <= value && RealClock::instance().now() < limit) {
+      std::this_thread::yield();
+    }
+    return pair::last > value;
+  }
+
+  Process p_{"p"};
+  Process q_{"q"};
+  const model::Connection flow_ = [] {
+    auto connection = wire("source", "out", "sink", "in");
+    connection.policy = {BufferKind::Buffer, 64, Transport::Automatic, false};
+    return connection;
+  }();
+};
+
+TEST_F(ConnectedDeployments, carry_samples_between_them) {
+  run_both();
+  const auto connected = connect(flow_);
+  ASSERT_TRUE(connected) << to_string(connected.error());
+  EXPECT_TRUE(arrives_after(100));
+  EXPECT_EQ(pair::backwards, 0);
+  const auto outputs = p_.halves();
+  const auto inputs = q_.halves();
+  ASSERT_EQ(outputs.size(), 1U);
+  ASSERT_EQ(inputs.size(), 1U);
+  EXPECT_EQ(outputs[0].connection, flow_);
+  EXPECT_EQ(outputs[0].side, Side::Output);
+  EXPECT_EQ(outputs[0].peer, q_.memory->incarnation());
+  EXPECT_EQ(inputs[0].side, Side::Input);
+  EXPECT_EQ(inputs[0].peer, p_.memory->incarnation());
+  EXPECT_EQ(outputs[0].place.offset, inputs[0].place.offset);
+  EXPECT_EQ(outputs[0].place.generation, inputs[0].place.generation);
+  EXPECT_GE(outputs[0].counters.written, 100U);
+  EXPECT_GE(inputs[0].counters.read, 100U);
+  EXPECT_THAT(p_.deployment->snapshot()->network.connections, IsEmpty()) << "it is half a connection only";
+  EXPECT_EQ(p_.deployment->snapshot()->memory.connections, 1U);
+}
+
+TEST_F(ConnectedDeployments, refuse_a_connection_that_stands) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  expect_refused(connect(flow_), ErrorCode::AlreadyExists, "source.out -> sink.in");
+  const auto place = q_.halves().at(0).place;
+  expect_refused(attach(flow_, place), ErrorCode::AlreadyExists, "already connected");
+  EXPECT_EQ(q_.halves().size(), 1U);
+  EXPECT_TRUE(arrives_after(10));
+}
+
+TEST_F(ConnectedDeployments, leave_nothing_behind_when_connections_are_closed) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  ASSERT_TRUE(arrives_after(10));
+  close(flow_);
+  const auto used = q_.memory->usage().control_used;
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(connect(flow_));
+    close(flow_);
+  }
+  close(flow_);  // once more is free
+  EXPECT_THAT(p_.halves(), IsEmpty());
+  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_EQ(q_.memory->usage().control_used, used);
+  EXPECT_EQ(q_.memory->usage().connections, 0U);
+  EXPECT_EQ(p_.memory->usage().connections, 0U);
+}
+
+TEST_F(ConnectedDeployments, keep_a_place_until_its_writer_is_known_to_be_gone) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  const auto used = q_.memory->usage().control_used;
+  const std::vector<CloseHalf> reader{{flow_, Side::Input, false}};
+  EXPECT_TRUE(q_.deployment->close_halves(reader, soon()).at(0));
+  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_EQ(q_.memory->usage().control_used, used) << "the writer may still write into it";
+  close(flow_);
+  EXPECT_LT(q_.memory->usage().control_used, used);
+}
+
+TEST_F(ConnectedDeployments, give_stand_ins_the_ports_that_they_lack) {
+  q_.bring_to_running(task_of("b", "any::Thing"));
+  p_.bring_to_running(task_of("a", "any::Thing"));
+  const auto connection = wire("a", "scans", "b", "clouds");
+  const auto connected = connect(connection);
+  EXPECT_TRUE(connected) << to_string(connected.error());
+  EXPECT_EQ(p_.halves().size(), 1U);
+}
+
+TEST_F(ConnectedDeployments, explain_what_is_missing) {
+  run_both();
+  expect_refused(connect(wire("sauce", "out", "sink", "in")), ErrorCode::NotFound, "did you mean 'source'");
+  expect_refused(connect(wire("source", "ot", "sink", "in")), ErrorCode::NotFound, "did you mean 'out'");
+  expect_refused(connect(wire("source", "out", "sink", "im")), ErrorCode::NotFound, "did you mean 'in'");
+  expect_refused(connect(wire("source", "out", "drain", "in")), ErrorCode::NotFound, "'drain'");
+  EXPECT_THAT(p_.halves(), IsEmpty());
+  EXPECT_THAT(q_.halves(), IsEmpty());
+}
+
+TEST_F(ConnectedDeployments, refuse_types_that_do_not_fit) {
+  run_both();
+  const auto connection = wire("source", "words", "sink", "in");
+  expect_refused(connect(connection), ErrorCode::TypeMismatch, "string");
+  close(connection);
+  EXPECT_EQ(q_.memory->usage().connections, 0U);
+}
+
+TEST_F(ConnectedDeployments, refuse_strangers) {
+  run_both();
+  auto origin = describe(flow_);
+  ASSERT_TRUE(origin);
+  origin->writer += 1;
+  const auto opened = open(flow_, *origin);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::InvalidState);
+  link::InputPlace place;
+  place.reader = 12345;
+  expect_refused(attach(flow_, place), ErrorCode::InvalidState, "admitted");
+}
+
+TEST_F(ConnectedDeployments, obey_stand_ins_that_refuse_to_be_connected) {
+  q_.bring_to_running(task_of("b", "any::Thing"));
+  const type::Value behaviour = type::Value::map({{"fail", "connect"}});
+  p_.bring_to_running(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}})));
+  expect_refused(connect(wire("a", "out", "b", "in")), ErrorCode::HookFailed, "connect");
+}
+
+TEST_F(ConnectedDeployments, halves_at_dynamic_ports_end_with_them) {
+  run_both();
+  const auto input = wire("source", "out", "sink", "extra");
+  const auto output = wire("source", "extra", "sink", "in");
+  ASSERT_TRUE(connect(input));
+  ASSERT_TRUE(connect(output));
+  q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink")});
+  ASSERT_EQ(q_.halves().size(), 1U);
+  EXPECT_EQ(q_.halves().front().connection, output);
+  p_.perform({on_task(ActionKind::Stop, "source"), on_task(ActionKind::Cleanup, "source")});
+  ASSERT_EQ(p_.halves().size(), 1U);
+  EXPECT_EQ(p_.halves().front().connection, input);
+}
+
+TEST_F(ConnectedDeployments, lay_a_connection_anew_where_the_readers_port_was_gone) {
+  run_both();
+  const auto connection = wire("source", "out", "sink", "extra");
+  ASSERT_TRUE(connect(connection));
+  const auto before = q_.halves().front().place;
+  q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink"),
+              on_task(ActionKind::Configure, "sink"), on_task(ActionKind::Start, "sink")});
+  const auto again = connect(connection);
+  ASSERT_TRUE(again) << to_string(again.error());
+  ASSERT_EQ(p_.halves().size(), 1U) << "the half to the old place is gone";
+  EXPECT_NE(p_.halves().front().place.generation, before.generation);
+  close(connection);
+  EXPECT_EQ(q_.memory->usage().connections, 0U);
+}
+
+TEST_F(ConnectedDeployments, keep_halves_when_a_task_gets_another_activity) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  ASSERT_TRUE(arrives_after(10));
+  auto sink = task_of("sink", "pair::Sink");
+  sink.activity = Activity{Trigger::Periodic, std::chrono::milliseconds(2), {}, 0, {}, {}, false};
+  q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink"), apply(sink, "q"),
+              on_task(ActionKind::Configure, "sink"), on_task(ActionKind::Start, "sink")});
+  EXPECT_EQ(q_.halves().size(), 1U);
+  EXPECT_TRUE(arrives_after(pair::last + 10));
+  EXPECT_EQ(pair::backwards, 0);
+}
+
+TEST_F(ConnectedDeployments, end_what_they_had_with_a_peer_that_is_gone) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  EXPECT_TRUE(q_.deployment->forget(p_.memory->incarnation()));
+  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_EQ(q_.memory->usage().connections, 0U);
+  EXPECT_EQ(q_.memory->usage().peers, 0U);
+  const auto origin = describe(flow_);
+  ASSERT_TRUE(origin);
+  EXPECT_FALSE(open(flow_, *origin)) << "it is a stranger now";
+}
+
+TEST_F(ConnectedDeployments, wait_for_hooks_until_the_deadline_only) {
+  p_.bring_to_running(task_of("source", "pair::Source"));
+  const auto origin = describe(flow_);
+  ASSERT_TRUE(origin);
+  const auto stuck = task_of("sink", "hooks::Stuck", type::Value::map({{"hook", "configure"}}));
+  q_.perform({apply(stuck, "q")});
+  std::thread caller([&] { q_.perform({on_task(ActionKind::Configure, "sink")}); });
+  ASSERT_TRUE(hooks::wait_until_inside("sink"));
+  const auto opened = open(flow_, *origin, RealClock::instance().now() + std::chrono::milliseconds(5));
+  EXPECT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, ErrorCode::DeadlineExceeded);
+  hooks::release("sink");
+  caller.join();
+}
+
+TEST_F(ConnectedDeployments, close_their_halves_when_they_go_down) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  EXPECT_TRUE(p_.deployment->shut_down(soon()));
+  EXPECT_THAT(p_.halves(), IsEmpty());
+  EXPECT_EQ(p_.memory->usage().connections, 0U);
+  EXPECT_TRUE(q_.deployment->shut_down(soon()));
+  EXPECT_EQ(q_.memory->usage().connections, 0U);
+}
+
+/// Connections come and go while samples flow and others look.
+TEST_F(ConnectedDeployments, stand_a_storm_of_connections) {
+  run_both();
+  std::atomic<bool> over = false;
+  std::thread looker([&] {
+    while (!over) {
+      for (auto* process : {&p_, &q_}) {
+        EXPECT_LE(process->halves().size(), 2U);
+      }
+    }
+  });
+  auto other = flow_;
+  other.policy = {BufferKind::Data, 1, Transport::Automatic, false};
+  std::thread second([&] {
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_TRUE(connect(other));
+      close(other);
+    }
+  });
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_TRUE(connect(flow_));
+    close(flow_);
+  }
+  second.join();
+  over = true;
+  looker.join();
+  ASSERT_TRUE(connect(flow_));
+  EXPECT_TRUE(arrives_after(pair::last + 10));
+}
+
+}  // namespace
+}  // namespace segue::deploy
