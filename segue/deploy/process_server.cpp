@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/private_folder.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/pidfd.hpp>
 #include <segue/deploy/process_server.hpp>
@@ -59,7 +60,39 @@ Result<void> ProcessServer::Implementation::begin() {
   auto created = detail::ProcessWatch::create([this](std::uint64_t id) { finish(id); });
   if (!created) return std::move(created.error());
   watch = std::move(*created);
+  if (options.zygote || !options.zygote_libraries.empty()) begin_zygote();
   return {};
+}
+
+/// What it cannot do is done without it.
+void ProcessServer::Implementation::begin_zygote() {
+  const auto folder = runtime_folder();
+  auto started = folder ? detail::Zygote::start(program, options.zygote_libraries, *folder / "zygote.log")
+                        : folder.error();
+  if (started) {
+    zygote = std::move(*started);
+  } else {
+    log(LogLevel::Error, kLogSource, "there is no zygote: " + to_string(started.error()));
+  }
+}
+
+bool ProcessServer::Implementation::fork(const Launch& what, ProcessEntry& entry,
+                                         const detail::HandedOver& files) {
+  // What concerns the loader of programs only works where a program is loaded.
+  const bool loader = std::ranges::any_of(what.deployment.environment,
+                                          [](const auto& each) { return each.first.starts_with("LD_"); });
+  if (!zygote || zygote_failed || loader) return false;
+  const auto pid = zygote->launch(detail::process_title(what.robot, entry.info.socket), files);
+  if (pid) {
+    entry.info.pid = *pid;
+    entry.zygote = true;
+    return true;
+  }
+  if (pid.error().code == ErrorCode::Unavailable && !zygote_failed.exchange(true)) {
+    log(LogLevel::Error, kLogSource,
+        "processes start without a zygote from now on: " + to_string(pid.error()));
+  }
+  return false;
 }
 
 ProcessServer::Implementation::Entry ProcessServer::Implementation::adopt(const ProcessInfo& info) {
@@ -121,6 +154,7 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
         "output of " + named(entry.info) + " is lost: " + to_string(output.error()));
   const detail::HandedOver files{output ? output->get() : -1, assignment->get(), place.socket(),
                                  place.lock()};
+  if (fork(what, entry, files)) return {};
   const std::string title = detail::process_title(what.robot, entry.info.socket);
   auto pid = detail::spawn(program, {title}, what.deployment.environment, files);
   if (!pid) return std::move(pid.error());
@@ -179,7 +213,7 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
     if (!entry) return;
     watch->remove(entry->pidfd.get());
     if (!entry->info.adopted) detail::kill_group(entry->info.pid);
-    ExitReason reason = detail::reap(entry->pidfd.get());
+    ExitReason reason = entry->zygote ? zygote->reap(entry->info.pid) : detail::reap(entry->pidfd.get());
     reason.requested = entry->stop_requested;
     reason.killed = entry->killed && (!reason.known || reason.signal == SIGKILL);
     entry->info.exit = reason;

@@ -7,7 +7,9 @@
 #include <segue/deploy/process_server.hpp>
 #include <segue/deploy/process_table.hpp>
 #include <segue/deploy/process_watch.hpp>
+#include <segue/deploy/zygote.hpp>
 
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -21,6 +23,7 @@ struct ProcessServer::Implementation {
 
   Implementation(ProcessServerOptions chosen, std::filesystem::path found);
   Result<void> begin();
+  void begin_zygote();
 
   Result<ProcessInfo> start(const Launch& what, TimePoint deadline);
   Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline);
@@ -31,6 +34,8 @@ struct ProcessServer::Implementation {
 
   Result<Entry> reserve(const ProcessInfo& info, TimePoint deadline);
   Result<void> launch(const Launch& what, detail::ProcessEntry& entry, detail::ProcessPlace& place);
+  /// By the zygote; false where there is none that can.
+  bool fork(const Launch& what, detail::ProcessEntry& entry, const detail::HandedOver& files);
   Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place);
   void finish(std::uint64_t id);
 
@@ -40,6 +45,9 @@ struct ProcessServer::Implementation {
   std::mutex mutex;  ///< of the table; the entry of a process that starts belongs to who starts it
   std::condition_variable changed;
   detail::ProcessTable table;
+
+  std::unique_ptr<detail::Zygote> zygote;  ///< null where none is wanted
+  std::atomic<bool> zygote_failed{false};  ///< and was told of
 
   std::mutex telling;  ///< held while the listener is called
   Listener listener;

@@ -421,6 +421,74 @@ TEST_F(ProcessServerTest, limitsAndVariablesReachTheProcess) {
   EXPECT_THAT(text_of(proc + "/environ"), HasSubstr("PLACE=the moon"));
 }
 
+ProcessServerOptions with_zygote(ProcessServerOptions options) {
+  options.zygote = true;
+  return options;
+}
+
+int parent_of(int pid) {
+  const std::string status = read_file("/proc/" + std::to_string(pid) + "/status").value_or("");
+  const auto at = status.find("PPid:\t");
+  return at == std::string::npos ? 0 : std::atoi(status.c_str() + at + 6);
+}
+
+TEST_F(ProcessServerTest, aZygoteMakesProcessesThatAreLikeOthers) {
+  const auto processes = server(with_zygote(options()));
+  Launch what = launch("drivers");
+  what.deployment.environment.emplace_back("PLACE", "the moon");
+  const auto process = ready(*processes, what);
+  const int zygote = parent_of(process.pid);
+  EXPECT_EQ(parent_of(zygote), ::getpid());
+  EXPECT_EQ(::getpgid(process.pid), process.pid);
+  const std::string command = text_of("/proc/" + std::to_string(process.pid) + "/cmdline");
+  EXPECT_STREQ(command.c_str(), "segue-deployment");
+  EXPECT_STREQ(command.c_str() + sizeof "segue-deployment", "rover/drivers");
+  std::set<std::string> numbers;
+  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process.pid) + "/fd"))
+    numbers.insert(entry.path().filename());
+  EXPECT_EQ(numbers, (std::set<std::string>{"0", "1", "2", "4", "5"}));
+  const auto reason = processes->stop("rover", key("drivers"), soon());
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_TRUE(reason->known);
+  EXPECT_EQ(reason->status, 0);
+  EXPECT_EQ(files(), std::set<std::string>{"drivers.log"});
+}
+
+TEST_F(ProcessServerTest, whyAChildOfTheZygoteEndedIsTold) {
+  const auto processes = server(with_zygote(options()));
+  Heard heard;
+  processes->set_listener([&](const ProcessInfo& process) { heard.hear(process); });
+  started(*processes, launch("aborts", "abort"));
+  started(*processes, launch("leaves", "status"));
+  EXPECT_EQ(heard.end_of("aborts").value().exit.value().signal, SIGABRT);
+  EXPECT_EQ(heard.end_of("leaves").value().exit.value().status, 3);
+}
+
+TEST_F(ProcessServerTest, withoutItsZygoteProcessesGoOnAndOthersStart) {
+  const auto processes = server(with_zygote(options()));
+  const auto before = ready(*processes, launch("before"));
+  const int zygote = parent_of(before.pid);
+  ::kill(zygote, SIGKILL);
+  ASSERT_TRUE(eventually([&] { return !lives(zygote); }));
+  EXPECT_TRUE(lives(before.pid));
+  const auto after = ready(*processes, launch("after"));
+  EXPECT_EQ(parent_of(after.pid), ::getpid());
+  EXPECT_TRUE(processes->stop("rover", key("before"), soon()).has_value());
+  EXPECT_FALSE(lives(before.pid));
+}
+
+TEST_F(ProcessServerTest, aZygoteGoesWithItsServerAndItsChildrenStay) {
+  auto first = server(with_zygote(options()));
+  const auto process = ready(*first, launch("drivers"));
+  const int zygote = parent_of(process.pid);
+  first.reset();
+  EXPECT_FALSE(lives(zygote));
+  EXPECT_TRUE(lives(process.pid));
+  const auto second = server();
+  EXPECT_EQ(second->processes("rover").value().size(), 1U);
+  EXPECT_TRUE(second->stop("rover", key("drivers"), soon()).has_value());
+}
+
 TEST_F(ProcessServerTest, outputIsRotated) {
   ProcessServerOptions chosen = options();
   chosen.log_size = 1000;

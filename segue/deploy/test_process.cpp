@@ -5,6 +5,8 @@
 #include <segue/deploy/inherited_process.hpp>
 #include <segue/deploy/process_limits.hpp>
 #include <segue/deploy/process_log.hpp>
+#include <segue/deploy/zygote.hpp>
+#include <segue/deploy/zygote_message.hpp>
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -45,18 +47,15 @@ void chatter() {
   std::_Exit(kNoAssignment);
 }
 
-}  // namespace
-
-int main() {
+int run() {
   deploy::InheritedProcess process;
   const auto assignment = deploy::read_assignment(deploy::kAssignment);
   if (!assignment) return kNoAssignment;
-  const char* variable = std::getenv("TEST_DO");
-  const std::string what = variable == nullptr ? "" : variable;
-  if (what == "end before it says who it is") return 0;
+  if (!deploy::apply_to_this_process(assignment->launch.deployment)) return kNotPermitted;
   const char* software = std::getenv("TEST_SOFTWARE");
   process.begin(assignment->socket, software == nullptr ? "0.1.0" : software);
-  if (!deploy::apply_to_this_process(assignment->launch.deployment)) return kNotPermitted;
+  const char* variable = std::getenv("TEST_DO");
+  const std::string what = variable == nullptr ? "" : variable;
   if (what == "abort" || what == "segv" || what == "status") misbehave(what);
   if (what == "child") start_stubborn_child();
   if (what == "chatter") chatter();
@@ -69,4 +68,13 @@ int main() {
   std::printf("going\n");
   process.leave();
   return 0;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count > 1 && words[1] == deploy::detail::kZygoteOption) {
+    return deploy::detail::run_zygote({count, words}, &run);
+  }
+  return run();
 }
