@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every allocation of this program passes through here, and none may come from a thread that is trapped.
 #include <segue/link/local.hpp>
+#include <segue/link/shared_connection.hpp>
+#include <segue/link/shared_memory.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/task.hpp>
 #include <segue/type/describe.hpp>
@@ -77,6 +79,8 @@ class Trapped : public Component {
   explicit Trapped(std::latch& done) : done_(done) { declare_states({"EVEN", "ODD"}, {"BAD"}); }
   InputPort<Scan> in{*this, "in"};
   OutputPort<Scan> out{*this, "out"};
+  InputPort<double> number_in{*this, "number_in"};
+  OutputPort<double> number_out{*this, "number_out"};
   bool misbehave = false;
 
  protected:
@@ -87,7 +91,7 @@ class Trapped : public Component {
     return {};
   }
   void on_update() override {
-    if (count_ == 10) trapped = true;  // by then every slot has been filled once
+    if (count_ == 60) trapped = true;  // by then every slot has been filled once
     if (misbehave) spare_ = std::make_unique<int>(count_);
     work();
     if (++count_ == kUpdates) {
@@ -102,6 +106,9 @@ class Trapped : public Component {
     while (in.read(copy_) == ReadStatus::NewData) {
     }
     const auto sample = in.take();
+    while (number_in.take()) {
+    }
+    number_out.write(*gain_);
     set_state(count_ % 2 == 0 ? "EVEN" : "ODD");
     log(LogLevel::Debug, "a line");
     if (count_ % 7 == 3) error("BAD", "for one update");
@@ -109,7 +116,7 @@ class Trapped : public Component {
     out.write(copy_);
     auto loan = out.loan();
     if (!loan) return;
-    loan->assign(20, *gain_);
+    loan->assign(50, *gain_);
     out.publish(std::move(loan));
   }
 
@@ -198,6 +205,43 @@ TEST(RealTime, SlotsOfConnectionsThatComeAfterPrimingAllocateNothing) {
   trapped = false;
   EXPECT_EQ(caught, 0);
   EXPECT_EQ(second.in.drain(), 20U);
+}
+
+/// A periodic task writes to one in the other memory, which writes back: both kinds of samples, and bells.
+void run_between_memories(const Policy& policy) {
+  caught = 0;
+  const auto first = *SharedMemory::create();
+  const auto second = *SharedMemory::create();
+  ASSERT_TRUE(first->admit(*second->offer()));
+  ASSERT_TRUE(second->admit(*first->offer()));
+  std::latch done(2);
+  Made writer = make("writer", {.trigger = Trigger::Periodic, .period = 200us}, done);
+  Made reader = make("reader", {}, done);
+  const auto connect_shared = [&](SharedMemory& from, task::OutputPortBase& out, SharedMemory& to,
+                                  task::InputPortBase& in) {
+    auto half = open_input(to, describe_output(from, out), in, policy);
+    ASSERT_TRUE(half) << to_string(half.error());
+    auto attached = attach_output(from, half->place, out, policy);
+    ASSERT_TRUE(attached) << to_string(attached.error());
+  };
+  connect_shared(*first, writer.component->out, *second, reader.component->in);
+  connect_shared(*first, writer.component->number_out, *second, reader.component->number_in);
+  connect_shared(*second, reader.component->out, *first, writer.component->in);
+  connect_shared(*second, reader.component->number_out, *first, writer.component->number_in);
+  ASSERT_TRUE(reader.task->start(soon()));
+  ASSERT_TRUE(writer.task->start(soon()));
+  done.wait();
+  EXPECT_TRUE(writer.task->stop(soon()));
+  EXPECT_TRUE(reader.task->stop(soon()));
+  EXPECT_GT(reader.component->number_in.samples_read(), 0U);
+  EXPECT_GT(reader.component->in.samples_read(), 0U);
+  EXPECT_EQ(caught, 0);
+}
+
+TEST(RealTime, NothingIsAllocatedBetweenProcesses) {
+  run_between_memories({BufferKind::Data, 1});
+  run_between_memories({BufferKind::Buffer, 4});
+  run_between_memories({BufferKind::CircularBuffer, 4});
 }
 
 TEST(RealTime, TrapCatchesADeliberateAllocation) {

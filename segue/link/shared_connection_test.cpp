@@ -235,6 +235,24 @@ TEST(SharedConnection, NothingIsDeliveredAfterTheReaderLeft) {
   EXPECT_EQ(*held, Pose(1)) << "and is not written to while it is held";
 }
 
+TEST(SharedConnection, ReadersThatLeftWithSamplesDoNotStarveTheWriter) {
+  Pair pair;
+  Source<Pose> source;
+  std::vector<std::unique_ptr<Sink<Pose>>> sinks;
+  std::vector<Sample<Pose>> held;
+  for (int i = 0; i < 10; ++i) {
+    sinks.push_back(std::make_unique<Sink<Pose>>());
+    const Link link = pair.connect(source.out, sinks.back()->in, {});
+    ASSERT_TRUE(link.ok);
+    for (int j = 1; j <= 3; ++j) {
+      EXPECT_EQ(source.out.write(Pose(j)), WriteResult::Written);
+      held.push_back(sinks.back()->in.take());
+      ASSERT_TRUE(held.back());
+    }
+    pair.disconnect(link);
+  }
+}
+
 TEST(SharedConnection, WhatWaitsIsStillReadAfterTheWriterLeft) {
   Pair pair;
   Sink<Pose> sink;
@@ -255,9 +273,8 @@ TEST(SharedConnection, NothingIsLeftBehind) {
   Source<Text> texts;
   Sink<Pose> sink;
   Sink<Text> text_sink;
-  pair.disconnect(pair.connect(source.out, sink.in, {}));  // its samples move into the pool for good
-  const MemoryUsage writer = pair.writer->usage();
-  const MemoryUsage reader = pair.reader->usage();
+  MemoryUsage writer;
+  MemoryUsage reader;
   for (int round = 0; round < 50; ++round) {
     const Link one = pair.connect(source.out, sink.in, {});
     const Link two = pair.connect(texts.out, text_sink.in, {BufferKind::Buffer, 3});
@@ -270,8 +287,12 @@ TEST(SharedConnection, NothingIsLeftBehind) {
     text_sink.in.take();
     pair.disconnect(one);
     pair.disconnect(two);
+    // The samples of a port that was connected once stay in the pool; and a slot more, since the reader
+    // still holds the one it took last when it is connected again.
+    if (round != 1) continue;
+    writer = pair.writer->usage();
+    reader = pair.reader->usage();
   }
-  sink.in.take();  // lets go of the last one
   EXPECT_EQ(pair.writer->usage().payload_used, writer.payload_used);
   EXPECT_EQ(pair.reader->usage().control_used, reader.control_used);
   EXPECT_EQ(pair.writer->usage().connections, 0U);
@@ -457,7 +478,7 @@ TEST(SharedConnection, ReaderIsWokenByTheWriter) {
   auto [task, counter] = running<Counter>("counter", {});
   Link link = pair.connect(source.out, counter->in, {BufferKind::Buffer, 4});
   ASSERT_TRUE(link.ok);
-  for (int i = 1; i <= 1000; ++i) {
+  for (int i = 1; i <= 5000; ++i) {
     source.out.write(Pose(i));
     ASSERT_TRUE(eventually([&, seen = counter] { return seen->last == i; })) << i;
   }

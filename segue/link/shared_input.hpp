@@ -39,6 +39,7 @@ class SharedInput final : public RegisteredHalf,
 
   void abandon() override;
   bool settle() override;
+  [[nodiscard]] std::size_t left_out(const task::OutputPortBase& /*port*/) const override { return 0; }
   void release(const InputPlace& place) override;
 
  private:

@@ -160,6 +160,13 @@ void SharedState::release(const InputPlace& place) {
   settle();
 }
 
+std::size_t SharedState::left_out(const task::OutputPortBase& port) const {
+  std::size_t count = 0;
+  for (const auto& half : snapshot(ended_))
+    count += half->left_out(port);
+  return count;
+}
+
 std::shared_ptr<PayloadSource> SharedState::source_of(const task::OutputPortBase& port) {
   const std::lock_guard lock(mutex_);
   std::weak_ptr<PayloadSource>& known = sources_[&port];

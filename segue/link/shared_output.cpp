@@ -22,6 +22,7 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       blank_(place.any_type),
       source_(state_->source_of(port)),
       ring_(ring, policy, place.generation),
+      left_out_(state_->left_out(port)),
       given_(std::make_unique<Given[]>(ring_.entries().size())) {
   // The last one is kept for offer_last().
   const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
@@ -52,7 +53,14 @@ Result<void> SharedOutput::attach_to_port() {
 
 std::size_t SharedOutput::capacity() const {
   const bool holds_slots = form_of(port_.type()) == SampleForm::Raw && !blank_;
-  return holds_slots ? ring_.entries().size() : 0;
+  return holds_slots ? ring_.entries().size() + left_out_ : 0;
+}
+
+std::size_t SharedOutput::left_out(const task::OutputPortBase& port) const {
+  const std::lock_guard lock(mutex_);
+  if (attached_ || &port != &port_) return 0;
+  const auto is_out = [](const Given& given) { return given.out.load(std::memory_order_relaxed); };
+  return static_cast<std::size_t>(std::count_if(given_.get(), given_.get() + ring_.entries().size(), is_out));
 }
 
 bool SharedOutput::same_as(const WriterEnd& other) const {

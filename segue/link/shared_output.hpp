@@ -40,6 +40,7 @@ class SharedOutput final : public RegisteredHalf,
 
   void abandon() override;
   bool settle() override;
+  [[nodiscard]] std::size_t left_out(const task::OutputPortBase& port) const override;
   void release(const InputPlace& /*place*/) override {}
 
  private:
@@ -69,6 +70,7 @@ class SharedOutput final : public RegisteredHalf,
   const bool blank_;
   const std::shared_ptr<PayloadSource> source_;
   SharedRing ring_;
+  std::size_t left_out_;  ///< of earlier connections of the port, when this one was made
 
   // The writer's, and nobody's once it has ended.
   std::unique_ptr<Given[]> given_;
