@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/deployed_task_host.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/deploy/fleet.hpp>
+#include <segue/deploy/routing.hpp>
+#include <segue/deploy/wiring.hpp>
+
+namespace segue::deploy {
+
+namespace {
+
+/// How long cleaning up what was left over may take where nobody waits for it in particular.
+constexpr Duration kCleaning = std::chrono::seconds(2);
+
+TimePoint in(Duration duration) {
+  return RealClock::instance().now() + duration;
+}
+
+}  // namespace
+
+struct DeployedTaskHost::Implementation {
+  Implementation(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
+                 const host::TaskHost& local_host, const DeployedOptions& options)
+      : local(local_host),
+        fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
+                                              options)) {}
+
+  /// Calls `ask` with the service of the process where the task lives.
+  template <class Ask>
+  auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<DeploymentService&>())) {
+    const auto record = fleet->process_of(task);
+    if (!record) {
+      return record.error();
+    }
+    const auto service = (*record)->service();
+    if (service == nullptr) {
+      return fail(ErrorCode::Unavailable,
+                  "process " + quote(to_string((*record)->key())) + " cannot be reached", task.str());
+    }
+    return ask(*service);
+  }
+
+  const host::TaskHost& local;
+  const std::shared_ptr<detail::Fleet> fleet;
+  detail::Wiring wiring{*fleet};
+  detail::Router router{*fleet, wiring};
+};
+
+DeployedTaskHost::DeployedTaskHost(DeploymentService& own, ProcessService& processes, Connector connector,
+                                   Launch launch, const host::TaskHost& local, const DeployedOptions& options)
+    : implementation_(std::make_unique<Implementation>(own, processes, std::move(connector),
+                                                       std::move(launch), local, options)) {
+  auto& wiring = implementation_->wiring;
+  implementation_->fleet->set_housekeeping([&wiring] { wiring.clean(in(kCleaning)); });
+  implementation_->fleet->begin();
+  wiring.clean(in(kCleaning));
+}
+
+DeployedTaskHost::~DeployedTaskHost() {
+  implementation_->fleet->close();
+}
+
+model::Depth DeployedTaskHost::validation_depth() const {
+  return implementation_->local.validation_depth();
+}
+
+Result<void> DeployedTaskHost::can_make(const model::ComponentName& component) const {
+  return implementation_->local.can_make(component);
+}
+
+void DeployedTaskHost::expect(const model::Network& target) {
+  implementation_->fleet->expect(target);
+}
+
+void DeployedTaskHost::conclude(const model::Transition& transition) {
+  implementation_->router.conclude(transition);
+}
+
+Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint deadline) {
+  return std::move(perform_all({&action, 1}, deadline).front());
+}
+
+std::vector<Result<void>> DeployedTaskHost::perform_all(std::span<const model::Action> actions,
+                                                        TimePoint deadline) {
+  return implementation_->router.perform(actions, deadline);
+}
+
+model::Network DeployedTaskHost::observe() const {
+  return implementation_->fleet->merged_look().network;
+}
+
+std::vector<host::TaskReport> DeployedTaskHost::tasks() const {
+  return implementation_->fleet->merged_look().tasks;
+}
+
+std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
+  return implementation_->fleet->merged_look().connections;
+}
+
+Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {
+  return implementation_->at(task, [&](DeploymentService& service) { return service.describe(task); });
+}
+
+Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) const {
+  return implementation_->at(task, [&](DeploymentService& service) { return service.properties(task); });
+}
+
+Result<void> DeployedTaskHost::set_property(const model::TaskId& task, std::string_view path,
+                                            const type::Value& value, TimePoint deadline) {
+  return implementation_->at(
+      task, [&](DeploymentService& service) { return service.set_property(task, path, value, deadline); });
+}
+
+Result<type::Value> DeployedTaskHost::call(const model::TaskId& task, std::string_view operation,
+                                           const type::Value& arguments, TimePoint deadline) {
+  return implementation_->at(
+      task, [&](DeploymentService& service) { return service.call(task, operation, arguments, deadline); });
+}
+
+Result<std::unique_ptr<host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
+                                                                        std::size_t buffer) {
+  return implementation_->at(port.task,
+                             [&](DeploymentService& service) { return service.open_reader(port, buffer); });
+}
+
+void DeployedTaskHost::set_listener(Listener listener) {
+  implementation_->fleet->events().set_listener(std::move(listener));
+}
+
+}  // namespace segue::deploy

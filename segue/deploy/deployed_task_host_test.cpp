@@ -1,0 +1,510 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/deployed_task_host.hpp>
+
+#include <segue/deploy/fake_world.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/model/files.hpp>
+#include <segue/solve/solve.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <thread>
+
+namespace segue::deploy {
+namespace {
+
+using namespace std::chrono_literals;
+using model::ActionKind;
+using testing::FakePtr;
+using testing::FakeWorld;
+using testing::Fault;
+using testing::FaultKind;
+
+TimePoint soon() {
+  return RealClock::instance().now() + 60s;
+}
+
+model::Network network_of(std::string_view text) {
+  Diagnostics diagnostics;
+  auto network = model::read_network(text, "test.yaml", diagnostics);
+  EXPECT_TRUE(network) << to_string(diagnostics);
+  return network.value_or(model::Network{});
+}
+
+const char* const kOne = R"(network: one
+tasks:
+  a: {component: test::A}
+  b: {component: test::B}
+  c: {component: test::C}
+  d: {component: test::D}
+deployments:
+  p1: {process: p1, tasks: [a, b]}
+  p2: {process: p2, tasks: [c]}
+connections:
+  - a.out -> b.in
+  - {from: b.out, to: c.in, policy: buffer, size: 10}
+  - c.out -> d.in
+  - d.out -> a.in
+)";
+
+const char* const kTwo = R"(network: two
+tasks:
+  a: {component: test::A}
+  c: {component: test::C, state: stopped}
+  d: {component: test::D}
+  e: {component: test::E}
+deployments:
+  p1: {process: p1, tasks: [a, e]}
+  p3: {process: p3, tasks: [c]}
+connections:
+  - a.out -> c.in
+  - c.out -> e.in
+  - d.out -> a.in
+)";
+
+/// What the host told, and waiting for it.
+class Told {
+ public:
+  void add(const host::HostEvent& event) {
+    {
+      const std::lock_guard lock(mutex_);
+      events_.push_back(event);
+    }
+    changed_.notify_all();
+  }
+  bool wait(const std::function<bool(const host::HostEvent&)>& fits) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, soon(),
+                               [&] { return std::any_of(events_.begin(), events_.end(), fits); });
+  }
+  bool process(const std::string& name, const std::string& part, bool gone) {
+    return wait([&](const host::HostEvent& event) {
+      const auto* what = std::get_if<host::ProcessEvent>(&event);
+      return what != nullptr && what->process.process.str() == name && what->gone == gone &&
+             what->message.find(part) != std::string::npos;
+    });
+  }
+  bool task(const std::string& id, TaskState state) {
+    return wait([&](const host::HostEvent& event) {
+      const auto* what = std::get_if<host::TaskEvent>(&event);
+      return what != nullptr && what->task.str() == id && what->state == state;
+    });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<host::HostEvent> events_;
+};
+
+/// A host over processes that are none. Nobody looks unless a test asks, so that calls can be counted.
+struct Robot {
+  explicit Robot(FakeWorld& fakes, DeployedOptions options = {60s, 1h})
+      : world(fakes), host(own, processes, testing::connector(world), launch(), local, options) {
+    host.set_listener([this](const host::HostEvent& event) { told.add(event); });
+  }
+
+  static Launch launch() {
+    Launch launch;
+    launch.robot = "robot";
+    launch.stand_in = true;
+    return launch;
+  }
+
+  Result<void> switch_to(const char* text, Duration action_deadline = 60s) {
+    return switch_to(network_of(text), action_deadline);
+  }
+  /// As the runtime does it: what runs, the way from there, one action after the other.
+  Result<void> switch_to(const model::Network& target, Duration action_deadline = 60s) {
+    const auto transition = solve::diff(host.observe(), target, catalog, {model::Order::Paper});
+    if (!transition) {
+      return transition.error();
+    }
+    host.expect(target);
+    for (const auto& action : transition->actions) {
+      if (auto done = host.perform(action, RealClock::instance().now() + action_deadline); !done) {
+        return done;
+      }
+    }
+    host.conclude(*transition);
+    return {};
+  }
+
+  [[nodiscard]] std::vector<std::string> wrong() const {
+    return model::differences(world.truth(), host.observe());
+  }
+
+  FakeWorld& world;
+  Told told;
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost local{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  testing::FakeProcesses processes{world};
+  testing::FakeService own{world, world.own()};
+  DeployedTaskHost host;
+};
+
+std::string text(const Result<void>& result) {
+  return result ? "done" : to_string(result.error());
+}
+
+std::string text(const std::vector<std::string>& sentences) {
+  std::string all;
+  for (const auto& sentence : sentences) {
+    all += sentence + '\n';
+  }
+  return all;
+}
+
+model::Action action(ActionKind kind, decltype(model::Action::what) what) {
+  return {1, kind, std::move(what), model::Phase::Commit, {}};
+}
+
+model::Action on_process(ActionKind kind, const std::string& name) {
+  model::Deployment deployment;
+  deployment.process = model::ProcessName(name);
+  return action(kind, model::DeploymentAction{deployment});
+}
+
+TEST(DeployedTaskHost, SpreadsANetworkOverProcessesAndTakesItBack) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+  EXPECT_EQ(text(robot.wrong()), "");
+  EXPECT_EQ(world.find("p1")->tasks.size(), 2U);
+  EXPECT_EQ(world.own()->tasks.size(), 1U);
+  ASSERT_EQ(text(robot.switch_to(kTwo)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kTwo)));
+  ASSERT_EQ(text(robot.switch_to(model::Network{})), "done");
+  EXPECT_TRUE(robot.host.observe().empty());
+  EXPECT_TRUE(world.running().empty());
+  EXPECT_EQ(world.loose_halves(), 0U);
+}
+
+TEST(DeployedTaskHost, AsksEachTaskWhereItLives) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_EQ(robot.host.describe(model::TaskId("a"))->doc, "p1/a");
+  EXPECT_EQ(robot.host.describe(model::TaskId("c"))->doc, "p2/c");
+  EXPECT_EQ(robot.host.describe(model::TaskId("d"))->doc, "/d");
+  const auto missing = robot.host.properties(model::TaskId("x"));
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::NotFound);
+}
+
+/// Whatever happens at whichever call, what is shown is true, and the robot can switch on.
+class EveryCall : public ::testing::TestWithParam<FaultKind> {};
+
+TEST_P(EveryCall, MayGoWrongWithoutALieOrADeadEnd) {
+  bool happened = true;
+  int at = 0;
+  for (at = 1; happened; ++at) {
+    FakeWorld world;
+    Robot robot(world);
+    world.set_fault({at, GetParam()});
+    const Duration deadline = GetParam() == FaultKind::Hang ? Duration(100ms) : Duration(60s);
+    (void)robot.switch_to(kOne, deadline);
+    (void)robot.switch_to(kTwo, deadline);
+    happened = world.fault_happened();
+    world.clear_fault();
+    ASSERT_EQ(text(robot.wrong()), "") << "after a fault at call " << at;
+    ASSERT_EQ(text(robot.switch_to(kTwo)), "done") << "after a fault at call " << at;
+    ASSERT_TRUE(equivalent(robot.host.observe(), network_of(kTwo))) << "after a fault at call " << at;
+    ASSERT_EQ(text(robot.wrong()), "") << "after a fault at call " << at;
+  }
+  EXPECT_GT(at, 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(DeployedTaskHost, EveryCall,
+                         ::testing::Values(FaultKind::Fail, FaultKind::LoseAnswer, FaultKind::Hang,
+                                           FaultKind::Die, FaultKind::DieAfterwards));
+
+TEST(DeployedTaskHost, TellsOfAProcessThatEndsByItselfAndOfItsTasks) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  world.kill(world.find("p1"), 11);
+  EXPECT_TRUE(robot.told.process("p1", "SIGSEGV", true));
+  EXPECT_TRUE(robot.told.task("a", TaskState::Fatal));
+  EXPECT_TRUE(robot.told.task("b", TaskState::Fatal));
+  EXPECT_EQ(text(robot.wrong()), "");
+  EXPECT_EQ(robot.host.tasks().size(), 2U);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
+}
+
+TEST(DeployedTaskHost, ShowsAHungProcessAsFatalAndReplacesIt) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto hung = world.find("p2");
+  world.change([&] { hung->hangs = true; });
+  EXPECT_EQ(text(robot.wrong()), "");
+  EXPECT_TRUE(robot.told.process("p2", "does not answer", false));
+  EXPECT_TRUE(robot.told.task("c", TaskState::Fatal));
+  const auto reports = robot.host.tasks();
+  const auto c = std::find_if(reports.begin(), reports.end(),
+                              [](const auto& report) { return report.id == model::TaskId("c"); });
+  ASSERT_NE(c, reports.end());
+  EXPECT_EQ(c->state, TaskState::Fatal);
+  EXPECT_NE(c->error.find("does not answer"), std::string::npos);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_NE(world.find("p2"), hung);
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, TakesAProcessBackThatAnswersAgain) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto hung = world.find("p2");
+  world.change([&] { hung->hangs = true; });
+  EXPECT_EQ(text(robot.wrong()), "");
+  world.change([&] { hung->hangs = false; });
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+  EXPECT_TRUE(robot.told.process("p2", "answers again", false));
+  EXPECT_TRUE(robot.told.task("c", TaskState::Running));
+}
+
+TEST(DeployedTaskHost, ReplacesTheProcessOfATaskWhoseHookHangs) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto before = world.find("p1");
+  world.change([&] { before->hanging.insert(model::TaskId("a")); });
+  EXPECT_EQ(text(robot.wrong()), "");
+  EXPECT_TRUE(robot.told.task("a", TaskState::Fatal));
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_NE(world.find("p1"), before);
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, DoesNotWaitForAProcessBeyondItsPatience) {
+  FakeWorld world;
+  Robot robot(world, {100ms, 1h});
+  ASSERT_EQ(text(robot.host.perform(on_process(ActionKind::Deploy, "p1"), soon())), "done");
+  std::promise<void> released;
+  const auto held = released.get_future().share();
+  world.on_call([&](const std::string& what, const FakePtr& process) {
+    if (what == "snapshot" && process == world.find("p1")) {
+      held.wait();
+    }
+  });
+  const model::Network seen = robot.host.observe();
+  ASSERT_EQ(seen.deployments.size(), 1U);
+  EXPECT_EQ(seen.deployments[0].deployer, "unknown");
+  released.set_value();
+  EXPECT_TRUE(robot.told.process("p1", "answers again", false));
+  EXPECT_EQ(robot.host.observe().deployments.at(0).deployer, "segue");
+}
+
+TEST(DeployedTaskHost, ReconnectsToAProcessWhoseConnectionBroke) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const int connected = world.calls("connect_deployment");
+  const auto process = world.find("p1");
+  // Its service answers as one does whose connection is gone, until there is a new one.
+  world.change([&] { process->alive = false; });
+  world.on_call([&](const std::string& what, const FakePtr&) {
+    if (what == "connect_deployment") {
+      world.change([&] { process->alive = true; });
+    }
+  });
+  world.cut(process);
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
+  EXPECT_GT(world.calls("connect_deployment"), connected);
+  EXPECT_EQ(world.find("p1"), process);
+}
+
+TEST(DeployedTaskHost, PassesOnWhatTasksTell) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  world.tell(world.find("p2"), {model::TaskId("c"), TaskState::Exception, "out of scans"});
+  EXPECT_TRUE(robot.told.task("c", TaskState::Exception));
+}
+
+TEST(DeployedTaskHost, AdoptsWhatRuns) {
+  FakeWorld world;
+  {
+    Robot robot(world);
+    ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  }
+  ASSERT_EQ(world.running().size(), 2U);
+  // The runtime's own tasks went with it, and its incarnation.
+  world.change([&] {
+    *world.own() = testing::FakeProcess{};
+    world.own()->incarnation = 2000;
+  });
+  const auto p1 = world.find("p1");
+  Robot robot(world);
+  EXPECT_TRUE(robot.told.process("p1", "taken over", false));
+  EXPECT_EQ(text(robot.wrong()), "");
+  EXPECT_EQ(world.loose_halves(), 0U) << "halves with the dead runtime are forgotten";
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_EQ(world.find("p1"), p1) << "nothing was restarted";
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, AdoptsAProcessThatDoesNotAnswerAsOneToBeReplaced) {
+  FakeWorld world;
+  const auto hung = world.add_running("p1");
+  world.change([&] { hung->hangs = true; });
+  Robot robot(world);
+  ASSERT_EQ(robot.host.observe().deployments.size(), 1U);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_NE(world.find("p1"), hung);
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, TellsOfProcessesOfAnotherVersionAndTakesTheirNames) {
+  FakeWorld world;
+  world.change([other = world.add_running("p1")] { other->other_version = true; });
+  Robot robot(world);
+  EXPECT_TRUE(robot.told.process("p1", "version 0.0.9", false));
+  EXPECT_TRUE(robot.host.observe().deployments.empty());
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
+}
+
+TEST(DeployedTaskHost, SaysWhyAProcessEndedWhileItStarted) {
+  FakeWorld world;
+  Robot robot(world);
+  world.next_dies_at_once();
+  const auto deployed = robot.host.perform(on_process(ActionKind::Deploy, "p1"), soon());
+  ASSERT_FALSE(deployed);
+  EXPECT_NE(deployed.error().message.find("SIGSEGV"), std::string::npos) << to_string(deployed.error());
+  EXPECT_TRUE(robot.host.observe().deployments.empty());
+  EXPECT_EQ(text(robot.host.perform(on_process(ActionKind::Deploy, "p1"), soon())), "done");
+}
+
+TEST(DeployedTaskHost, RefusesToUndeployWhatHoldsConfiguredTasks) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto refused = robot.host.perform(on_process(ActionKind::Undeploy, "p2"), soon());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidState);
+  EXPECT_NE(refused.error().message.find("'c'"), std::string::npos);
+  EXPECT_NE(world.find("p2"), nullptr);
+}
+
+TEST(DeployedTaskHost, RefusesLinksThatCannotCarryAConnectionBetweenProcesses) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  model::Connection connection;
+  connection.from = {model::TaskId("a"), "other"};
+  connection.to = {model::TaskId("c"), "other"};
+  connection.policy.transport = Transport::Local;
+  const auto local =
+      robot.host.perform(action(ActionKind::Connect, model::ConnectionAction{connection}), soon());
+  ASSERT_FALSE(local);
+  EXPECT_NE(local.error().message.find("needs both tasks in one process"), std::string::npos);
+  connection.policy.transport = Transport::Dds;
+  const auto dds =
+      robot.host.perform(action(ActionKind::Connect, model::ConnectionAction{connection}), soon());
+  ASSERT_FALSE(dds);
+  EXPECT_EQ(dds.error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(text(robot.wrong()), "");
+}
+
+TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
+  FakeWorld world;
+  Robot robot(world);
+  for (const char* name : {"p1", "p2"}) {
+    ASSERT_EQ(text(robot.host.perform(on_process(ActionKind::Deploy, name), soon())), "done");
+  }
+  std::vector<model::Action> tasks;
+  std::vector<model::Action> wires;
+  for (int i = 0; i < 20; ++i) {
+    model::ConfigAction config;
+    config.definition.id = model::TaskId("t" + std::to_string(i));
+    config.name = config.definition.id.str();
+    config.process = {model::kLocalHost, model::ProcessName(i % 2 == 0 ? "p1" : "p2")};
+    tasks.push_back(action(ActionKind::ApplyConfig, config));
+    model::Connection connection;
+    connection.from = {config.definition.id, "out"};
+    connection.to = {model::TaskId("t" + std::to_string((i + 1) % 20)), "in"};
+    wires.push_back(action(ActionKind::Connect, model::ConnectionAction{connection}));
+  }
+  for (const auto& outcome : robot.host.perform_all(tasks, soon())) {
+    EXPECT_EQ(text(outcome), "done");
+  }
+  EXPECT_EQ(world.calls("perform"), 2);
+  for (const auto& outcome : robot.host.perform_all(wires, soon())) {
+    EXPECT_EQ(text(outcome), "done");
+  }
+  for (const char* round : {"memory", "admit", "describe_outputs", "open_inputs", "attach_outputs"}) {
+    EXPECT_EQ(world.calls(round), 2) << round;
+  }
+  EXPECT_EQ(robot.host.observe().connections.size(), 20U);
+}
+
+TEST(DeployedTaskHost, CarriesOutTheOthersWhereOneFails) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const auto on = [](ActionKind kind, const char* task) {
+    return action(kind, model::TaskAction{model::TaskId(task)});
+  };
+  const std::vector<model::Action> actions = {on(ActionKind::Start, "a"), on(ActionKind::Stop, "b"),
+                                              on(ActionKind::Stop, "nobody"), on(ActionKind::Stop, "c")};
+  const auto outcomes = robot.host.perform_all(actions, soon());
+  EXPECT_FALSE(outcomes[0]);
+  EXPECT_EQ(text(outcomes[1]), "done");
+  EXPECT_FALSE(outcomes[2]);
+  EXPECT_EQ(text(outcomes[3]), "done");
+  EXPECT_EQ(text(robot.wrong()), "");
+}
+
+TEST(DeployedTaskHost, TakesOffHalvesThatADeadProcessLeft) {
+  FakeWorld world;
+  Robot robot(world, {60s, 10ms});
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  // The writer's half of b.out -> c.in is gone, the reader's stands.
+  const auto p1 = world.find("p1");
+  world.change(
+      [&] { std::erase_if(p1->halves, [](const HalfReport& half) { return half.side == Side::Output; }); });
+  const TimePoint give_up = soon();
+  while (world.loose_halves() > 0 && RealClock::instance().now() < give_up) {
+    std::this_thread::yield();
+  }
+  EXPECT_EQ(world.loose_halves(), 0U);
+  EXPECT_EQ(text(robot.wrong()), "");
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
+}
+
+TEST(DeployedTaskHost, IsLookedAtByManyWhileItSwitches) {
+  FakeWorld world;
+  Robot robot(world, {60s, 1ms});
+  std::atomic<bool> done{false};
+  std::vector<std::thread> lookers;
+  for (int i = 0; i < 3; ++i) {
+    lookers.emplace_back([&] {
+      while (!done) {
+        (void)robot.host.observe();
+        (void)robot.host.tasks();
+        (void)robot.host.connections();
+      }
+    });
+  }
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(text(robot.switch_to(i % 2 == 0 ? kOne : kTwo)), "done");
+  }
+  done = true;
+  for (auto& looker : lookers) {
+    looker.join();
+  }
+  EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kTwo)));
+}
+
+}  // namespace
+}  // namespace segue::deploy

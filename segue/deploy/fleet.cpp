@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/fleet.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+/// The runtime's own process as a record; its service is there as long as the fleet.
+RecordPtr own_record(DeploymentService& own) {
+  auto info = own.info();
+  model::Deployment deployment;
+  ProcessInfo process;
+  if (info) {
+    process.pid = info->pid;
+  }
+  const auto record = std::make_shared<ProcessRecord>(std::move(deployment), std::move(process));
+  record->set_service({std::shared_ptr<void>(), &own}, info ? std::optional(*std::move(info)) : std::nullopt);
+  return record;
+}
+
+}  // namespace
+
+Fleet::Fleet(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
+             const DeployedOptions& options)
+    : processes_(processes),
+      connector_(std::move(connector)),
+      launch_(std::move(launch)),
+      options_(options),
+      own_(own_record(own)) {}
+
+std::optional<ProcessInfo> Fleet::Starting::exit_of(int pid) const {
+  const auto found =
+      std::find_if(exits.begin(), exits.end(), [&](const auto& process) { return process.pid == pid; });
+  return found == exits.end() ? std::nullopt : std::optional(*found);
+}
+
+void Fleet::begin() {
+  processes_.set_listener([weak = weak_from_this()](const ProcessInfo& process) {
+    if (const auto self = weak.lock()) {
+      self->on_exit(process);
+    }
+  });
+  listen_to(own_, *own_->service());
+  adopt();
+  watcher_ = std::thread([this] { watch(); });
+}
+
+void Fleet::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+  processes_.set_listener({});
+  if (watcher_.joinable()) {
+    watcher_.join();
+  }
+  pool_.close();
+  for (const auto& record : all()) {
+    if (const auto service = record->service()) {
+      service->set_listener({});
+    }
+    record->set_service(nullptr, std::nullopt);
+  }
+  events_.set_listener({});
+}
+
+RecordPtr Fleet::find(const model::DeploymentKey& key) const {
+  if (key.is_runtime()) {
+    return own_;
+  }
+  const std::lock_guard lock(mutex_);
+  const auto found = records_.find(key);
+  return found == records_.end() ? nullptr : found->second;
+}
+
+RecordPtr Fleet::find(link::Incarnation incarnation) const {
+  for (auto& record : all()) {
+    if (record->incarnation() == incarnation) {
+      return record;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<RecordPtr> Fleet::all() const {
+  std::vector<RecordPtr> records{own_};
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, record] : records_) {
+    records.push_back(record);
+  }
+  return records;
+}
+
+std::optional<model::DeploymentKey> Fleet::seat(const model::TaskId& task) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = seats_.find(task);
+  return found == seats_.end() ? std::nullopt : std::optional(found->second);
+}
+
+Result<RecordPtr> Fleet::process_of(const model::TaskId& task) const {
+  if (const auto key = seat(task)) {
+    if (auto record = find(*key)) {
+      return record;
+    }
+  }
+  std::vector<std::string> known;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, key] : seats_) {
+      known.push_back(id.str());
+    }
+  }
+  return fail(ErrorCode::NotFound, "no task " + quote(task.str()) + " here" + did_you_mean(task.str(), known),
+              task.str());
+}
+
+void Fleet::set_seat(const model::TaskId& task, const model::DeploymentKey& process) {
+  const std::lock_guard lock(mutex_);
+  seats_.insert_or_assign(task, process);
+}
+
+void Fleet::drop_seat(const model::TaskId& task) {
+  const std::lock_guard lock(mutex_);
+  seats_.erase(task);
+}
+
+void Fleet::learn_seats(const ProcessRecord& record, const Snapshot& snapshot) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& task : snapshot.network.tasks) {
+    seats_.try_emplace(task.id, record.key());
+  }
+}
+
+std::vector<model::TaskId> Fleet::drop_seats_of(const model::DeploymentKey& key) {
+  std::vector<model::TaskId> dropped;
+  const std::lock_guard lock(mutex_);
+  for (auto seat = seats_.begin(); seat != seats_.end();) {
+    if (seat->second == key) {
+      dropped.push_back(seat->first);
+      seat = seats_.erase(seat);
+    } else {
+      ++seat;
+    }
+  }
+  return dropped;
+}
+
+namespace {
+
+/// What of a network a process needs to know: its tasks, and connections at them.
+model::Network part_of(const model::Network& network, const model::DeploymentKey& key) {
+  std::map<model::TaskId, model::DeploymentKey> seats;
+  for (const auto& deployment : network.deployments) {
+    for (const auto& seat : deployment.tasks) {
+      seats.emplace(seat.task, deployment.key());
+    }
+  }
+  const auto is_here = [&](const model::TaskId& task) {
+    const auto seat = seats.find(task);
+    return seat == seats.end() ? key.is_runtime() : seat->second == key;
+  };
+  model::Network part;
+  part.name = network.name;
+  std::copy_if(network.tasks.begin(), network.tasks.end(), std::back_inserter(part.tasks),
+               [&](const model::Task& task) { return is_here(task.id); });
+  std::copy_if(network.connections.begin(), network.connections.end(), std::back_inserter(part.connections),
+               [&](const model::Connection& connection) {
+                 return is_here(connection.from.task) || is_here(connection.to.task);
+               });
+  return part;
+}
+
+void tell_expected(DeploymentService& service, const model::Network& network,
+                   const model::DeploymentKey& key) {
+  const model::Network part = part_of(network, key);
+  if (!part.empty()) {
+    // One that does not answer is found by the next look, and is told again when it has been replaced.
+    (void)service.expect(part);
+  }
+}
+
+}  // namespace
+
+void Fleet::expect(const model::Network& network) {
+  if (!launch_.stand_in && !launch_.only_stand_ins) {
+    return;  // real components have the ports that they have
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = std::find_if(expected_.begin(), expected_.end(),
+                                    [&](const auto& other) { return other.name == network.name; });
+    if (known != expected_.end() && *known == network) {
+      return;
+    }
+    if (known == expected_.end()) {
+      expected_.push_back(network);
+    } else {
+      *known = network;
+    }
+  }
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& record : all()) {
+    jobs.emplace_back([&network, record] {
+      if (const auto service = record->service()) {
+        tell_expected(*service, network, record->key());
+      }
+    });
+  }
+  pool_.run_all(std::move(jobs));
+}
+
+void Fleet::send_expected(DeploymentService& service, const model::DeploymentKey& key) {
+  std::vector<model::Network> expected;
+  {
+    const std::lock_guard lock(mutex_);
+    expected = expected_;
+  }
+  for (const auto& network : expected) {
+    tell_expected(service, network, key);
+  }
+}
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/deploy/event_queue.hpp>
+#include <segue/deploy/merged_view.hpp>
+#include <segue/deploy/process_record.hpp>
+#include <segue/deploy/worker_pool.hpp>
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+using RecordPtr = std::shared_ptr<ProcessRecord>;
+
+/// The processes of a robot, the runtime's own among them: starts, finds, watches and looks at them, and
+/// knows which task lives where. Thread safe; nothing is locked while a process is called.
+class Fleet : public std::enable_shared_from_this<Fleet> {
+ public:
+  Fleet(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
+        const DeployedOptions& options);
+  /// Adopts what runs, begins to watch.
+  void begin();
+  /// Leaves the processes as they are. Nothing of this is called any more when it returns.
+  void close();
+
+  Result<void> deploy(const model::Deployment& deployment, TimePoint deadline);
+  Result<void> undeploy(const model::DeploymentKey& key, TimePoint deadline);
+  /// Tells every process what concerns it, now and when it is deployed.
+  void expect(const model::Network& network);
+
+  /// All processes as they are now; those that do not answer in time as they were.
+  std::vector<ProcessView> look();
+  MergedView merged_look();
+
+  [[nodiscard]] RecordPtr find(const model::DeploymentKey& key) const;
+  /// The process of that incarnation.
+  [[nodiscard]] RecordPtr find(link::Incarnation incarnation) const;
+  [[nodiscard]] std::vector<RecordPtr> all() const;
+  /// Where a task lives.
+  [[nodiscard]] std::optional<model::DeploymentKey> seat(const model::TaskId& task) const;
+  Result<RecordPtr> process_of(const model::TaskId& task) const;
+  void set_seat(const model::TaskId& task, const model::DeploymentKey& process);
+  void drop_seat(const model::TaskId& task);
+
+  [[nodiscard]] WorkerPool& pool() { return pool_; }
+  [[nodiscard]] EventQueue& events() { return events_; }
+  /// Whom to call in a watch, beside the look: takes off what was left over.
+  void set_housekeeping(std::function<void()> work);
+
+ private:
+  /// A process on its way in.
+  struct Starting {
+    std::vector<ProcessInfo> exits;  ///< of its name; one may be of whoever had the name before
+    [[nodiscard]] std::optional<ProcessInfo> exit_of(int pid) const;
+  };
+
+  void adopt();
+  void adopt(const ProcessInfo& process);
+  Result<RecordPtr> start(const model::Deployment& deployment, TimePoint deadline);
+  Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
+  std::optional<ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record, Duration patience);
+  /// Connects, and checks who answers.
+  Result<void> open(const RecordPtr& record, TimePoint deadline);
+  void listen_to(const RecordPtr& record, DeploymentService& service);
+  static Result<void> check_empty(const ProcessView& view);
+  void send_expected(DeploymentService& service, const model::DeploymentKey& key);
+
+  void look_again(const std::vector<RecordPtr>& records);
+  void take_looks(const RecordPtr& record);
+  std::shared_ptr<const Snapshot> look_at(const RecordPtr& record);
+  /// After a connection broke: true where there is a new one.
+  bool revive(const RecordPtr& record);
+  bool runs(const ProcessRecord& record);
+  void on_gone(const std::weak_ptr<ProcessRecord>& which);
+  void on_exit(const ProcessInfo& process);
+  /// It ended by itself.
+  void end(const RecordPtr& record, const ExitReason& reason);
+  /// Out of the tables; gives the tasks that went with it.
+  std::vector<model::TaskId> remove(const RecordPtr& record);
+  /// Lets go of a process that is gone, here and in all others.
+  void release(const RecordPtr& record);
+  void tell(const ProcessRecord& record, const ProcessRecord::Change& change);
+  void tell_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
+  void tell_task(const model::TaskId& task, TaskState state, std::string message);
+  void learn_seats(const ProcessRecord& record, const Snapshot& snapshot);
+  std::vector<model::TaskId> drop_seats_of(const model::DeploymentKey& key);
+  void watch();
+
+  ProcessService& processes_;
+  const Connector connector_;
+  const Launch launch_;
+  const DeployedOptions options_;
+  const RecordPtr own_;
+  WorkerPool pool_{64};
+  EventQueue events_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<model::DeploymentKey, RecordPtr> records_;  ///< the own one aside
+  std::map<model::DeploymentKey, Starting> starting_;
+  std::map<model::TaskId, model::DeploymentKey> seats_;
+  std::vector<model::Network> expected_;
+  std::function<void()> housekeeping_;
+  bool closed_ = false;
+  std::thread watcher_;
+};
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/deploy/fleet.hpp>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+constexpr Duration kAdoption = std::chrono::seconds(3);
+/// How long a process that answers gets to stop and clean up what it holds; one that does not, hardly any.
+constexpr Duration kOrderly = std::chrono::seconds(5);
+constexpr Duration kDisorderly = std::chrono::milliseconds(300);
+constexpr Duration kFirstTry = std::chrono::milliseconds(200);
+constexpr Duration kLongestTry = std::chrono::seconds(2);
+constexpr Duration kBetweenTries = std::chrono::milliseconds(20);
+constexpr std::streamoff kTailBytes = 4096;
+constexpr std::size_t kTailLines = 8;
+
+TimePoint now() {
+  return RealClock::instance().now();
+}
+
+/// A moment before `deadline`, which leaves a part of what remains for what comes after.
+TimePoint part_until(TimePoint deadline, Duration longest) {
+  const TimePoint begin = now();
+  return begin + std::min(longest, (deadline - begin) * 3 / 4);
+}
+
+std::string tail(const std::filesystem::path& log) {
+  std::ifstream file(log, std::ios::binary | std::ios::ate);
+  if (!file) {
+    return {};
+  }
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kTailBytes));
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+    if (lines.size() > kTailLines) {
+      lines.pop_front();
+    }
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    text += "\n  " + line;
+  }
+  return text;
+}
+
+/// What it printed last, and where the rest is.
+std::string log_text(const ProcessInfo& process) {
+  if (process.log.empty()) {
+    return {};
+  }
+  const std::string text = tail(process.log);
+  return text.empty() ? "; its log " + process.log.string() + " is empty"
+                      : "; its log " + process.log.string() + " ends with:" + text;
+}
+
+Error ended_while_starting(const ProcessRecord& record, const ProcessInfo& process) {
+  const std::string reason = process.exit ? to_string(*process.exit) : "ended";
+  return fail(ErrorCode::Unavailable,
+              "the process " + reason + " while it was being started" + log_text(record.process()),
+              to_string(record.key()));
+}
+
+bool may_still_come(const Error& error) {
+  return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded;
+}
+
+}  // namespace
+
+Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadline) {
+  const model::DeploymentKey key = deployment.key();
+  if (key.is_runtime()) {
+    return fail(ErrorCode::InvalidArgument, "a process needs a name; the runtime's own is always there");
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (records_.contains(key) || !starting_.try_emplace(key).second) {
+      const std::string name = to_string(key);
+      return fail(ErrorCode::AlreadyExists, "process " + quote(name) + " is already deployed", name);
+    }
+  }
+  events_.drain();  // what happened to the process that had the name before is told before there is another
+  auto record = start(deployment, deadline);
+  std::optional<ProcessInfo> exit;
+  {
+    const std::lock_guard lock(mutex_);
+    exit = record ? starting_[key].exit_of((*record)->process().pid) : std::nullopt;
+    starting_.erase(key);
+    if (record && !exit) {
+      records_.insert_or_assign(key, *record);
+      return {};
+    }
+  }
+  return record ? ended_while_starting(**record, *exit) : std::move(record.error());
+}
+
+Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint deadline) {
+  Launch launch = launch_;
+  launch.deployment = deployment;
+  launch.deployment.tasks.clear();
+  auto process = processes_.start(launch, deadline);
+  if (!process && process.error().code == ErrorCode::AlreadyExists) {
+    // Nobody here knows of it: it was left over, so it makes room.
+    (void)processes_.stop(launch.robot, deployment.key(), part_until(deadline, kOrderly));
+    process = processes_.start(launch, deadline);
+  }
+  if (!process) {
+    (void)processes_.stop(launch.robot, deployment.key(), now() + kDisorderly);
+    return std::move(process.error());
+  }
+  const auto record = std::make_shared<ProcessRecord>(launch.deployment, std::move(*process));
+  const Duration all = deadline - now();
+  auto connected = connect_when_ready(record, now() + all * 7 / 8);
+  if (!connected) {
+    record->leave(true);
+    (void)processes_.stop(launch.robot, deployment.key(), now() + std::min(kDisorderly, all / 16));
+    record->set_service(nullptr, std::nullopt);
+    return std::move(connected.error());
+  }
+  return record;
+}
+
+Result<void> Fleet::connect_when_ready(const RecordPtr& record, TimePoint deadline) {
+  Duration patience = kFirstTry;
+  while (true) {
+    auto opened = open(record, std::min(deadline, now() + patience));
+    if (opened || !may_still_come(opened.error())) {
+      return opened;
+    }
+    if (const auto exit = wait_for_exit_of_starting(*record, kBetweenTries)) {
+      return ended_while_starting(*record, *exit);
+    }
+    if (now() >= deadline) {
+      return fail(ErrorCode::DeadlineExceeded,
+                  "the process was started (pid " + std::to_string(record->process().pid) +
+                      ") but did not become ready in time" + log_text(record->process()),
+                  to_string(record->key()))
+          .because_of(std::move(opened.error()));
+    }
+    patience = std::min(kLongestTry, patience * 2);
+  }
+}
+
+std::optional<ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record, Duration patience) {
+  std::optional<ProcessInfo> exit;
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, patience, [&] {
+    const auto found = starting_.find(record.key());
+    exit = found == starting_.end() ? std::nullopt : found->second.exit_of(record.process().pid);
+    return exit.has_value();
+  });
+  return exit;
+}
+
+Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
+  auto made = connector_(record->process().socket, deadline,
+                         [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)] {
+                           if (const auto self = weak.lock()) {
+                             self->on_gone(which);
+                           }
+                         });
+  if (!made) {
+    return std::move(made.error());
+  }
+  const std::shared_ptr<DeploymentService> service = std::move(*made);
+  auto info = service->info();
+  if (!info) {
+    return std::move(info.error());
+  }
+  const bool same_life = record->incarnation() == 0 || record->incarnation() == info->incarnation;
+  if (info->robot != launch_.robot || info->deployment.key() != record->key() || !same_life) {
+    return fail(ErrorCode::InvalidState,
+                "another process (" + quote(to_string(info->deployment.key())) + " of robot " +
+                    quote(info->robot) + ") answers at " + record->process().socket.string(),
+                to_string(record->key()));
+  }
+  listen_to(record, *service);
+  send_expected(*service, record->key());
+  record->set_service(service, std::move(*info));
+  return {};
+}
+
+void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
+  service.set_listener(
+      [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)](const host::TaskEvent& event) {
+        const auto self = weak.lock();
+        const auto from = which.lock();
+        if (self && from && !from->leaving() && !from->ended()) {
+          self->events_.push(event);
+        }
+      });
+}
+
+Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline) {
+  const RecordPtr record = key.is_runtime() ? nullptr : find(key);
+  if (record == nullptr) {
+    return fail(ErrorCode::NotFound, "process " + quote(to_string(key)) + " is not deployed", to_string(key));
+  }
+  look_again({record});
+  const ProcessView view = record->view();
+  if (auto empty = check_empty(view); !empty) {
+    return empty;
+  }
+  const bool orderly = view.answers && view.snapshot != nullptr && view.snapshot->hanging.empty();
+  record->leave(true);
+  auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
+  if (!reason && reason.error().code != ErrorCode::NotFound) {
+    record->leave(false);
+    return std::move(reason.error());
+  }
+  if (reason && reason->killed) {
+    events_.push(host::ProcessEvent{key, to_string(*reason), true});
+  }
+  record->end();
+  remove(record);
+  release(record);
+  return {};
+}
+
+Result<void> Fleet::check_empty(const ProcessView& view) {
+  if (!view.answers || view.snapshot == nullptr) {
+    return {};
+  }
+  const auto& hanging = view.snapshot->hanging;
+  for (const auto& task : view.snapshot->network.tasks) {
+    const bool hangs = std::find(hanging.begin(), hanging.end(), task.id) != hanging.end();
+    if (is_configured(task.state) && !hangs) {
+      return fail(ErrorCode::InvalidState,
+                  "task " + quote(task.id.str()) + " in process " + quote(to_string(view.deployment.key())) +
+                      " is still " + quote(to_string(task.state)) + "; stop it and clean it up first");
+    }
+  }
+  return {};
+}
+
+void Fleet::adopt() {
+  auto running = processes_.processes(launch_.robot);
+  if (!running) {
+    events_.push(host::ProcessEvent{
+        {}, "which processes run already cannot be told: " + to_string(running.error()), false});
+    return;
+  }
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& process : *running) {
+    jobs.emplace_back([this, &process] { adopt(process); });
+  }
+  pool_.run_all(std::move(jobs));
+  look();
+}
+
+void Fleet::adopt(const ProcessInfo& process) {
+  model::Deployment deployment;
+  deployment.host = process.key.host;
+  deployment.process = process.key.process;
+  const auto record = std::make_shared<ProcessRecord>(std::move(deployment), process);
+  const auto opened = open(record, now() + kAdoption);
+  if (!opened && !may_still_come(opened.error())) {
+    events_.push(host::ProcessEvent{
+        process.key,
+        "runs (pid " + std::to_string(process.pid) +
+            ") but cannot be taken over, and is ended when its name is needed: " + to_string(opened.error()),
+        false});
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    records_.insert_or_assign(process.key, record);
+  }
+  if (opened) {
+    events_.push(host::ProcessEvent{
+        process.key, "was running (pid " + std::to_string(process.pid) + ") and has been taken over", false});
+  }
+}
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/deploy/fleet.hpp>
+
+#include <signal.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+/// How much longer a look waits for a process that did not answer last time.
+constexpr Duration kLittlePatience = std::chrono::milliseconds(200);
+/// How long the news of an end may lag behind the end of the connection.
+constexpr Duration kNewsLag = std::chrono::milliseconds(300);
+constexpr Duration kUsualLag = std::chrono::milliseconds(20);
+constexpr Duration kReconnect = std::chrono::milliseconds(500);
+
+TimePoint now() {
+  return RealClock::instance().now();
+}
+
+bool is_silence(const Error& error) {
+  return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded;
+}
+
+std::string with_tasks(std::string text, const std::vector<model::TaskId>& tasks) {
+  if (tasks.empty()) {
+    return text;
+  }
+  std::vector<std::string> names;
+  for (const auto& task : tasks) {
+    names.push_back(task.str());
+  }
+  return text + "; with it went " + listed(names);
+}
+
+}  // namespace
+
+std::vector<ProcessView> Fleet::look() {
+  const auto records = all();
+  look_again(records);
+  std::vector<ProcessView> views;
+  for (const auto& record : records) {
+    if (!record->ended()) {
+      views.push_back(record->view());
+    }
+  }
+  return views;
+}
+
+MergedView Fleet::merged_look() {
+  return merge(look(), [this](const model::TaskId& task) { return seat(task); });
+}
+
+void Fleet::look_again(const std::vector<RecordPtr>& records) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto& record : records) {
+    const auto ticket = record->ask();
+    numbers.push_back(ticket.number);
+    const bool taken = !ticket.take || pool_.submit([this, record] { take_looks(record); });
+    if (!taken) {
+      record->finish(ticket.number, nullptr);
+    }
+  }
+  const TimePoint begin = now();
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const Duration patience = records[i]->answers() ? options_.patience : kLittlePatience;
+    if (!records[i]->wait(numbers[i], std::max(begin + patience, now()))) {
+      tell(*records[i], records[i]->give_up(numbers[i]));
+    }
+  }
+}
+
+void Fleet::take_looks(const RecordPtr& record) {
+  for (bool more = true; more;) {
+    const std::uint64_t number = record->next();
+    auto snapshot = look_at(record);
+    if (snapshot != nullptr && !record->ended()) {
+      learn_seats(*record, *snapshot);
+    }
+    const auto finished = record->finish(number, std::move(snapshot));
+    tell(*record, finished.change);
+    more = finished.more;
+  }
+}
+
+std::shared_ptr<const Snapshot> Fleet::look_at(const RecordPtr& record) {
+  const auto service = record->service();
+  auto seen = service ? service->snapshot() : Result<Snapshot>(fail(ErrorCode::Unavailable, "not connected"));
+  if (service && !seen && !is_silence(seen.error())) {
+    seen = service->snapshot();  // it does answer, so it gets another chance
+  }
+  const bool broken = !seen && seen.error().code == ErrorCode::Unavailable;
+  if (broken && record != own_ && revive(record)) {
+    if (const auto again = record->service()) {
+      seen = again->snapshot();
+    }
+  }
+  return seen ? std::make_shared<const Snapshot>(std::move(*seen)) : nullptr;
+}
+
+bool Fleet::revive(const RecordPtr& record) {
+  if (record->leaving() || record->wait_for_end(now() + kUsualLag)) {
+    return false;
+  }
+  if (!runs(*record)) {
+    if (!record->wait_for_end(now() + kNewsLag)) {
+      ExitReason reason;
+      reason.known = false;
+      end(record, reason);
+    }
+    return false;
+  }
+  return open(record, now() + kReconnect).has_value();
+}
+
+bool Fleet::runs(const ProcessRecord& record) {
+  const ProcessInfo& process = record.process();
+  const auto listed = processes_.processes(launch_.robot);
+  if (listed) {
+    return std::any_of(listed->begin(), listed->end(), [&](const ProcessInfo& other) {
+      return other.key == process.key && other.pid == process.pid;
+    });
+  }
+  // Nobody to ask: the system knows, at least.
+  return ::kill(process.pid, 0) == 0 || errno == EPERM;
+}
+
+void Fleet::on_gone(const std::weak_ptr<ProcessRecord>& which) {
+  const auto record = which.lock();
+  if (record == nullptr || record->ended() || record->leaving()) {
+    return;
+  }
+  if (const auto ticket = record->ask(); ticket.take) {
+    if (!pool_.submit([this, record] { take_looks(record); })) {
+      record->finish(ticket.number, nullptr);
+    }
+  }
+}
+
+void Fleet::on_exit(const ProcessInfo& process) {
+  RecordPtr record;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto starting = starting_.find(process.key); starting != starting_.end()) {
+      starting->second.exits.push_back(process);
+    }
+    const auto found = records_.find(process.key);
+    if (found != records_.end() && found->second->process().pid == process.pid) {
+      record = found->second;
+    }
+  }
+  changed_.notify_all();
+  if (record != nullptr && !record->leaving()) {
+    end(record, process.exit.value_or(ExitReason{}));
+  }
+}
+
+void Fleet::end(const RecordPtr& record, const ExitReason& reason) {
+  if (!record->end()) {
+    return;
+  }
+  const auto tasks = remove(record);
+  const std::string what = to_string(reason);
+  events_.push(host::ProcessEvent{record->key(), with_tasks(what, tasks), true});
+  for (const auto& task : tasks) {
+    tell_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
+  }
+  pool_.submit([this, record] { release(record); });
+}
+
+std::vector<model::TaskId> Fleet::remove(const RecordPtr& record) {
+  auto tasks = drop_seats_of(record->key());
+  const std::lock_guard lock(mutex_);
+  const auto found = records_.find(record->key());
+  if (found != records_.end() && found->second == record) {
+    records_.erase(found);
+  }
+  return tasks;
+}
+
+void Fleet::release(const RecordPtr& record) {
+  record->set_service(nullptr, std::nullopt);
+  const link::Incarnation incarnation = record->incarnation();
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& other : all()) {
+    const auto service = other->service();
+    if (service == nullptr || incarnation == 0 || !(other->process().adopted || other->knows(incarnation))) {
+      continue;
+    }
+    jobs.emplace_back([other, service, incarnation] {
+      if (service->forget(incarnation)) {
+        other->unlearn(incarnation);
+      }
+    });
+  }
+  pool_.run_all(std::move(jobs));
+}
+
+void Fleet::tell(const ProcessRecord& record, const ProcessRecord::Change& change) {
+  const ProcessView view = record.view();
+  if (change.silent) {
+    const std::string why = silence_text(record.key(), view.pid);
+    events_.push(host::ProcessEvent{record.key(), why, false});
+    tell_all_tasks(view, TaskState::Fatal, why);
+  }
+  if (change.answers_again) {
+    events_.push(host::ProcessEvent{record.key(), "answers again", false});
+    tell_all_tasks(view, std::nullopt, "");
+  }
+  for (const auto& task : change.hanging) {
+    tell_task(task, TaskState::Fatal, hanging_text(record.key()));
+  }
+  for (const auto& task : change.hanging_no_more) {
+    if (const model::Task* found = view.snapshot->network.find_task(task)) {
+      tell_task(task, found->state, "its hook has returned");
+    }
+  }
+}
+
+void Fleet::tell_all_tasks(const ProcessView& view, std::optional<TaskState> state,
+                           const std::string& message) {
+  if (view.snapshot == nullptr) {
+    return;
+  }
+  for (const auto& task : view.snapshot->network.tasks) {
+    if (seat(task.id) == view.deployment.key()) {
+      tell_task(task.id, state.value_or(task.state), message);
+    }
+  }
+}
+
+void Fleet::tell_task(const model::TaskId& task, TaskState state, std::string message) {
+  events_.push(host::TaskEvent{task, state, std::move(message)});
+}
+
+void Fleet::set_housekeeping(std::function<void()> work) {
+  const std::lock_guard lock(mutex_);
+  housekeeping_ = std::move(work);
+}
+
+void Fleet::watch() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, options_.watch, [&] { return closed_; })) {
+    const auto work = housekeeping_;
+    lock.unlock();
+    if (work) {
+      work();
+    }
+    lock.lock();
+  }
+}
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/merged_view.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+/// What both halves of a connection agree on.
+struct HalfKey {
+  link::Incarnation writer = 0;
+  link::Incarnation reader = 0;
+  std::uint64_t offset = 0;
+  std::uint64_t generation = 0;
+  model::PortRef from;
+  model::PortRef to;
+  Policy policy;
+
+  friend auto operator<=>(const HalfKey&, const HalfKey&) = default;
+};
+
+HalfKey key_of(const HalfReport& half, link::Incarnation own) {
+  const bool output = half.side == Side::Output;
+  return {output ? own : half.peer, output ? half.peer : own, half.place.offset,     half.place.generation,
+          half.connection.from,     half.connection.to,       half.connection.policy};
+}
+
+class Merger {
+ public:
+  Merger(const std::vector<ProcessView>& processes, const FindSeat& seat_of)
+      : processes_(processes), seat_of_(seat_of) {}
+
+  MergedView merge() {
+    for (const ProcessView& process : processes_) {
+      add_process(process);
+    }
+    add_halves();
+    return std::move(merged_);
+  }
+
+ private:
+  void add_process(const ProcessView& process) {
+    const bool own = process.deployment.key().is_runtime();
+    model::Deployment deployment = process.deployment;
+    deployment.tasks.clear();
+    if (!process.answers) {
+      deployment.deployer = "unknown";
+    }
+    if (process.snapshot != nullptr) {
+      add_tasks(process, deployment);
+    }
+    if (!own) {
+      merged_.network.deployments.push_back(std::move(deployment));
+    }
+  }
+
+  void add_tasks(const ProcessView& process, model::Deployment& deployment) {
+    const Snapshot& snapshot = *process.snapshot;
+    const auto names = names_in(snapshot.network);
+    for (const model::Task& task : snapshot.network.tasks) {
+      if (!is_at_home(task.id, process)) {
+        continue;
+      }
+      const auto name = names.find(task.id);
+      deployment.tasks.push_back({task.id, name == names.end() ? task.id.str() : name->second});
+      merged_.network.tasks.push_back(task);
+      if (!trouble(process, task.id).empty()) {
+        merged_.network.tasks.back().state = TaskState::Fatal;
+      }
+    }
+    for (const host::TaskReport& report : snapshot.tasks) {
+      if (is_at_home(report.id, process)) {
+        add_report(process, report);
+      }
+    }
+    if (process.answers) {
+      append(merged_.network.connections, snapshot.network.connections);
+      append(merged_.connections, snapshot.connections);
+    }
+  }
+
+  void add_report(const ProcessView& process, host::TaskReport report) {
+    if (!process.deployment.key().is_runtime()) {
+      report.process = process.deployment.key();
+      report.pid = process.pid;
+    }
+    if (std::string why = trouble(process, report.id); !why.empty()) {
+      report.state = TaskState::Fatal;
+      report.error = std::move(why);
+    }
+    merged_.tasks.push_back(std::move(report));
+  }
+
+  /// Why a task is Fatal whatever it says itself; "" where it is not.
+  static std::string trouble(const ProcessView& process, const model::TaskId& task) {
+    if (!process.answers) {
+      return silence_text(process.deployment.key(), process.pid);
+    }
+    const auto& hanging = process.snapshot->hanging;
+    const bool hangs = std::find(hanging.begin(), hanging.end(), task) != hanging.end();
+    return hangs ? hanging_text(process.deployment.key()) : std::string();
+  }
+
+  [[nodiscard]] bool is_at_home(const model::TaskId& task, const ProcessView& process) const {
+    const auto seat = seat_of_(task);
+    return !seat || *seat == process.deployment.key();
+  }
+
+  static std::map<model::TaskId, std::string> names_in(const model::Network& network) {
+    std::map<model::TaskId, std::string> names;
+    for (const auto& deployment : network.deployments) {
+      for (const auto& seat : deployment.tasks) {
+        names.emplace(seat.task, seat.name);
+      }
+    }
+    return names;
+  }
+
+  template <class Items>
+  static void append(Items& to, const Items& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  }
+
+  void add_halves() {
+    std::map<HalfKey, const HalfReport*> inputs;
+    for_each_half([&](const ProcessView& process, const HalfReport& half) {
+      if (half.side == Side::Input) {
+        inputs.emplace(key_of(half, process.incarnation), &half);
+      }
+    });
+    std::set<HalfKey> whole;
+    for_each_half([&](const ProcessView& process, const HalfReport& half) {
+      const HalfKey key = key_of(half, process.incarnation);
+      if (half.side == Side::Output && inputs.contains(key) && whole.insert(key).second) {
+        add_connection(half);
+      }
+    });
+    for_each_half([&](const ProcessView& process, const HalfReport& half) {
+      if (!whole.contains(key_of(half, process.incarnation))) {
+        add_loose(process, half);
+      }
+    });
+  }
+
+  template <class See>
+  void for_each_half(See see) const {
+    for (const ProcessView& process : processes_) {
+      if (!process.answers || process.snapshot == nullptr) {
+        continue;
+      }
+      for (const HalfReport& half : process.snapshot->halves) {
+        see(process, half);
+      }
+    }
+  }
+
+  void add_connection(const HalfReport& output) {
+    merged_.network.connections.push_back(output.connection);
+    merged_.connections.push_back(
+        {output.connection, output.counters.written, output.counters.read, output.counters.dropped});
+  }
+
+  void add_loose(const ProcessView& process, const HalfReport& half) {
+    const auto peer = std::find_if(processes_.begin(), processes_.end(),
+                                   [&](const ProcessView& other) { return other.incarnation == half.peer; });
+    const bool found = peer != processes_.end();
+    if (found && !peer->answers) {
+      return;  // its other half may well stand
+    }
+    // One that never told its incarnation may be the peer.
+    const bool all_known = std::all_of(processes_.begin(), processes_.end(),
+                                       [](const ProcessView& other) { return other.incarnation != 0; });
+    if (found || all_known) {
+      merged_.loose.push_back({process.deployment.key(), half.connection, half.side, half.peer, !found});
+    }
+  }
+
+  const std::vector<ProcessView>& processes_;
+  const FindSeat& seat_of_;
+  MergedView merged_;
+};
+
+}  // namespace
+
+MergedView merge(const std::vector<ProcessView>& processes, const FindSeat& seat_of) {
+  return Merger(processes, seat_of).merge();
+}
+
+std::string silence_text(const model::DeploymentKey& process, int pid) {
+  if (process.is_runtime()) {
+    return "the runtime's own process is too busy to be looked at";
+  }
+  return "process " + quote(to_string(process)) + " (pid " + std::to_string(pid) +
+         ") does not answer; a transition replaces it";
+}
+
+std::string hanging_text(const model::DeploymentKey& process) {
+  return process.is_runtime()
+             ? "one of its hooks has not returned, and it lives in the runtime's own process: restart the "
+               "runtime, and give the task a deployment of its own"
+             : "one of its hooks has not returned; a transition replaces process " +
+                   quote(to_string(process));
+}
+
+}  // namespace segue::deploy::detail

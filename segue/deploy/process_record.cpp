@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/process_record.hpp>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+/// Those of `all` that `others` lacks.
+std::vector<model::TaskId> without(const std::vector<model::TaskId>& all,
+                                   const std::vector<model::TaskId>& others) {
+  std::vector<model::TaskId> left;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(left), [&](const model::TaskId& task) {
+    return std::find(others.begin(), others.end(), task) == others.end();
+  });
+  return left;
+}
+
+}  // namespace
+
+ProcessRecord::ProcessRecord(model::Deployment deployment, ProcessInfo process)
+    : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}
+
+ProcessView ProcessRecord::view() const {
+  const std::lock_guard lock(mutex_);
+  return {deployment_, process_.pid, incarnation_, last_known(), answers_};
+}
+
+std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
+  if (answers_ || made_.empty()) {
+    return snapshot_;
+  }
+  auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
+  model::Deployment seats;
+  for (const auto& [number, made] : made_) {
+    if (known->network.find_task(made.definition.id) != nullptr) {
+      continue;
+    }
+    known->network.tasks.push_back(made.definition);
+    seats.tasks.push_back({made.definition.id, made.name});
+    host::TaskReport report;
+    report.id = made.definition.id;
+    report.component = made.definition.component;
+    known->tasks.push_back(std::move(report));
+  }
+  known->network.deployments.push_back(std::move(seats));
+  return known;
+}
+
+void ProcessRecord::note_task(const model::ConfigAction& made) {
+  const std::lock_guard lock(mutex_);
+  made_.emplace_back(asked_, made);
+}
+
+void ProcessRecord::note_removed(const model::TaskId& task) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(made_, [&](const auto& item) { return item.second.definition.id == task; });
+}
+
+link::Incarnation ProcessRecord::incarnation() const {
+  const std::lock_guard lock(mutex_);
+  return incarnation_;
+}
+
+std::shared_ptr<DeploymentService> ProcessRecord::service() const {
+  const std::lock_guard lock(mutex_);
+  return service_;
+}
+
+std::shared_ptr<DeploymentService> ProcessRecord::set_service(std::shared_ptr<DeploymentService> service,
+                                                              std::optional<DeploymentInfo> info) {
+  const std::lock_guard lock(mutex_);
+  if (info) {
+    incarnation_ = info->incarnation;
+    deployment_ = std::move(info->deployment);
+    deployment_.host = key_.host;
+    deployment_.process = key_.process;
+    deployment_.tasks.clear();
+  }
+  return std::exchange(service_, std::move(service));
+}
+
+ProcessRecord::Ticket ProcessRecord::ask() {
+  const std::lock_guard lock(mutex_);
+  return {++asked_, !std::exchange(looking_, true)};
+}
+
+std::uint64_t ProcessRecord::next() const {
+  const std::lock_guard lock(mutex_);
+  return asked_;
+}
+
+ProcessRecord::Finished ProcessRecord::finish(std::uint64_t number,
+                                              std::shared_ptr<const Snapshot> snapshot) {
+  Finished finished;
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = number;
+    finished.more = asked_ > number;
+    looking_ = finished.more;
+    if (snapshot != nullptr) {
+      snapshot_ = std::move(snapshot);
+      answered_ = number;
+      std::erase_if(made_, [&](const auto& item) { return item.first < number; });
+      finished.change = answering_now();
+    } else {
+      finished.change = silent_now();
+    }
+  }
+  changed_.notify_all();
+  return finished;
+}
+
+ProcessRecord::Change ProcessRecord::give_up(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  return answered_ >= number ? Change{} : silent_now();
+}
+
+ProcessRecord::Change ProcessRecord::silent_now() {
+  Change change;
+  const bool before = std::exchange(answers_, false);
+  change.silent = before && !leaving_ && !ended_;
+  return change;
+}
+
+ProcessRecord::Change ProcessRecord::answering_now() {
+  Change change;
+  const bool before = std::exchange(answers_, true);
+  if (leaving_ || ended_) {
+    return change;
+  }
+  change.answers_again = !before;
+  change.hanging = without(snapshot_->hanging, hanging_);
+  change.hanging_no_more = without(hanging_, snapshot_->hanging);
+  hanging_ = snapshot_->hanging;
+  return change;
+}
+
+bool ProcessRecord::wait(std::uint64_t number, TimePoint deadline) const {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_until(lock, deadline, [&] { return done_ >= number || ended_; });
+}
+
+bool ProcessRecord::answers() const {
+  const std::lock_guard lock(mutex_);
+  return answers_;
+}
+
+void ProcessRecord::leave(bool leaving) {
+  const std::lock_guard lock(mutex_);
+  leaving_ = leaving;
+}
+
+bool ProcessRecord::leaving() const {
+  const std::lock_guard lock(mutex_);
+  return leaving_;
+}
+
+bool ProcessRecord::end() {
+  bool first = false;
+  {
+    const std::lock_guard lock(mutex_);
+    first = !std::exchange(ended_, true);
+  }
+  changed_.notify_all();
+  return first;
+}
+
+bool ProcessRecord::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
+bool ProcessRecord::wait_for_end(TimePoint deadline) const {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_until(lock, deadline, [&] { return ended_; });
+}
+
+bool ProcessRecord::knows(link::Incarnation peer) const {
+  const std::lock_guard lock(mutex_);
+  return peers_.contains(peer);
+}
+
+void ProcessRecord::learn(link::Incarnation peer) {
+  const std::lock_guard lock(mutex_);
+  peers_.insert(peer);
+}
+
+void ProcessRecord::unlearn(link::Incarnation peer) {
+  const std::lock_guard lock(mutex_);
+  peers_.erase(peer);
+}
+
+}  // namespace segue::deploy::detail

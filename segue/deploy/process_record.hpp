@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/deploy/merged_view.hpp>
+#include <segue/deploy/process_service.hpp>
+#include <segue/model/transition.hpp>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// What is known of one process with tasks. Thread safe; calls nothing.
+class ProcessRecord {
+ public:
+  ProcessRecord(model::Deployment deployment, ProcessInfo process);
+
+  [[nodiscard]] const model::DeploymentKey& key() const { return key_; }
+  [[nodiscard]] const ProcessInfo& process() const { return process_; }
+  [[nodiscard]] ProcessView view() const;
+  [[nodiscard]] link::Incarnation incarnation() const;
+
+  /// What answers for it; null while there is no connection.
+  [[nodiscard]] std::shared_ptr<DeploymentService> service() const;
+  /// A new connection; gives back the old one, to be destroyed outside.
+  std::shared_ptr<DeploymentService> set_service(std::shared_ptr<DeploymentService> service,
+                                                 std::optional<DeploymentInfo> info);
+
+  /// What became different by being seen, or by not being seen.
+  struct Change {
+    bool silent = false;  ///< it stopped answering
+    bool answers_again = false;
+    std::vector<model::TaskId> hanging;          ///< from now on
+    std::vector<model::TaskId> hanging_no_more;  ///< from now on
+  };
+
+  /// Asks for a look that begins from now on. `take`: the caller sees to it that someone takes it; else
+  /// whoever is at it takes another one.
+  struct Ticket {
+    std::uint64_t number = 0;
+    bool take = false;
+  };
+  Ticket ask();
+  /// The number for which a look that begins now answers.
+  [[nodiscard]] std::uint64_t next() const;
+  /// What a look gave; null where the process did not answer. `more`: take another one.
+  struct Finished {
+    bool more = false;
+    Change change;
+  };
+  Finished finish(std::uint64_t number, std::shared_ptr<const Snapshot> snapshot);
+  /// Waits until the look of that number, or a later one, is done; false at the deadline.
+  bool wait(std::uint64_t number, TimePoint deadline) const;
+  /// Nobody waits for that look any longer: the process does not answer, unless it just did.
+  Change give_up(std::uint64_t number);
+  [[nodiscard]] bool answers() const;
+
+  /// It is on its way out by request: its silence is no news.
+  void leave(bool leaving);
+  [[nodiscard]] bool leaving() const;
+  /// True the first time.
+  bool end();
+  [[nodiscard]] bool ended() const;
+  bool wait_for_end(TimePoint deadline) const;
+
+  /// What became of its tasks since it was looked at last, for when it never is again.
+  void note_task(const model::ConfigAction& made);
+  void note_removed(const model::TaskId& task);
+
+  /// Incarnations whose memory its process has mapped.
+  [[nodiscard]] bool knows(link::Incarnation peer) const;
+  void learn(link::Incarnation peer);
+  void unlearn(link::Incarnation peer);
+
+ private:
+  Change silent_now();
+  Change answering_now();
+  [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
+
+  const model::DeploymentKey key_;
+  const ProcessInfo process_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  model::Deployment deployment_;
+  link::Incarnation incarnation_ = 0;
+  std::shared_ptr<DeploymentService> service_;
+  std::shared_ptr<const Snapshot> snapshot_;
+  std::uint64_t asked_ = 0;
+  std::uint64_t done_ = 0;
+  std::uint64_t answered_ = 0;  ///< the last look that gave a snapshot
+  bool looking_ = false;
+  bool answers_ = true;
+  bool leaving_ = false;
+  bool ended_ = false;
+  std::vector<model::TaskId> hanging_;
+  std::vector<std::pair<std::uint64_t, model::ConfigAction>> made_;  ///< and the looks asked for by then
+  std::set<link::Incarnation> peers_;
+};
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/routing.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <numeric>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+using model::ActionKind;
+
+Error not_connected() {
+  return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected");
+}
+
+Error unreachable(const ProcessRecord& record) {
+  return fail(ErrorCode::Unavailable, "process " + quote(to_string(record.key())) + " cannot be reached");
+}
+
+/// Whether a link that the network insists on can carry a connection between two processes.
+Result<void> check_link(const model::Connection& connection, const ProcessRecord& from,
+                        const ProcessRecord& to) {
+  const auto ends = [&] {
+    const auto end = [](const model::TaskId& task, const ProcessRecord& process) {
+      return quote(task.str()) + " in " +
+             (process.key().is_runtime() ? "the runtime's own process" : quote(to_string(process.key())));
+    };
+    return end(connection.from.task, from) + ", " + end(connection.to.task, to);
+  };
+  if (connection.policy.transport == Transport::Local) {
+    return fail(ErrorCode::InvalidArgument, "'link: local' needs both tasks in one process, and " + ends() +
+                                                "; leave the link out, or move one of them");
+  }
+  if (connection.policy.transport == Transport::Dds) {
+    return fail(ErrorCode::Unsupported,
+                "'link: dds' is for tasks on two computers, and " + ends() + "; leave the link out");
+  }
+  return {};
+}
+
+Error with_subject(Error error, const std::string& subject) {
+  if (error.subject.empty()) {
+    error.subject = subject;
+  }
+  return error;
+}
+
+}  // namespace
+
+std::vector<Result<void>> Router::perform(std::span<const model::Action> actions, TimePoint deadline) {
+  Outcomes outcomes(actions.size());
+  const Plan plan = this->plan(actions, outcomes);
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& [record, indices] : plan.at_process) {
+    jobs.emplace_back([&, record = record, &indices = indices] {
+      perform_at(record, indices, actions, deadline, outcomes);
+    });
+  }
+  for (const std::size_t index : plan.processes) {
+    jobs.emplace_back([&, index] { outcomes[index] = perform_on_process(actions[index], deadline); });
+  }
+  const auto spread = [&](const Indices& indices, Outcomes answers) {
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      outcomes[indices[i]] = std::move(answers[i]);
+    }
+  };
+  if (!plan.disconnect.empty() || !plan.connect.empty()) {
+    jobs.emplace_back([&] {
+      spread(plan.disconnect_indices, wiring_.disconnect(plan.disconnect, deadline));
+      spread(plan.connect_indices, wiring_.connect(plan.connect, deadline));
+    });
+  }
+  fleet_.pool().run_all(std::move(jobs));
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (!outcomes[i]) {
+      outcomes[i] = with_subject(std::move(outcomes[i].error()), actions[i].label());
+    }
+  }
+  return outcomes;
+}
+
+Router::Plan Router::plan(std::span<const model::Action> actions, Outcomes& outcomes) const {
+  Plan plan;
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    outcomes[i] = place(i, actions[i], plan);
+  }
+  return plan;
+}
+
+Result<void> Router::place(std::size_t index, const model::Action& action, Plan& plan) const {
+  if (std::holds_alternative<model::DeploymentAction>(action.what)) {
+    plan.processes.push_back(index);
+    return {};
+  }
+  if (std::holds_alternative<model::ConnectionAction>(action.what)) {
+    return place_connection(index, action, plan);
+  }
+  if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) {
+    return place_config(index, *config, plan);
+  }
+  auto record = fleet_.process_of(*action.task());
+  if (!record) {
+    return std::move(record.error());
+  }
+  plan.at_process[*record].push_back(index);
+  return {};
+}
+
+Result<void> Router::place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const {
+  auto record = fleet_.find(what.process);
+  if (record == nullptr) {
+    return fail(ErrorCode::InvalidState,
+                "process " + quote(to_string(what.process)) + " is not deployed; deploy it first");
+  }
+  plan.at_process[record].push_back(index);
+  return {};
+}
+
+Result<void> Router::place_connection(std::size_t index, const model::Action& action, Plan& plan) const {
+  const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
+  auto writer = fleet_.process_of(connection.from.task);
+  auto reader = fleet_.process_of(connection.to.task);
+  if (action.kind == ActionKind::Connect) {
+    for (const auto* end : {&writer, &reader}) {
+      if (!*end) {
+        return end->error();
+      }
+    }
+  } else if (!writer && !reader) {
+    return not_connected();
+  }
+  if (writer && reader && *writer == *reader) {
+    plan.at_process[*writer].push_back(index);
+    return {};
+  }
+  if (action.kind == ActionKind::Disconnect) {
+    plan.disconnect.push_back({connection, writer.value_or(nullptr), reader.value_or(nullptr)});
+    plan.disconnect_indices.push_back(index);
+    return {};
+  }
+  if (auto possible = check_link(connection, **writer, **reader); !possible) {
+    return possible;
+  }
+  plan.connect.push_back({connection, *writer, *reader});
+  plan.connect_indices.push_back(index);
+  return {};
+}
+
+Result<void> Router::perform_on_process(const model::Action& action, TimePoint deadline) {
+  const auto& deployment = std::get<model::DeploymentAction>(action.what).deployment;
+  return action.kind == ActionKind::Deploy ? fleet_.deploy(deployment, deadline)
+                                           : fleet_.undeploy(deployment.key(), deadline);
+}
+
+void Router::perform_at(const RecordPtr& record, const Indices& indices,
+                        std::span<const model::Action> actions, TimePoint deadline, Outcomes& outcomes) {
+  Indices left;
+  for (const std::size_t index : indices) {
+    const auto* config = std::get_if<model::ConfigAction>(&actions[index].what);
+    outcomes[index] = config != nullptr ? make_way(*config, record->key()) : Result<void>();
+    if (outcomes[index]) {
+      left.push_back(index);
+    }
+  }
+  const auto service = record->service();
+  while (!left.empty()) {
+    std::vector<model::Action> batch;
+    for (const std::size_t index : left) {
+      batch.push_back(actions[index]);
+    }
+    auto answers = service ? service->perform(batch, deadline) : Outcomes(left.size(), unreachable(*record));
+    answers.resize(left.size(), fail(ErrorCode::Internal, "the process gave no answer to this action"));
+    const auto failed = std::find_if(answers.begin(), answers.end(), [](const auto& one) { return !one; });
+    // The service ends at a failure; here, what does not depend on each other is done all the same.
+    const bool go_on = failed != answers.end() && failed->error().code != ErrorCode::Unavailable &&
+                       RealClock::instance().now() < deadline;
+    const auto count = go_on ? static_cast<std::size_t>(failed - answers.begin()) + 1 : left.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      note_seat(actions[left[i]], record, answers[i]);
+      outcomes[left[i]] = std::move(answers[i]);
+    }
+    left.erase(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+}
+
+/// A task lives in one process at a time: where it moves, what is left of it in the old one is forgotten.
+Result<void> Router::make_way(const model::ConfigAction& what, const model::DeploymentKey& process) {
+  const model::TaskId& task = what.definition.id;
+  const auto seat = fleet_.seat(task);
+  if (!seat || *seat == process) {
+    return {};
+  }
+  const auto record = fleet_.find(*seat);
+  const auto service = record ? record->service() : nullptr;
+  if (service == nullptr) {
+    return {};
+  }
+  const auto seen = service->snapshot();
+  if (!seen) {
+    return seen.error();
+  }
+  const model::Task* old = seen->network.find_task(task);
+  if (old != nullptr && is_configured(old->state)) {
+    return fail(ErrorCode::InvalidState, "is still " + quote(to_string(old->state)) + " as " +
+                                             quote(old->component.str()) + " in " + quote(to_string(*seat)) +
+                                             "; clean it up first");
+  }
+  model::Transition leave;
+  leave.removes.push_back(task);
+  return service->conclude(leave);
+}
+
+void Router::note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome) {
+  const auto* config = std::get_if<model::ConfigAction>(&action.what);
+  if (config == nullptr) {
+    return;
+  }
+  const model::TaskId& task = config->definition.id;
+  // Where nobody knows whether it was made, it is looked for there.
+  const bool unsure = !outcome && (outcome.error().code == ErrorCode::DeadlineExceeded ||
+                                   outcome.error().code == ErrorCode::Unavailable);
+  if (outcome || (unsure && !fleet_.seat(task))) {
+    fleet_.set_seat(task, record->key());
+  }
+  if (outcome) {
+    record->note_task(*config);
+  }
+}
+
+void Router::conclude(const model::Transition& transition) {
+  std::map<RecordPtr, model::Transition> parts;
+  for (const auto& task : transition.removes) {
+    if (const auto record = fleet_.process_of(task)) {
+      parts[*record].removes.push_back(task);
+    }
+  }
+  for (const auto& task : transition.redefines) {
+    if (const auto record = fleet_.process_of(task.id)) {
+      parts[*record].redefines.push_back(task);
+    }
+  }
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& [record, part] : parts) {
+    jobs.emplace_back([this, record = record, &part = part] {
+      const auto service = record->service();
+      if (service == nullptr || !service->conclude(part)) {
+        return;  // the next look says what it holds
+      }
+      for (const auto& task : part.removes) {
+        fleet_.drop_seat(task);
+        record->note_removed(task);
+      }
+    });
+  }
+  fleet_.pool().run_all(std::move(jobs));
+}
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/fleet.hpp>
+#include <segue/deploy/wiring.hpp>
+#include <segue/model/transition.hpp>
+
+#include <map>
+#include <span>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// Sends every action to where it has to be carried out. Thread safe.
+class Router {
+ public:
+  Router(Fleet& fleet, Wiring& wiring) : fleet_(fleet), wiring_(wiring) {}
+
+  /// Actions that do not depend on each other: what goes to one process goes as one message, all processes
+  /// side by side. Outcomes are in the order of `actions`.
+  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
+  void conclude(const model::Transition& transition);
+
+ private:
+  using Outcomes = std::vector<Result<void>>;
+  using Indices = std::vector<std::size_t>;
+
+  /// Who has to do what.
+  struct Plan {
+    std::map<RecordPtr, Indices> at_process;
+    Indices processes;  ///< deploy, undeploy
+    std::vector<Crossing> connect;
+    Indices connect_indices;
+    std::vector<Crossing> disconnect;
+    Indices disconnect_indices;
+  };
+
+  Plan plan(std::span<const model::Action> actions, Outcomes& outcomes) const;
+  Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
+  Result<void> place_connection(std::size_t index, const model::Action& action, Plan& plan) const;
+  Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
+  Result<void> perform_on_process(const model::Action& action, TimePoint deadline);
+  void perform_at(const RecordPtr& record, const Indices& indices, std::span<const model::Action> actions,
+                  TimePoint deadline, Outcomes& outcomes);
+  Result<void> make_way(const model::ConfigAction& what, const model::DeploymentKey& process);
+  void note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
+
+  Fleet& fleet_;
+  Wiring& wiring_;
+};
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/deploy/wiring.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace segue::deploy::detail {
+
+namespace {
+
+using Indices = std::vector<std::size_t>;
+using Groups = std::map<RecordPtr, Indices>;
+
+Error unavailable(const ProcessRecord& record) {
+  return fail(ErrorCode::Unavailable, "process " + quote(to_string(record.key())) + " cannot be reached",
+              to_string(record.key()));
+}
+
+/// What is known of one connection on its way.
+struct Laying {
+  const Crossing* crossing = nullptr;
+  std::optional<Error> error;
+  link::OutputOrigin origin;
+  link::InputPlace place;
+  bool opened = false;
+  bool output_unsure = false;  ///< nobody knows whether its writer's half stands
+
+  [[nodiscard]] bool failed() const { return error.has_value(); }
+};
+
+/// One after the other, for each group in a thread of its own.
+template <class Work>
+void for_each_group(WorkerPool& pool, const Groups& groups, Work work) {
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& [record, indices] : groups) {
+    jobs.emplace_back([&work, record = record, &indices = indices] { work(record, indices); });
+  }
+  pool.run_all(std::move(jobs));
+}
+
+/// As many answers as questions, whatever came.
+template <class T>
+std::vector<Result<T>> fitting(std::vector<Result<T>> answers, std::size_t count) {
+  if (answers.size() != count) {
+    answers.assign(count, fail(ErrorCode::Internal, "a process answered to another number of questions"));
+  }
+  return answers;
+}
+
+/// Asks one process about the things of `indices`; `make` gives a question, `take` gets its answer.
+template <class Question, class Make, class Ask, class Take>
+void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_service, Take take) {
+  const auto service = record->service();
+  std::vector<Question> questions;
+  questions.reserve(indices.size());
+  for (const std::size_t index : indices) {
+    questions.push_back(make(index));
+  }
+  using Answers = decltype(ask_service(*service, questions));
+  Answers answers = service ? fitting(ask_service(*service, questions), indices.size())
+                            : Answers(indices.size(), unavailable(*record));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    take(indices[i], std::move(answers[i]));
+  }
+}
+
+/// Whether an error leaves open what was done.
+bool is_unsure(const Error& error) {
+  return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded ||
+         error.code == ErrorCode::Internal;
+}
+
+/// The rounds of one batch.
+class Batch {
+ public:
+  Batch(WorkerPool& pool, std::span<const Crossing> crossings, TimePoint deadline)
+      : pool_(pool), deadline_(deadline) {
+    for (const auto& crossing : crossings) {
+      layings_.emplace_back().crossing = &crossing;
+    }
+  }
+
+  std::vector<Result<void>> lay() {
+    acquaint();
+    describe();
+    open();
+    attach();
+    undo();
+    return outcomes();
+  }
+
+  std::vector<Result<void>> take_off() {
+    close_outputs();
+    close_inputs();
+    return outcomes();
+  }
+
+ private:
+  [[nodiscard]] Groups by_writer() const {
+    Groups groups;
+    for (std::size_t i = 0; i < layings_.size(); ++i) {
+      if (!layings_[i].failed() && layings_[i].crossing->writer != nullptr) {
+        groups[layings_[i].crossing->writer].push_back(i);
+      }
+    }
+    return groups;
+  }
+
+  [[nodiscard]] Groups by_reader() const {
+    Groups groups;
+    for (std::size_t i = 0; i < layings_.size(); ++i) {
+      if (!layings_[i].failed() && layings_[i].crossing->reader != nullptr) {
+        groups[layings_[i].crossing->reader].push_back(i);
+      }
+    }
+    return groups;
+  }
+
+  /// Both processes of every connection map each other's memory: once for each pair.
+  void acquaint() {
+    std::map<RecordPtr, std::set<RecordPtr>> unknown;  // who has to be told of whom
+    for (const auto& laying : layings_) {
+      const auto& [connection, writer, reader] = *laying.crossing;
+      for (const auto& [one, other] : {std::pair(writer, reader), std::pair(reader, writer)}) {
+        if (!one->knows(other->incarnation())) {
+          unknown[one].insert(other);
+        }
+      }
+    }
+    const auto offers = collect_offers(unknown);
+    std::vector<WorkerPool::Job> jobs;
+    for (const auto& [one, others] : unknown) {
+      jobs.emplace_back([this, &offers, one = one, &others = others] { introduce(one, others, offers); });
+    }
+    pool_.run_all(std::move(jobs));
+  }
+
+  using Offers = std::map<RecordPtr, Result<link::MemoryOffer>>;
+
+  Offers collect_offers(const std::map<RecordPtr, std::set<RecordPtr>>& unknown) {
+    Offers offers;
+    for (const auto& [one, others] : unknown) {
+      for (const auto& other : others) {
+        offers.try_emplace(other, unavailable(*other));
+      }
+    }
+    std::vector<WorkerPool::Job> jobs;
+    for (auto& item : offers) {
+      jobs.emplace_back([&item] {
+        if (const auto service = item.first->service()) {
+          item.second = service->memory();
+        }
+      });
+    }
+    pool_.run_all(std::move(jobs));
+    return offers;
+  }
+
+  void introduce(const RecordPtr& one, const std::set<RecordPtr>& others, const Offers& offers) {
+    const auto service = one->service();
+    for (const auto& other : others) {
+      const auto& offer = offers.at(other);
+      const auto admitted = !offer     ? Result<void>(offer.error())
+                            : !service ? Result<void>(unavailable(*one))
+                                       : service->admit(*offer);
+      if (admitted) {
+        one->learn(offer->incarnation);
+      } else {
+        fail_between(one, other, admitted.error());
+      }
+    }
+  }
+
+  void fail_between(const RecordPtr& one, const RecordPtr& other, const Error& why) {
+    const std::lock_guard lock(mutex_);
+    for (auto& laying : layings_) {
+      const auto& [connection, writer, reader] = *laying.crossing;
+      const bool between = (writer == one && reader == other) || (writer == other && reader == one);
+      if (between && !laying.failed()) {
+        laying.error = why;
+      }
+    }
+  }
+
+  void describe() {
+    for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
+      ask<model::PortRef>(
+          writer, indices, [&](std::size_t i) { return layings_[i].crossing->connection.from; },
+          [&](DeploymentService& service, const std::vector<model::PortRef>& ports) {
+            return service.describe_outputs(ports, deadline_);
+          },
+          [&](std::size_t i, Result<link::OutputOrigin> origin) {
+            origin ? void(layings_[i].origin = *origin) : refuse(i, std::move(origin.error()));
+          });
+    });
+  }
+
+  void open() {
+    for_each_group(pool_, by_reader(), [&](const RecordPtr& reader, const Indices& indices) {
+      ask<OpenInput>(
+          reader, indices,
+          [&](std::size_t i) {
+            return OpenInput{layings_[i].crossing->connection, layings_[i].origin};
+          },
+          [&](DeploymentService& service, const std::vector<OpenInput>& inputs) {
+            return service.open_inputs(inputs, deadline_);
+          },
+          [&](std::size_t i, Result<link::InputPlace> place) {
+            if (place) {
+              layings_[i].place = std::move(*place);
+            }
+            // Where nobody knows, it is closed as if it were there.
+            layings_[i].opened = place || is_unsure(place.error());
+            if (!place) {
+              refuse(i, std::move(place.error()));
+            }
+          });
+    });
+  }
+
+  void attach() {
+    for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
+      ask<AttachOutput>(
+          writer, indices,
+          [&](std::size_t i) {
+            return AttachOutput{layings_[i].crossing->connection, layings_[i].place};
+          },
+          [&](DeploymentService& service, const std::vector<AttachOutput>& outputs) {
+            return service.attach_outputs(outputs, deadline_);
+          },
+          [&](std::size_t i, Result<void> attached) {
+            if (!attached) {
+              layings_[i].output_unsure = is_unsure(attached.error());
+              refuse(i, std::move(attached.error()));
+            }
+          });
+    });
+  }
+
+  /// Inputs that were opened in vain are closed; where the writer may have its half after all, that one
+  /// first. What cannot be reached now stays as a loose half, for the next cleaning.
+  void undo() {
+    Groups outputs;
+    for (std::size_t i = 0; i < layings_.size(); ++i) {
+      if (layings_[i].output_unsure) {
+        outputs[layings_[i].crossing->writer].push_back(i);
+      }
+    }
+    for_each_group(pool_, outputs, [&](const RecordPtr& writer, const Indices& indices) {
+      close(writer, indices, Side::Output, [&](std::size_t i, const Result<void>& closed) {
+        layings_[i].output_unsure = !closed && closed.error().code != ErrorCode::NotFound;
+      });
+    });
+    Groups inputs;
+    for (std::size_t i = 0; i < layings_.size(); ++i) {
+      if (layings_[i].failed() && layings_[i].opened && !layings_[i].output_unsure) {
+        inputs[layings_[i].crossing->reader].push_back(i);
+      }
+    }
+    for_each_group(pool_, inputs, [&](const RecordPtr& reader, const Indices& indices) {
+      close(reader, indices, Side::Input, [](std::size_t, const Result<void>&) {});
+    });
+  }
+
+  template <class Take>
+  void close(const RecordPtr& record, const Indices& indices, Side side, Take take) {
+    ask<CloseHalf>(
+        record, indices,
+        [&](std::size_t i) {
+          return CloseHalf{layings_[i].crossing->connection, side, side == Side::Input};
+        },
+        [&](DeploymentService& service, const std::vector<CloseHalf>& halves) {
+          return service.close_halves(halves, deadline_);
+        },
+        take);
+  }
+
+  void close_outputs() {
+    for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
+      close(writer, indices, Side::Output, [&](std::size_t i, Result<void> closed) {
+        layings_[i].opened = closed.has_value();  // here: one of its halves stood
+        if (!closed && closed.error().code != ErrorCode::NotFound && !writer->ended()) {
+          refuse(i, std::move(closed.error()));
+        }
+      });
+    });
+  }
+
+  void close_inputs() {
+    for_each_group(pool_, by_reader(), [&](const RecordPtr& reader, const Indices& indices) {
+      close(reader, indices, Side::Input, [&](std::size_t i, Result<void> closed) {
+        const bool gone = reader->ended() || (!closed && closed.error().code == ErrorCode::NotFound);
+        layings_[i].opened = layings_[i].opened || closed.has_value();
+        if (!closed && !gone) {
+          refuse(i, std::move(closed.error()));
+        }
+      });
+    });
+    for (auto& laying : layings_) {
+      if (!laying.failed() && !laying.opened) {
+        laying.error = fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected",
+                            to_string(laying.crossing->connection));
+      }
+    }
+  }
+
+  void refuse(std::size_t index, Error error) { layings_[index].error = std::move(error); }
+
+  std::vector<Result<void>> outcomes() {
+    std::vector<Result<void>> outcomes;
+    for (auto& laying : layings_) {
+      outcomes.push_back(laying.failed() ? Result<void>(std::move(*laying.error)) : Result<void>());
+    }
+    return outcomes;
+  }
+
+  WorkerPool& pool_;
+  const TimePoint deadline_;
+  std::vector<Laying> layings_;
+  std::mutex mutex_;  ///< where two processes' answers concern the same connection
+};
+
+Error turn_taken() {
+  return fail(ErrorCode::DeadlineExceeded, "connections made before are still being laid");
+}
+
+}  // namespace
+
+Wiring::Turn::Turn(Wiring& wiring, TimePoint deadline) : wiring_(wiring) {
+  std::unique_lock lock(wiring.mutex_);
+  mine_ = wiring.changed_.wait_until(lock, deadline, [&] { return !wiring.taken_; });
+  wiring.taken_ = wiring.taken_ || mine_;
+}
+
+Wiring::Turn::~Turn() {
+  if (mine_) {
+    const std::lock_guard lock(wiring_.mutex_);
+    wiring_.taken_ = false;
+    wiring_.changed_.notify_one();
+  }
+}
+
+std::vector<Result<void>> Wiring::connect(std::span<const Crossing> crossings, TimePoint deadline) {
+  const Turn turn(*this, deadline);
+  if (!turn) {
+    return {crossings.size(), turn_taken()};
+  }
+  auto outcomes = Batch(fleet_.pool(), crossings, deadline).lay();
+  make_room(crossings, outcomes, deadline);
+  std::vector<Crossing> again;
+  Indices indices;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (!outcomes[i] && outcomes[i].error().code == ErrorCode::AlreadyExists) {
+      again.push_back(crossings[i]);
+      indices.push_back(i);
+    }
+  }
+  if (!again.empty()) {
+    auto second = Batch(fleet_.pool(), again, deadline).lay();
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      outcomes[indices[i]] = std::move(second[i]);
+    }
+  }
+  return outcomes;
+}
+
+/// Half of a connection may be there from before, by a process that died while it was laid.
+void Wiring::make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
+                       TimePoint deadline) {
+  std::vector<LooseHalf> loose;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i] || outcomes[i].error().code != ErrorCode::AlreadyExists) {
+      continue;
+    }
+    if (loose.empty()) {
+      loose = fleet_.merged_look().loose;
+    }
+    std::vector<LooseHalf> mine;
+    std::copy_if(loose.begin(), loose.end(), std::back_inserter(mine),
+                 [&](const LooseHalf& half) { return half.connection == crossings[i].connection; });
+    clean_now(mine, deadline);
+  }
+}
+
+std::vector<Result<void>> Wiring::disconnect(std::span<const Crossing> crossings, TimePoint deadline) {
+  const Turn turn(*this, deadline);
+  if (!turn) {
+    return {crossings.size(), turn_taken()};
+  }
+  return Batch(fleet_.pool(), crossings, deadline).take_off();
+}
+
+void Wiring::clean(TimePoint deadline) {
+  const Turn turn(*this, deadline);
+  if (turn) {
+    clean_now(fleet_.merged_look().loose, deadline);
+  }
+}
+
+void Wiring::clean_now(const std::vector<LooseHalf>& loose, TimePoint deadline) {
+  std::map<model::DeploymentKey, std::vector<const LooseHalf*>> by_process;
+  for (const auto& half : loose) {
+    by_process[half.process].push_back(&half);
+  }
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& [key, halves] : by_process) {
+    jobs.emplace_back([this, deadline, key = key, &halves = halves] {
+      const auto record = fleet_.find(key);
+      const auto service = record ? record->service() : nullptr;
+      if (service == nullptr) {
+        return;
+      }
+      std::set<link::Incarnation> dead;
+      std::vector<CloseHalf> close;
+      for (const LooseHalf* half : halves) {
+        half->peer_gone ? void(dead.insert(half->peer))
+                        : close.push_back({half->connection, half->side, half->side == Side::Input});
+      }
+      for (const auto incarnation : dead) {
+        (void)service->forget(incarnation);
+        record->unlearn(incarnation);
+      }
+      if (!close.empty()) {
+        (void)service->close_halves(close, deadline);  // what fails is seen by the next look
+      }
+    });
+  }
+  fleet_.pool().run_all(std::move(jobs));
+}
+
+}  // namespace segue::deploy::detail

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/fleet.hpp>
+#include <segue/model/network.hpp>
+
+#include <condition_variable>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace segue::deploy::detail {
+
+/// A connection between processes, and who they are. To be taken off, one of them may be null: gone.
+struct Crossing {
+  model::Connection connection;
+  RecordPtr writer;
+  RecordPtr reader;
+};
+
+/// Lays connections between processes and takes them off, many in a few rounds of messages. One batch at a
+/// time: what is half laid must not look like something left over. Thread safe.
+class Wiring {
+ public:
+  explicit Wiring(Fleet& fleet) : fleet_(fleet) {}
+
+  /// Offers are exchanged between processes that do not know each other yet; then three rounds: outputs are
+  /// described, inputs opened, outputs attached. An input whose output fails is closed again.
+  std::vector<Result<void>> connect(std::span<const Crossing> crossings, TimePoint deadline);
+  /// The writer's halves, then the readers'. NotFound where neither was there.
+  std::vector<Result<void>> disconnect(std::span<const Crossing> crossings, TimePoint deadline);
+  /// Takes off halves whose other halves are gone. Does nothing while a batch is under way beyond
+  /// `deadline`.
+  void clean(TimePoint deadline);
+
+ private:
+  /// Whose turn it is; waits for the one before, until a deadline.
+  class Turn {
+   public:
+    Turn(Wiring& wiring, TimePoint deadline);
+    ~Turn();
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    explicit operator bool() const { return mine_; }
+
+   private:
+    Wiring& wiring_;
+    bool mine_ = false;
+  };
+
+  void clean_now(const std::vector<LooseHalf>& loose, TimePoint deadline);
+  void make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
+                 TimePoint deadline);
+
+  Fleet& fleet_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool taken_ = false;
+};
+
+}  // namespace segue::deploy::detail
