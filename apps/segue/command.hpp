@@ -56,7 +56,9 @@ void add_set(CLI::App& app, Context& context);
 void add_call(CLI::App& app, Context& context);
 void add_events(CLI::App& app, Context& context);
 void add_history(CLI::App& app, Context& context);
+void add_log(CLI::App& app, Context& context);
 void add_reset_belief(CLI::App& app, Context& context);
+void add_host(CLI::App& app, Context& context);
 void add_component(CLI::App& app, Context& context);
 void add_completion(CLI::App& app, Context& context);
 

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/server.hpp>
+#include <segue/deploy/process_server.hpp>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "command.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> zygote;
+};
+
+int host(const Options& options, const Context& context) {
+  StopSignal stop;
+  const auto folder = control::socket_folder();
+  if (!folder) return failed(context, folder.error());
+  deploy::ProcessServerOptions chosen;
+  chosen.zygote_libraries = options.zygote;
+  const auto processes = deploy::ProcessServer::create(chosen);
+  if (!processes) return failed(context, processes.error());
+  const auto socket = *folder / "host.sock";
+  const auto server = control::Server::listen(socket, processes->get());
+  if (!server) return failed(context, server.error());
+  if (context.json()) {
+    print_json_line(type::Value::map({{"socket", socket.string()}, {"pid", static_cast<int>(::getpid())}}));
+  } else {
+    print_line(
+        fmt::format("the process server runs (pid {}) at {}; Ctrl-C ends it", ::getpid(), socket.string()));
+  }
+  const auto reason = stop.wait({});
+  if (!context.json()) {
+    print_line(fmt::format("{}; deployments go on running and are found again", reason.value_or("ended")));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_host(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "host", "the process server of a computer, as a daemon",
+                            "  segue host\n  segue host --zygote segue_components_demo",
+                            [options, &context] { return host(*options, context); });
+  verb->add_option("--zygote", options->zygote,
+                   "load this component library once, so that deployments start quicker; may be repeated")
+      ->type_name("LIBRARY");
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/private_folder.hpp>
+#include <segue/base/text.hpp>
+#include <segue/deploy/process_log.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "command.hpp"
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto kPause = std::chrono::milliseconds(100);
+
+struct Options {
+  std::string process;
+  std::size_t lines = 50;
+  bool follow = false;
+};
+
+/// Logs of the robot, or of all robots where `robot` is empty. Robots need not run.
+std::vector<fs::path> logs_of(const fs::path& folder, const std::string& robot) {
+  std::vector<fs::path> logs;
+  std::error_code failed;
+  for (fs::directory_iterator place(folder, failed), end; !failed && place != end; place.increment(failed)) {
+    if (!robot.empty() && place->path().filename() != robot) continue;
+    std::error_code ignored;
+    for (const auto& file : fs::directory_iterator(place->path(), ignored)) {
+      if (file.path().extension() == ".log") logs.push_back(file.path());
+    }
+  }
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+std::string name_of(const fs::path& log) {
+  return log.stem().string();
+}
+
+Error nothing_printed(const Options& options, const std::vector<fs::path>& logs) {
+  std::vector<std::string> names;
+  for (const fs::path& log : logs)
+    names.push_back(name_of(log));
+  return fail(ErrorCode::NotFound,
+              fmt::format("there is no output of process {}{}; there is some of {}", quote(options.process),
+                          did_you_mean(options.process, names), names.empty() ? "none" : listed(names)));
+}
+
+Result<fs::path> find_log(const Options& options, const std::string& robot) {
+  const auto folder = runtime_folder();
+  if (!folder) return folder.error();
+  const auto logs = logs_of(*folder, robot);
+  std::vector<fs::path> found;
+  std::vector<std::string> robots;
+  for (const fs::path& log : logs) {
+    if (name_of(log) != options.process) continue;
+    found.push_back(log);
+    robots.push_back(log.parent_path().filename().string());
+  }
+  if (found.empty()) return nothing_printed(options, logs);
+  if (found.size() == 1) return found.front();
+  return fail(ErrorCode::InvalidArgument,
+              fmt::format("robots {} have a process {}; say which with --robot NAME", listed(robots),
+                          quote(options.process)));
+}
+
+/// Whole lines of what comes in pieces.
+class LinePrinter {
+ public:
+  explicit LinePrinter(const Context& context) : context_(context) {}
+  void add(const std::string& text) {
+    rest_ += text;
+    std::size_t begin = 0;
+    for (auto end = rest_.find('\n'); end != std::string::npos; end = rest_.find('\n', begin)) {
+      show(rest_.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    rest_.erase(0, begin);
+  }
+  void finish() {
+    if (!rest_.empty()) show(std::exchange(rest_, {}));
+  }
+
+ private:
+  void show(const std::string& line) {
+    context_.json() ? print_json_line(type::Value::map({{"line", line}})) : print_line(printable(line));
+  }
+
+  const Context& context_;
+  std::string rest_;
+};
+
+int show_log(const Options& options, const Context& context) {
+  const auto log = find_log(options, context.robot);
+  if (!log) return failed(context, log.error());
+  deploy::LogFollower follower(*log);
+  const auto tail = deploy::log_tail(*log, options.lines);
+  if (!tail) return failed(context, tail.error());
+  LinePrinter printer(context);
+  printer.add(*tail);
+  while (options.follow) {
+    const std::string more = follower.read();
+    printer.add(more);
+    if (more.empty()) std::this_thread::sleep_for(kPause);
+  }
+  printer.finish();
+  return kDone;
+}
+
+}  // namespace
+
+void add_log(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "log", "what a deployment process printed, whether it runs or not",
+                            "  segue log drivers\n  segue log drivers --lines 200 --follow",
+                            [options, &context] { return show_log(*options, context); });
+  verb->add_option("PROCESS", options->process, "the process's name")->required()->type_name("");
+  verb->add_option("-n,--lines", options->lines, "how many lines at the end (50)")->type_name("N");
+  verb->add_flag("-f,--follow", options->follow, "go on until Ctrl-C");
+  verb->add_option("--robot", context.robot, "the robot's name; needed where several have that process")
+      ->type_name("NAME");
+}
+
+}  // namespace segue::cli
