@@ -33,22 +33,19 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
 
 Result<void> SharedOutput::attach() {
   auto attached = attach_to_port();
-  if (!attached) {
-    state_->end(*this);
-    return attached;
-  }
-  if (policy_.init) {
-    port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
-  }
-  return {};
+  if (!attached) state_->end(*this);
+  return attached;
 }
 
 Result<void> SharedOutput::attach_to_port() {
   const std::lock_guard lock(mutex_);
   if (auto kept = state_->keep(shared_from_this()); !kept) return kept;
-  auto attached = port_.attach(shared_from_this(), reader_port_);
-  attached_ = attached.has_value();
-  return attached;
+  if (auto attached = port_.attach(shared_from_this(), reader_port_); !attached) return attached;
+  attached_ = true;
+  if (policy_.init) {
+    port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
+  }
+  return {};
 }
 
 std::size_t SharedOutput::capacity() const {
@@ -58,9 +55,7 @@ std::size_t SharedOutput::capacity() const {
 
 std::size_t SharedOutput::left_out(const task::OutputPortBase& port) const {
   const std::lock_guard lock(mutex_);
-  if (attached_ || &port != &port_) return 0;
-  const auto is_out = [](const Given& given) { return given.out.load(std::memory_order_relaxed); };
-  return static_cast<std::size_t>(std::count_if(given_.get(), given_.get() + ring_.entries().size(), is_out));
+  return attached_ || &port != &port_ ? 0 : count_out();
 }
 
 bool SharedOutput::same_as(const WriterEnd& other) const {
@@ -206,15 +201,20 @@ void SharedOutput::abandon() {
 bool SharedOutput::settle() {
   const std::lock_guard lock(mutex_);
   if (attached_) return false;
-  const std::size_t count = ring_.entries().size();
   if (abandoned_ || !ring_.current()) {
-    for (std::size_t entry = 0; entry < count; ++entry)
+    for (std::size_t entry = 0; entry < ring_.entries().size(); ++entry)
       take_back(entry);
-    return true;
+  } else {
+    collect_all();
   }
-  collect_all();
+  if (count_out() > 0) return false;
+  source_.reset();
+  return true;
+}
+
+std::size_t SharedOutput::count_out() const noexcept {
   const auto is_out = [](const Given& given) { return given.out.load(std::memory_order_relaxed); };
-  return std::none_of(given_.get(), given_.get() + count, is_out);
+  return static_cast<std::size_t>(std::count_if(given_.get(), given_.get() + ring_.entries().size(), is_out));
 }
 
 void SharedOutput::collect_all() noexcept {

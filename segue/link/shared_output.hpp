@@ -58,6 +58,7 @@ class SharedOutput final : public RegisteredHalf,
   void take_back_cargo(std::uint64_t cargo) noexcept;
   void collect(std::size_t most_words) noexcept;
   void collect_all() noexcept;
+  [[nodiscard]] std::size_t count_out() const noexcept;
   void offer_last(task::SampleSlot& last) noexcept;
   void ring_reader() const noexcept;
   [[nodiscard]] bool anybody_there() const noexcept;
@@ -68,7 +69,7 @@ class SharedOutput final : public RegisteredHalf,
   const Policy policy_;
   const std::string reader_port_;
   const bool blank_;
-  const std::shared_ptr<PayloadSource> source_;
+  std::shared_ptr<PayloadSource> source_;  ///< until it has settled
   SharedRing ring_;
   std::size_t left_out_;  ///< of earlier connections of the port, when this one was made
 
