@@ -13,8 +13,14 @@
 namespace segue::control {
 
 /// The deployment process on the other end of a socket. Waits for one that is still starting. InvalidState
-/// where it is of another version (the error names both). Fits deploy::Connector. Calls after it went answer
-/// Unavailable; those that it does not answer, DeadlineExceeded.
+/// where it is of another version (the error names both), Unsupported where something else is served there.
+/// Fits deploy::Connector. Calls after it went answer Unavailable; those that it does not answer,
+/// DeadlineExceeded: 2 s after their deadline, 10 s after their begin where they have none.
+///
+/// `gone` (may be null) and the service's listener are called from the connection's own thread. `gone` is
+/// called at most once and not because the service is destroyed, which waits for it: it must neither destroy
+/// the service, call it, nor wait for whoever does. Events that come faster than the listener takes them are
+/// dropped, and the log tells how many.
 Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
                                                                       TimePoint deadline,
                                                                       std::function<void()> gone);

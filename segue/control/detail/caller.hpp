@@ -48,6 +48,8 @@ struct ServerCore {
   WorkerPool pool{kMaxCalls};  ///< goes before the loop, to which its jobs post
 };
 
+inline constexpr std::size_t kMaxListenersPerClient = 4;
+
 /// What all capabilities of a client share; outlives the connection while calls are in progress.
 struct ClientState {
   bool greeted = false;

@@ -16,7 +16,6 @@ namespace {
 using deploy::DeploymentService;
 using type::Value;
 
-constexpr std::size_t kMaxListenersPerClient = 4;
 /// A client that says where its descriptors are only later is not waited for any longer.
 constexpr auto kOfferTimeout = 5 * kj::SECONDS;
 
@@ -51,6 +50,7 @@ constexpr auto kDecode = [](const auto& part) { return decode(part); };
 class DeploymentServer final : public wire::DeploymentProcess::Server {
  public:
   explicit DeploymentServer(Caller caller) : caller_(std::move(caller)) {}
+  ~DeploymentServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> info(InfoContext context) override {
     return caller_.answer(
@@ -203,7 +203,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   }
 
   kj::Promise<void> listen(ListenContext context) override {
-    if (listeners_.size() >= kMaxListenersPerClient) {
+    if (caller_.client()->listeners >= kMaxListenersPerClient) {
       encode(fail(ErrorCode::ResourceExhausted, "this client listens too often"),
              context.getResults().initError());
       return kj::READY_NOW;
@@ -217,6 +217,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
       return request.send().ignoreResult();
     };
     listeners_.push_back(std::make_unique<Listener>(caller_.core().task_events, std::move(send)));
+    ++caller_.client()->listeners;
     return kj::READY_NOW;
   }
 

@@ -13,8 +13,6 @@ namespace {
 using deploy::ProcessInfo;
 using deploy::ProcessService;
 
-constexpr std::size_t kMaxListenersPerClient = 4;
-
 void encode_processes(const std::vector<ProcessInfo>& processes,
                       capnp::List<wire::ProcessInfo>::Builder builder) {
   encode_list(processes, builder, [](const ProcessInfo& process, auto part) { encode(process, part); });
@@ -23,6 +21,7 @@ void encode_processes(const std::vector<ProcessInfo>& processes,
 class ProcessesServer final : public wire::Processes::Server {
  public:
   explicit ProcessesServer(Caller caller) : caller_(std::move(caller)) {}
+  ~ProcessesServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> start(StartContext context) override {
     const auto params = context.getParams();
@@ -61,7 +60,7 @@ class ProcessesServer final : public wire::Processes::Server {
   }
 
   kj::Promise<void> listen(ListenContext context) override {
-    if (listeners_.size() >= kMaxListenersPerClient) {
+    if (caller_.client()->listeners >= kMaxListenersPerClient) {
       encode(fail(ErrorCode::ResourceExhausted, "this client listens too often"),
              context.getResults().initError());
       return kj::READY_NOW;
@@ -74,6 +73,7 @@ class ProcessesServer final : public wire::Processes::Server {
       return request.send().ignoreResult();
     };
     listeners_.push_back(std::make_unique<Listener>(caller_.core().process_events, std::move(send)));
+    ++caller_.client()->listeners;
     return kj::READY_NOW;
   }
 
