@@ -227,12 +227,28 @@ TEST(SharedConnection, NothingIsDeliveredAfterTheReaderLeft) {
   link.input->disconnect();
   Pose copy;
   EXPECT_EQ(sink.in.read(copy), ReadStatus::NoData);
-  EXPECT_EQ(source.out.write(Pose(3)), WriteResult::Written) << "nobody is there; it is not refused";
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(source.out.write(Pose(3)), WriteResult::Written) << "nobody is there; it is not refused";
   EXPECT_EQ(*held, Pose(1)) << "what was taken stays";
   link.output->disconnect();
   for (int i = 0; i < 20; ++i)
     source.out.write(Pose(100 + i));
   EXPECT_EQ(*held, Pose(1)) << "and is not written to while it is held";
+}
+
+TEST(SharedConnection, WhatNobodyWillReadComesBack) {
+  Pair pair;
+  Source<Text> source;
+  Sink<Text> sink;
+  const std::size_t used = pair.writer->usage().payload_used;
+  const Link link = pair.connect(source.out, sink.in, {BufferKind::Buffer, 4});
+  ASSERT_TRUE(link.ok);
+  for (int i = 0; i < 4; ++i)
+    source.out.write({"text"});
+  link.output->disconnect();
+  EXPECT_GT(pair.writer->usage().payload_used, used) << "the reader may still read";
+  link.input->disconnect();
+  EXPECT_EQ(pair.writer->usage().payload_used, used);
 }
 
 TEST(SharedConnection, ReadersThatLeftWithSamplesDoNotStarveTheWriter) {

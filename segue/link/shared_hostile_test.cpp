@@ -60,6 +60,7 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   const std::vector<Lie> lies = {{~std::uint64_t{0}, sizeof(Pose)},
                                  {~std::uint64_t{0} - 255, sizeof(Pose)},
                                  {(1 << 24) - 8, sizeof(Pose)},
+                                 {~std::uint64_t{0} - 7, sizeof(Pose)},
                                  {65, sizeof(Pose)},
                                  {64, sizeof(Pose) - 1},
                                  {64, ~std::uint64_t{0}},
@@ -88,10 +89,36 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), ++expected);
   // Of a connection that had this place before.
-  ring.entries()[1].generation = link.place.generation + 1;
+  RingEntry& late = ring.entries()[1];
+  late.offset = 128;
+  late.size = sizeof(Pose);
+  late.generation = link.place.generation + 1;
   ring.words().push(ring.cargo_of(1), before);
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), ++expected);
+}
+
+TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
+  Pair pair;
+  const Hostile hostile(*pair.reader);
+  Source<Pose> source;
+  Sink<Pose> sink;
+  const Link link = pair.connect(source.out, sink.in, {});
+  ASSERT_TRUE(link.ok);
+  for (int i = 1; i <= 5; ++i)
+    source.out.write(Pose(i));
+  EXPECT_EQ(*sink.in.take(), Pose(5));
+  SharedRing ring = hostile.ring(link.place, {});
+  RingEntry& entry = ring.entries()[3];
+  entry.offset = 128;
+  entry.size = sizeof(Pose);
+  entry.generation = link.place.generation;
+  entry.sequence = 3;
+  ASSERT_TRUE(ring.words().offer(ring.cargo_of(3)));
+  EXPECT_FALSE(sink.in.take());
+  entry.sequence = 6;
+  ASSERT_TRUE(ring.words().offer(ring.cargo_of(3)));
+  EXPECT_TRUE(sink.in.take());
 }
 
 TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {

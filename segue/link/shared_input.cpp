@@ -193,20 +193,10 @@ void SharedInput::disconnect() {
     (*ring_)->header().closed.store(1, std::memory_order_seq_cst);
     (*ring_)->header().bell.store(0, std::memory_order_seq_cst);
     give_line_back();
-    empty_ring();
     final_ = (*ring_)->counters();
     samples_.reset();
   }
   state_->end(*this);
-}
-
-/// Nobody will read what waits.
-void SharedInput::empty_ring() noexcept {
-  SharedRing& ring = **ring_;
-  for (std::size_t i = 0; i < ring.words().places(); ++i) {
-    const std::size_t entry = ring.entry_of(ring.words().remove(i));
-    if (entry < ring.entries().size()) ring.give_back(entry);
-  }
 }
 
 bool SharedInput::connected() const {

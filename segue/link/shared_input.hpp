@@ -48,7 +48,6 @@ class SharedInput final : public RegisteredHalf,
   task::SampleRef decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
                          task::SampleSlot& spare) noexcept;
   void reject(std::size_t entry) noexcept;
-  void empty_ring() noexcept;
   void take_line(task::Executor& runner);
   void give_line_back();
 

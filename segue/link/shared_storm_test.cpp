@@ -64,9 +64,11 @@ struct Reader : Component {
 };
 
 Policy policy_of(unsigned number) {
-  switch (number % 4) {
+  switch (number % 5) {
     case 0:
       return {BufferKind::Data, 1};
+    case 4:
+      return {BufferKind::Data, 1, Transport::SharedMemory, true};
     case 1:
       return {BufferKind::Buffer, 4};
     case 2:
@@ -88,8 +90,10 @@ void storm(Storm& storm, unsigned seed, Reader& reader, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     ++reader.connection;
     reader.closed = false;
-    const Link poses = storm.pair.connect(storm.writer.second->poses, reader.poses, policy_of(random() % 4));
-    const Link texts = storm.pair.connect(storm.writer.second->texts, reader.texts, policy_of(random() % 4));
+    const Link poses = storm.pair.connect(storm.writer.second->poses, reader.poses,
+                                          policy_of(static_cast<unsigned>(random())));
+    const Link texts = storm.pair.connect(storm.writer.second->texts, reader.texts,
+                                          policy_of(static_cast<unsigned>(random())));
     ASSERT_TRUE(poses.ok) << to_string(poses.error);
     ASSERT_TRUE(texts.ok) << to_string(texts.error);
     const std::uint64_t before = reader.received;
