@@ -2,6 +2,7 @@
 #include <segue/link/local.hpp>
 #include <segue/link/shared_test_support.hpp>
 #include <segue/task/manual_executor.hpp>
+#include <segue/task/thread_executor.hpp>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -533,6 +534,28 @@ TEST(SharedConnection, ThreadThatWaitsForDescriptorsIsWokenToo) {
       source.out.write(Pose(i));
       ASSERT_TRUE(eventually([&, seen = counter] { return seen->last == i; })) << i;
     }
+  }
+}
+
+TEST(SharedConnection, TaskThatMovedToAnotherThreadIsWokenThere) {
+  Pair pair;
+  Source<Pose> source;
+  auto [task, counter] = running<Counter>("counter", {});
+  ASSERT_TRUE(pair.connect(source.out, counter->in, {BufferKind::Buffer, 4}).ok);
+  source.out.write(Pose(1));
+  ASSERT_TRUE(eventually([seen = counter] { return seen->last == 1; }));
+  ASSERT_TRUE(task->stop(soon()));
+  ASSERT_TRUE(task->cleanup(soon()));
+  auto executor = task::ThreadExecutor::create("other", {});
+  ASSERT_TRUE(executor);
+  auto renewed = Task::renew(*task, {}, *executor, soon());
+  ASSERT_TRUE(renewed);
+  task.reset();
+  ASSERT_TRUE((*renewed)->configure(soon()));
+  ASSERT_TRUE((*renewed)->start(soon()));
+  for (int i = 2; i < 100; ++i) {
+    source.out.write(Pose(i));
+    ASSERT_TRUE(eventually([seen = counter, i] { return seen->last == i; })) << i;
   }
 }
 
