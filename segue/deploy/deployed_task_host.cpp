@@ -6,6 +6,9 @@
 #include <segue/deploy/routing.hpp>
 #include <segue/deploy/wiring.hpp>
 
+#include <algorithm>
+#include <map>
+
 namespace segue::deploy {
 
 namespace {
@@ -17,12 +20,46 @@ TimePoint in(Duration duration) {
   return RealClock::instance().now() + duration;
 }
 
+void check_hosts(const model::Network& network, const std::vector<model::HostName>& hosts,
+                 Diagnostics& findings) {
+  for (const auto& deployment : network.deployments) {
+    if (std::find(hosts.begin(), hosts.end(), deployment.host) == hosts.end()) {
+      findings.error("other-host",
+                     "process " + quote(to_string(deployment.key())) +
+                         ": its host is another computer; only processes on the runtime's own can be started",
+                     deployment.where);
+    }
+  }
+}
+
+void check_links(const model::Network& network, Diagnostics& findings) {
+  std::map<model::TaskId, model::DeploymentKey> seats;
+  for (const auto& deployment : network.deployments) {
+    for (const auto& seat : deployment.tasks) {
+      seats.emplace(seat.task, deployment.key());
+    }
+  }
+  const auto seat_of = [&](const model::TaskId& task) {
+    const auto seat = seats.find(task);
+    return seat == seats.end() ? model::DeploymentKey{} : seat->second;
+  };
+  for (const auto& connection : network.connections) {
+    const auto from = seat_of(connection.from.task);
+    const auto to = seat_of(connection.to.task);
+    const auto possible = from == to ? Result<void>() : detail::check_link(connection, from, to);
+    if (!possible) {
+      findings.error("link", to_string(connection) + ": " + possible.error().message, connection.where);
+    }
+  }
+}
+
 }  // namespace
 
 struct DeployedTaskHost::Implementation {
   Implementation(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
                  const host::TaskHost& local_host, const DeployedOptions& options)
       : local(local_host),
+        hosts(options.hosts),
         fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
                                               options)) {}
 
@@ -42,6 +79,7 @@ struct DeployedTaskHost::Implementation {
   }
 
   const host::TaskHost& local;
+  const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
   detail::Wiring wiring{*fleet};
   detail::Router router{*fleet, wiring};
@@ -67,6 +105,17 @@ model::Depth DeployedTaskHost::validation_depth() const {
 
 Result<void> DeployedTaskHost::can_make(const model::ComponentName& component) const {
   return implementation_->local.can_make(component);
+}
+
+Diagnostics DeployedTaskHost::check(const model::Network& network) const {
+  Diagnostics findings;
+  check_hosts(network, implementation_->hosts, findings);
+  check_links(network, findings);
+  return findings;
+}
+
+void DeployedTaskHost::end_processes(TimePoint deadline) {
+  implementation_->fleet->end_all(deadline);
 }
 
 void DeployedTaskHost::expect(const model::Network& target) {

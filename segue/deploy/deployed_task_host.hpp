@@ -24,6 +24,8 @@ struct DeployedOptions {
   /// Time between two looks that nobody asked for: they find what hangs, and take off connections' halves
   /// that a dead process left behind.
   Duration watch = std::chrono::seconds(1);
+  /// Names of this computer; all others are computers that cannot be reached from here.
+  std::vector<model::HostName> hosts = {model::kLocalHost};
 };
 
 /// One TaskHost over the tasks of the runtime's own process and those of all deployment processes of a robot
@@ -50,6 +52,9 @@ class DeployedTaskHost final : public host::TaskHost {
 
   [[nodiscard]] model::Depth validation_depth() const override;
   Result<void> can_make(const model::ComponentName& component) const override;
+  /// Refuses tasks on other computers, and connections between processes that insist on another link than
+  /// shared memory.
+  [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   void expect(const model::Network& target) override;
   void conclude(const model::Transition& transition) override;
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
@@ -65,6 +70,10 @@ class DeployedTaskHost final : public host::TaskHost {
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
   void set_listener(Listener listener) override;
+
+  /// Ends all processes but the runtime's own, whatever they hold and whether they answer: for a robot that
+  /// cannot be brought to the empty network. Blocks until they are gone, until `deadline` at most.
+  void end_processes(TimePoint deadline);
 
  private:
   struct Implementation;

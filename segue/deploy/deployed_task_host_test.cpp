@@ -415,6 +415,24 @@ TEST(DeployedTaskHost, RefusesLinksThatCannotCarryAConnectionBetweenProcesses) {
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
+TEST(DeployedTaskHost, FindsBeforehandWhatCannotRunHere) {
+  FakeWorld world;
+  const Robot robot(world);
+  EXPECT_TRUE(robot.host.check(network_of(kOne)).empty());
+  const auto findings = robot.host.check(network_of(R"(network: elsewhere
+tasks: {a: {component: test::A}, b: {component: test::B}, c: {component: test::C}}
+deployments:
+  p1: {process: p1, tasks: [a]}
+  p2: {process: p2, host: base, tasks: [b]}
+connections:
+  - {from: a.out, to: c.in, link: local}
+)"));
+  ASSERT_EQ(findings.items().size(), 2U) << to_string(findings);
+  EXPECT_EQ(findings.items()[0].code, "other-host");
+  EXPECT_EQ(findings.items()[1].code, "link");
+  EXPECT_NE(findings.items()[1].message.find("'c' lives in the runtime's own process"), std::string::npos);
+}
+
 TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
   FakeWorld world;
   Robot robot(world);

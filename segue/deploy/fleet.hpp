@@ -34,6 +34,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
 
   Result<void> deploy(const model::Deployment& deployment, TimePoint deadline);
   Result<void> undeploy(const model::DeploymentKey& key, TimePoint deadline);
+  /// Ends all processes but the own one, whatever they hold.
+  void end_all(TimePoint deadline);
   /// Tells every process what concerns it, now and when it is deployed.
   void expect(const model::Network& network);
 

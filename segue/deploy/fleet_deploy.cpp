@@ -224,6 +224,23 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   return {};
 }
 
+void Fleet::end_all(TimePoint deadline) {
+  std::vector<WorkerPool::Job> jobs;
+  for (const auto& record : all()) {
+    if (record == own_) {
+      continue;
+    }
+    jobs.emplace_back([this, record, deadline] {
+      record->leave(true);
+      (void)processes_.stop(launch_.robot, record->key(), part_until(deadline, kOrderly));
+      record->end();
+      remove(record);
+      release(record);
+    });
+  }
+  pool_.run_all(std::move(jobs));
+}
+
 Result<void> Fleet::check_empty(const ProcessView& view) {
   if (!view.answers || view.snapshot == nullptr) {
     return {};

@@ -20,27 +20,6 @@ Error unreachable(const ProcessRecord& record) {
   return fail(ErrorCode::Unavailable, "process " + quote(to_string(record.key())) + " cannot be reached");
 }
 
-/// Whether a link that the network insists on can carry a connection between two processes.
-Result<void> check_link(const model::Connection& connection, const ProcessRecord& from,
-                        const ProcessRecord& to) {
-  const auto ends = [&] {
-    const auto end = [](const model::TaskId& task, const ProcessRecord& process) {
-      return quote(task.str()) + " in " +
-             (process.key().is_runtime() ? "the runtime's own process" : quote(to_string(process.key())));
-    };
-    return end(connection.from.task, from) + ", " + end(connection.to.task, to);
-  };
-  if (connection.policy.transport == Transport::Local) {
-    return fail(ErrorCode::InvalidArgument, "'link: local' needs both tasks in one process, and " + ends() +
-                                                "; leave the link out, or move one of them");
-  }
-  if (connection.policy.transport == Transport::Dds) {
-    return fail(ErrorCode::Unsupported,
-                "'link: dds' is for tasks on two computers, and " + ends() + "; leave the link out");
-  }
-  return {};
-}
-
 Error with_subject(Error error, const std::string& subject) {
   if (error.subject.empty()) {
     error.subject = subject;
@@ -49,6 +28,26 @@ Error with_subject(Error error, const std::string& subject) {
 }
 
 }  // namespace
+
+Result<void> check_link(const model::Connection& connection, const model::DeploymentKey& from,
+                        const model::DeploymentKey& to) {
+  const auto ends = [&] {
+    const auto end = [](const model::TaskId& task, const model::DeploymentKey& process) {
+      return quote(task.str()) + " lives in " +
+             (process.is_runtime() ? "the runtime's own process" : quote(to_string(process)));
+    };
+    return end(connection.from.task, from) + ", " + end(connection.to.task, to);
+  };
+  if (connection.policy.transport == Transport::Local) {
+    return fail(ErrorCode::InvalidArgument, "'link: local' needs both tasks in one process, but " + ends() +
+                                                "; leave the link out, or move one of them");
+  }
+  if (connection.policy.transport == Transport::Dds) {
+    return fail(ErrorCode::Unsupported, "'link: dds' is for tasks on two computers, but " + ends() +
+                                            " on this one; leave the link out");
+  }
+  return {};
+}
 
 std::vector<Result<void>> Router::perform(std::span<const model::Action> actions, TimePoint deadline) {
   Outcomes outcomes(actions.size());
@@ -141,7 +140,7 @@ Result<void> Router::place_connection(std::size_t index, const model::Action& ac
     plan.disconnect_indices.push_back(index);
     return {};
   }
-  if (auto possible = check_link(connection, **writer, **reader); !possible) {
+  if (auto possible = check_link(connection, (*writer)->key(), (*reader)->key()); !possible) {
     return possible;
   }
   plan.connect.push_back({connection, *writer, *reader});

@@ -11,6 +11,10 @@
 
 namespace segue::deploy::detail {
 
+/// Whether the link that a network insists on can carry a connection between two processes.
+Result<void> check_link(const model::Connection& connection, const model::DeploymentKey& from,
+                        const model::DeploymentKey& to);
+
 /// Sends every action to where it has to be carried out. Thread safe.
 class Router {
  public:

@@ -7,6 +7,10 @@ Result<void> TaskHost::can_make(const model::ComponentName& /*component*/) const
   return {};
 }
 
+Diagnostics TaskHost::check(const model::Network& /*network*/) const {
+  return {};
+}
+
 std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline) {
   std::vector<Result<void>> outcomes;
   outcomes.reserve(actions.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
@@ -76,6 +77,9 @@ class TaskHost {
   [[nodiscard]] virtual model::Depth validation_depth() const { return model::Depth::Full; }
   /// Whether tasks of this component can be made here; NotFound with what to install where not.
   virtual Result<void> can_make(const model::ComponentName& component) const;
+  /// What else keeps a network from running here: tasks on computers that cannot be reached, links that
+  /// cannot carry a connection.
+  [[nodiscard]] virtual Diagnostics check(const model::Network& network) const;
   /// Which network is about to be made. Told once before the first action of a transition; may prepare, does
   /// not change what runs.
   virtual void expect(const model::Network& target);

@@ -8,6 +8,7 @@
 #include <segue/host/stand_in.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/robot_tasks.hpp>
 #include <segue/task/realtime_log.hpp>
 
 #include <functional>
@@ -37,14 +38,14 @@ struct EmbeddedRobot::Implementation {
   void add_components_of(const std::string& library, const std::function<void(const Error&)>& report);
   void load_models(Diagnostics& diagnostics);
   std::vector<model::Network> load_controllers(Diagnostics& diagnostics) const;
-  void start(const std::vector<model::Network>& networks, host::LocalOptions options,
-             Diagnostics& diagnostics);
+  void start(const std::vector<model::Network>& networks, host::LocalOptions local,
+             const EmbeddedOptions& options, Diagnostics& diagnostics);
 
   model::Robot robot;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
   task::RealtimeLogDrain log_drain;  ///< goes after the tasks, with their last lines
-  std::unique_ptr<host::LocalTaskHost> host;
+  std::unique_ptr<detail::RobotTasks> tasks;
   std::unique_ptr<Runtime> runtime;
 };
 
@@ -68,7 +69,7 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   if (diagnostics.has_errors()) {
     return false;
   }
-  start(networks, std::move(local), diagnostics);
+  start(networks, std::move(local), options, diagnostics);
   return !diagnostics.has_errors();
 }
 
@@ -126,14 +127,23 @@ std::vector<model::Network> EmbeddedRobot::Implementation::load_controllers(Diag
 }
 
 void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& networks,
-                                          host::LocalOptions options, Diagnostics& diagnostics) {
-  host = std::make_unique<host::LocalTaskHost>(libraries, catalog, std::move(options));
-  for (const auto& network : networks) {
-    host->expect(network);
+                                          host::LocalOptions local, const EmbeddedOptions& options,
+                                          Diagnostics& diagnostics) {
+  auto made = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
+  if (!made) {
+    diagnostics.error("processes", to_string(made.error()), robot.where);
+    return;
   }
-  runtime = std::make_unique<Runtime>(robot.name, *host, catalog);
+  tasks = std::move(*made);
+  for (const auto& network : networks) {
+    tasks->host().expect(network);
+  }
+  runtime = std::make_unique<Runtime>(robot.name, tasks->host(), catalog);
   for (const auto& network : networks) {
     diagnostics.append(runtime->add_controller(network));
+  }
+  if (!runtime->belief().empty()) {
+    runtime->reset_belief();  // what was taken over gets the name of the controller that it is
   }
 }
 
@@ -172,8 +182,8 @@ const model::ComponentCatalog& EmbeddedRobot::catalog() const {
   return implementation_->catalog;
 }
 
-host::LocalTaskHost& EmbeddedRobot::host() {
-  return *implementation_->host;
+host::TaskHost& EmbeddedRobot::host() {
+  return implementation_->tasks->host();
 }
 
 Runtime& EmbeddedRobot::runtime() {
@@ -185,7 +195,15 @@ SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOption
 }
 
 SwitchResult EmbeddedRobot::shut_down() {
-  return implementation_->runtime->switch_to(model::Network{});
+  SwitchResult result = implementation_->runtime->switch_to(model::Network{});
+  if (result.outcome != Outcome::Done) {
+    // What had just gone wrong is seen now: a process that hangs, say.
+    result = implementation_->runtime->switch_to(model::Network{});
+  }
+  if (result.outcome != Outcome::Done) {
+    implementation_->tasks->end_processes();
+  }
+  return result;
 }
 
 }  // namespace segue::runtime

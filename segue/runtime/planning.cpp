@@ -44,6 +44,7 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
       findings.error("not-installed", possible.error().message, task.where);
     }
   }
+  findings.append(host.check(network));
   findings.sort();
   return findings;
 }

@@ -43,6 +43,9 @@ class AskingHost final : public host::TaskHost {
 
   [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
   Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
+  [[nodiscard]] Diagnostics check(const model::Network& network) const override {
+    return inner_.check(network);
+  }
   void expect(const model::Network& target) override { inner_.expect(target); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override {

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/robot_tasks.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/deployment_client.hpp>
+#include <segue/control/server.hpp>
+#include <segue/deploy/process_server.hpp>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace segue::runtime::detail {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How long processes that are ended by force may take.
+constexpr Duration kForce = std::chrono::seconds(10);
+
+/// Two runtimes that both hold the processes of a robot to be theirs would take off each other's connections.
+Result<Descriptor> lock_robot(const std::string& robot) {
+  const auto folder = deploy::process_folder(robot);
+  if (!folder) {
+    return folder.error();
+  }
+  const fs::path path = *folder / "runtime.lock";
+  Descriptor file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) {
+    return fail(ErrorCode::IoError, "cannot open " + quote(path.string()) + ": " + std::strerror(errno),
+                robot);
+  }
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+    return fail(
+        ErrorCode::AlreadyExists,
+        "a runtime has this robot already; `segue status` looks at it, and `segue switch` switches it",
+        robot);
+  }
+  return file;
+}
+
+Result<std::unique_ptr<deploy::ProcessService>> open_processes(bool daemon) {
+  if (!daemon) {
+    auto server = deploy::ProcessServer::create();
+    if (!server) {
+      return std::move(server.error());
+    }
+    return std::unique_ptr<deploy::ProcessService>(std::move(*server));
+  }
+  const auto folder = control::socket_folder();
+  if (!folder) {
+    return folder.error();
+  }
+  auto connected = control::connect_processes(*folder / "host.sock");
+  if (!connected) {
+    return fail(ErrorCode::Unavailable, "no process server runs here; start one with `segue host`")
+        .because_of(std::move(connected.error()));
+  }
+  return connected;
+}
+
+Result<deploy::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
+  deploy::Launch launch;
+  launch.robot = robot.name;
+  launch.libraries = robot.libraries;
+  for (const auto& pattern : robot.models) {
+    for (const auto& file : glob_files(robot.folder / pattern)) {
+      launch.models.push_back(fs::absolute(file).string());
+    }
+  }
+  launch.stand_in = options.stand_in;
+  launch.only_stand_ins = options.only_stand_ins;
+  launch.log_level = to_string(options.log_level);
+  if (!options.stand_ins.empty()) {
+    auto text = read_file(options.stand_ins);
+    if (!text) {
+      return std::move(text.error());
+    }
+    launch.stand_ins = std::move(*text);
+  }
+  return launch;
+}
+
+deploy::DeploymentInfo own_info(const model::Robot& robot, link::Incarnation incarnation) {
+  deploy::DeploymentInfo info;
+  info.robot = robot.name;
+  info.pid = ::getpid();
+  info.software = SEGUE_VERSION;
+  info.incarnation = incarnation;
+  return info;
+}
+
+deploy::DeployedOptions deployed_options(const model::Robot& robot) {
+  deploy::DeployedOptions options;
+  for (const auto& host : robot.hosts) {
+    if (host.is_local()) {
+      options.hosts.push_back(host.name);
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot,
+                                                       const host::LibrarySet& libraries,
+                                                       const model::ComponentCatalog& catalog,
+                                                       host::LocalOptions local,
+                                                       const EmbeddedOptions& options) {
+  std::unique_ptr<RobotTasks> tasks(new RobotTasks(libraries, catalog, std::move(local)));
+  if (options.placement == Placement::Processes) {
+    if (auto spread = tasks->spread(robot, options); !spread) {
+      return std::move(spread.error());
+    }
+  }
+  return tasks;
+}
+
+Result<void> RobotTasks::spread(const model::Robot& robot, const EmbeddedOptions& options) {
+  auto launch = launch_of(robot, options);
+  if (!launch) {
+    return std::move(launch.error());
+  }
+  auto lock = lock_robot(robot.name);
+  if (!lock) {
+    return std::move(lock.error());
+  }
+  lock_ = std::move(*lock);
+  auto memory = link::SharedMemory::create(launch->memory);
+  if (!memory) {
+    return std::move(memory.error());
+  }
+  memory_ = std::move(*memory);
+  auto processes = open_processes(options.daemon);
+  if (!processes) {
+    return std::move(processes.error());
+  }
+  processes_ = std::move(*processes);
+  own_ = std::make_unique<deploy::LocalDeployment>(own_info(robot, memory_->incarnation()), local_, memory_);
+  deployed_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
+                                                         std::move(*launch), local_, deployed_options(robot));
+  return {};
+}
+
+host::TaskHost& RobotTasks::host() {
+  return deployed_ ? static_cast<host::TaskHost&>(*deployed_) : local_;
+}
+
+void RobotTasks::end_processes() {
+  if (deployed_) {
+    deployed_->end_processes(RealClock::instance().now() + kForce);
+  }
+}
+
+}  // namespace segue::runtime::detail

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/model/robot.hpp>
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <memory>
+
+namespace segue::runtime::detail {
+
+/// The tasks of a robot where its options place them: all in this process, or some in processes of their own.
+class RobotTasks {
+ public:
+  /// `libraries` and `catalog` must outlive this. With processes: AlreadyExists where another runtime has the
+  /// robot, Unavailable where the daemon is to start them and does not run.
+  static Result<std::unique_ptr<RobotTasks>> create(const model::Robot& robot,
+                                                    const host::LibrarySet& libraries,
+                                                    const model::ComponentCatalog& catalog,
+                                                    host::LocalOptions local, const EmbeddedOptions& options);
+
+  [[nodiscard]] host::TaskHost& host();
+  /// Ends processes that no transition could end.
+  void end_processes();
+
+ private:
+  RobotTasks(const host::LibrarySet& libraries, const model::ComponentCatalog& catalog,
+             host::LocalOptions local)
+      : local_(libraries, catalog, std::move(local)) {}
+  Result<void> spread(const model::Robot& robot, const EmbeddedOptions& options);
+
+  Descriptor lock_;
+  std::shared_ptr<link::SharedMemory> memory_;
+  host::LocalTaskHost local_;
+  std::unique_ptr<deploy::LocalDeployment> own_;
+  std::unique_ptr<deploy::ProcessService> processes_;
+  std::unique_ptr<deploy::DeployedTaskHost> deployed_;  ///< none: all in this process
+};
+
+}  // namespace segue::runtime::detail
