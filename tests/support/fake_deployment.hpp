@@ -81,15 +81,22 @@ class FakeDeployment final : public deploy::DeploymentService {
   Duration left{0};
 
   Result<deploy::DeploymentInfo> info() override { return who; }
-  Result<deploy::Snapshot> snapshot() override { return now; }
+  Result<deploy::Snapshot> snapshot() override {
+    const std::lock_guard lock(fields_);
+    return now;
+  }
   Result<void> expect(const model::Network& network) override {
+    const std::lock_guard lock(fields_);
     expected = network;
     return {};
   }
   /// A stop of "wait" waits, one of "bad" fails.
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override {
     note(deadline);
-    performed.assign(actions.begin(), actions.end());
+    {
+      const std::lock_guard lock(fields_);
+      performed.assign(actions.begin(), actions.end());
+    }
     std::vector<Result<void>> outcomes;
     for (const model::Action& action : actions) {
       const std::string task = action.task() != nullptr ? action.task()->str() : "";
@@ -103,6 +110,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     return outcomes;
   }
   Result<void> conclude(const model::Transition& transition) override {
+    const std::lock_guard lock(fields_);
     concluded = transition;
     return {};
   }
@@ -112,11 +120,13 @@ class FakeDeployment final : public deploy::DeploymentService {
   }
   Result<type::Value> properties(const model::TaskId& task) override {
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    const std::lock_guard lock(fields_);
     return value;
   }
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& set,
                             TimePoint deadline) override {
     note(deadline);
+    const std::lock_guard lock(fields_);
     written = task.str() + "." + std::string(path);
     value = set;
     return {};
@@ -137,10 +147,12 @@ class FakeDeployment final : public deploy::DeploymentService {
     return link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
   }
   Result<void> admit(const link::MemoryOffer& peer) override {
+    const std::lock_guard lock(fields_);
     admitted = {std::to_string(peer.incarnation), content_of(peer.payload), content_of(peer.control)};
     return {};
   }
   Result<void> forget(link::Incarnation peer) override {
+    const std::lock_guard lock(fields_);
     forgotten = peer;
     return {};
   }
@@ -159,18 +171,21 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::vector<Result<link::InputPlace>> open_inputs(std::span<const deploy::OpenInput> inputs,
                                                     TimePoint deadline) override {
     note(deadline);
+    const std::lock_guard lock(fields_);
     opened.assign(inputs.begin(), inputs.end());
     return {inputs.size(), Result<link::InputPlace>(place)};
   }
   std::vector<Result<void>> attach_outputs(std::span<const deploy::AttachOutput> outputs,
                                            TimePoint deadline) override {
     note(deadline);
+    const std::lock_guard lock(fields_);
     attached.assign(outputs.begin(), outputs.end());
     return std::vector<Result<void>>(outputs.size());
   }
   std::vector<Result<void>> close_halves(std::span<const deploy::CloseHalf> halves,
                                          TimePoint deadline) override {
     note(deadline);
+    const std::lock_guard lock(fields_);
     closed.assign(halves.begin(), halves.end());
     return std::vector<Result<void>>(halves.size());
   }
@@ -180,13 +195,26 @@ class FakeDeployment final : public deploy::DeploymentService {
     ++listeners_set;
   }
 
+  void hold(const model::Network& network) {
+    const std::lock_guard lock(fields_);
+    now.network = network;
+  }
+  /// For fields that a call has just written: a socket orders threads, but no sanitizer knows.
+  FakeDeployment& seen() {
+    const std::lock_guard lock(fields_);
+    return *this;
+  }
+
   void tell(const host::TaskEvent& event) {
     const std::lock_guard lock(mutex_);
     if (listener_) listener_(event);
   }
 
  private:
-  void note(TimePoint deadline) { left = deadline - RealClock::instance().now(); }
+  void note(TimePoint deadline) {
+    const std::lock_guard lock(fields_);
+    left = deadline - RealClock::instance().now();
+  }
   Result<void> wait(TimePoint deadline) {
     entered.open();
     if (!release.wait_until(deadline)) return fail(ErrorCode::DeadlineExceeded, "nobody let me go");
@@ -210,6 +238,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     int last_;
   };
 
+  std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
 };
