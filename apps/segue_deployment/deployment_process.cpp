@@ -21,6 +21,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -106,6 +107,20 @@ Result<void> Workshop::load(const Launch& launch) {
   return {};
 }
 
+/// An exception while a library is loaded passes through the loader, which knows none: it ends the process.
+[[noreturn]] void end_by_library() {
+  std::string what = "an exception";
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::exception& exception) {
+    what = exception.what();
+  } catch (...) {
+    what = "something that is no std::exception";
+  }
+  log(LogLevel::Error, kLogSource, "a component library failed while it was loaded, with: " + what);
+  std::_Exit(deploy::kNoLibrary);
+}
+
 deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnation) {
   deploy::DeploymentInfo info;
   info.robot = launch.robot;
@@ -149,9 +164,11 @@ int deployment_process() {
     return give_up(deploy::kNotPermitted, applied.error());
   }
   Workshop workshop;
+  const auto terminate = std::set_terminate(&end_by_library);
   if (const auto loaded = workshop.load(assignment->launch); !loaded) {
     return give_up(deploy::kNoLibrary, loaded.error());
   }
+  std::set_terminate(terminate);
   const int status = serve(*assignment, workshop, process);
   process.leave();
   return status;

@@ -3,6 +3,7 @@
 #include <segue/base/private_folder.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/pidfd.hpp>
+#include <segue/deploy/process_cgroup.hpp>
 #include <segue/deploy/process_server.hpp>
 #include <segue/deploy/process_server_implementation.hpp>
 #include <segue/deploy/spawn.hpp>
@@ -162,10 +163,25 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
   return {};
 }
 
+fs::path ProcessServer::Implementation::group_of(const ProcessEntry& entry,
+                                                 std::optional<std::uint64_t> memory) const {
+  if (options.cgroup.empty()) return {};
+  auto group = detail::enter_cgroup(
+      options.cgroup, detail::process_title(entry.info.robot, entry.info.socket), entry.info.pid, memory);
+  if (group.empty()) {
+    log(LogLevel::Warning, kLogSource,
+        named(entry.info) + " runs without a control group: " + quote(options.cgroup.native()) +
+            " cannot be used");
+  }
+  return group;
+}
+
 /// Until now nobody but us knows of the process; from here on it is watched.
-Result<ProcessInfo> ProcessServer::Implementation::settle(const Entry& entry, ProcessPlace& place) {
+Result<ProcessInfo> ProcessServer::Implementation::settle(const Entry& entry, ProcessPlace& place,
+                                                          std::optional<std::uint64_t> memory) {
   Descriptor pidfd(detail::open_pidfd(entry->info.pid));
   const int reason = errno;
+  entry->cgroup = group_of(*entry, memory);
   const std::lock_guard lock(mutex);
   auto watched = pidfd.valid()
                      ? watch->add(pidfd.get(), entry->id)
@@ -193,7 +209,7 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
     auto place = ProcessPlace::claim(info->socket);
     if (!place) return std::move(place.error());
     if (auto launched = launch(what, **entry, *place); !launched) return std::move(launched.error());
-    return settle(*entry, *place);
+    return settle(*entry, *place, what.deployment.limits.memory);
   }();
   if (!started) {
     const std::lock_guard lock(mutex);
@@ -213,10 +229,12 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
     if (!entry) return;
     watch->remove(entry->pidfd.get());
     if (!entry->info.adopted) detail::kill_group(entry->info.pid);
+    detail::kill_cgroup(entry->cgroup);
     ExitReason reason = entry->zygote ? zygote->reap(entry->info.pid) : detail::reap(entry->pidfd.get());
     reason.requested = entry->stop_requested;
     reason.killed = entry->killed && (!reason.known || reason.signal == SIGKILL);
     entry->info.exit = reason;
+    detail::remove_cgroup(entry->cgroup);
     detail::remove_if_stale(entry->info.socket);
     told = entry->info;
     table.remove(*entry);

@@ -18,7 +18,9 @@ struct ProcessServerOptions {
   bool zygote = false;
   std::size_t log_size = std::size_t{10} << 20;  ///< bytes after which a process's output starts a new file
   int log_files = 3;                             ///< older ones that are kept
-  std::filesystem::path cgroup{};                ///< parent group; empty: found, "none": do without
+  /// A control group (version 2) that this user may write to: each process gets a group of its own below it.
+  /// Empty: none. To enter one costs each start some milliseconds.
+  std::filesystem::path cgroup{};
 };
 
 /// Deployment processes as children of this process: posix_spawn (never fork), watched by pidfd on one

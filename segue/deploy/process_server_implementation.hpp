@@ -36,7 +36,10 @@ struct ProcessServer::Implementation {
   Result<void> launch(const Launch& what, detail::ProcessEntry& entry, detail::ProcessPlace& place);
   /// By the zygote; false where there is none that can.
   bool fork(const Launch& what, detail::ProcessEntry& entry, const detail::HandedOver& files);
-  Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place);
+  Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place,
+                             std::optional<std::uint64_t> memory);
+  [[nodiscard]] std::filesystem::path group_of(const detail::ProcessEntry& entry,
+                                               std::optional<std::uint64_t> memory) const;
   void finish(std::uint64_t id);
 
   const ProcessServerOptions options;

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -17,6 +18,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -487,6 +489,44 @@ TEST_F(ProcessServerTest, aZygoteGoesWithItsServerAndItsChildrenStay) {
   const auto second = server();
   EXPECT_EQ(second->processes("rover").value().size(), 1U);
   EXPECT_TRUE(second->stop("rover", key("drivers"), soon()).has_value());
+}
+
+TEST_F(ProcessServerTest, aControlGroupTakesAlongWhatLeftTheProcessGroup) {
+  fs::path parent;
+  for (const fs::path place : {"/sys/fs/cgroup", "/sys/fs/cgroup/unified"}) {
+    if (fs::exists(place / "cgroup.procs") && ::access(place.c_str(), W_OK) == 0) parent = place;
+  }
+  if (parent.empty()) GTEST_SKIP() << "no control group of version 2 to write to";
+  ProcessServerOptions chosen = options();
+  chosen.cgroup = parent / ("segue-test-" + std::to_string(::getpid()));
+  if (::mkdir(chosen.cgroup.c_str(), 0755) != 0) GTEST_SKIP() << "no control group can be made";
+  const auto processes = server(chosen);
+  const auto process = ready(*processes, launch("drivers"));
+  const fs::path group = chosen.cgroup / "segue.rover.drivers";
+  EXPECT_EQ(text_of(group / "cgroup.procs"), std::to_string(process.pid) + "\n");
+  EXPECT_TRUE(processes->stop("rover", key("drivers"), soon()).has_value());
+  EXPECT_FALSE(fs::exists(group));
+  ::rmdir(chosen.cgroup.c_str());
+}
+
+TEST_F(ProcessServerTest, onAFullDiskAProcessRunsOn) {
+  const fs::path disk = folder_ / "segue";
+  fs::create_directory(disk);
+  ::chmod(disk.c_str(), 0700);
+  if (::mount("none", disk.c_str(), "tmpfs", 0, "size=256k,mode=0700") != 0) {
+    GTEST_SKIP() << "a small disk cannot be made";
+  }
+  const auto processes = server();
+  const auto process = ready(*processes, launch("drivers", "chatter always"));
+  {
+    std::ofstream filler(disk / "filler");
+    for (int i = 0; i < 1024 && filler.flush(); ++i)
+      filler << std::string(1024, 'x');
+  }
+  EXPECT_TRUE(lives(process.pid));
+  const auto reason = processes->stop("rover", key("drivers"), soon());
+  EXPECT_TRUE(reason.has_value() && reason->status == 0 && !reason->killed);
+  EXPECT_EQ(::umount2(disk.c_str(), MNT_DETACH), 0);
 }
 
 TEST_F(ProcessServerTest, outputIsRotated) {

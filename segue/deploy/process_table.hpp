@@ -18,10 +18,11 @@ namespace segue::deploy::detail {
 struct ProcessEntry {
   std::uint64_t id = 0;
   ProcessInfo info;
-  std::string software;   ///< its version; empty where it is not known yet
-  Descriptor pidfd;       ///< not valid while it is starting
-  bool starting = false;  ///< only its name is taken yet
-  bool zygote = false;    ///< a child of the zygote
+  std::string software;          ///< its version; empty where it is not known yet
+  Descriptor pidfd;              ///< not valid while it is starting
+  bool starting = false;         ///< only its name is taken yet
+  bool zygote = false;           ///< a child of the zygote
+  std::filesystem::path cgroup;  ///< empty: none
   bool stop_requested = false;
   bool killed = false;
 };

@@ -63,6 +63,7 @@ int run() {
   for (;;) {
     const bool told = process.wait_for_end(std::chrono::milliseconds(20));
     deploy::rotate_output(assignment->log, assignment->log_size, assignment->log_files);
+    if (what == "chatter always") chatter();
     if (told && what != "stay") break;
   }
   std::printf("going\n");

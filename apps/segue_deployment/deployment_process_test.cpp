@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/deployment_client.hpp>
+#include <segue/deploy/deployment_exit.hpp>
+#include <segue/deploy/process_server.hpp>
+
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+
+namespace segue::deploy {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr Duration kPatience = seconds(60);
+
+TimePoint soon() {
+  return RealClock::instance().now() + kPatience;
+}
+
+class DeploymentProcessTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = "/tmp/segue-test-XXXXXX";
+    folder_ = ::mkdtemp(pattern.data());
+    ::setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
+    ::setenv("SEGUE_LIBRARY_PATH", SEGUE_COMPONENT_FOLDER, 1);
+  }
+  void TearDown() override {
+    for (const int pid : pids_)
+      ::kill(-pid, SIGKILL);
+    processes_.reset();
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  void serve(ProcessServerOptions options = {}) {
+    options.program = SEGUE_DEPLOYMENT_PROGRAM;
+    auto made = ProcessServer::create(options);
+    ASSERT_TRUE(made.has_value()) << to_string(made.error());
+    processes_ = std::move(*made);
+    processes_->set_listener([this](const ProcessInfo& process) {
+      const std::lock_guard lock(mutex_);
+      ended_.push_back(process);
+      changed_.notify_all();
+    });
+  }
+
+  static Launch launch() {
+    Launch launch;
+    launch.robot = "rover";
+    launch.deployment.process = model::ProcessName("drivers");
+    launch.libraries = {"segue_components_demo"};
+    return launch;
+  }
+
+  ProcessInfo start(const Launch& what) {
+    auto process = processes_->start(what, soon());
+    EXPECT_TRUE(process.has_value()) << to_string(process.error());
+    if (!process) return {};
+    pids_.push_back(process->pid);
+    return *process;
+  }
+
+  /// How it ended by itself.
+  std::optional<ExitReason> end() {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait_for(lock, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
+    return ended_.front().exit;
+  }
+
+  static std::string text_of(const fs::path& file) { return read_file(file).value_or(""); }
+
+  fs::path folder_;
+  std::vector<int> pids_;
+  std::unique_ptr<ProcessServer> processes_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<ProcessInfo> ended_;
+};
+
+TEST_F(DeploymentProcessTest, itServesItselfAndGoesInOrderWhenItIsTold) {
+  serve();
+  const auto process = start(launch());
+  auto deployment = control::connect_deployment(process.socket, soon(), [] {});
+  ASSERT_TRUE(deployment.has_value()) << to_string(deployment.error());
+  const auto info = (*deployment)->info();
+  ASSERT_TRUE(info.has_value());
+  EXPECT_EQ(info->robot, "rover");
+  EXPECT_EQ(info->pid, process.pid);
+  EXPECT_TRUE(info->deployment == launch().deployment);
+  const auto reason = processes_->stop("rover", process.key, soon());
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);
+}
+
+TEST_F(DeploymentProcessTest, aZygoteWithLibrariesServesTheSame) {
+  ProcessServerOptions options;
+  options.zygote_libraries = {"segue_components_demo"};
+  serve(options);
+  const auto process = start(launch());
+  auto deployment = control::connect_deployment(process.socket, soon(), [] {});
+  ASSERT_TRUE(deployment.has_value()) << to_string(deployment.error()) << text_of(process.log);
+  EXPECT_EQ((*deployment)->info().value().pid, process.pid);
+  const auto reason = processes_->stop("rover", process.key, soon());
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);
+}
+
+TEST_F(DeploymentProcessTest, aLibraryThatIsMissingIsTheLastWordOfTheLog) {
+  serve();
+  Launch wrong = launch();
+  wrong.libraries = {"no_such_library"};
+  const auto process = start(wrong);
+  const auto reason = end();
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_EQ(reason->status, kNoLibrary);
+  EXPECT_THAT(text_of(process.log), HasSubstr("no_such_library"));
+}
+
+TEST_F(DeploymentProcessTest, aLibraryThatThrowsWhenItIsLoadedEndsTheProcessWithAWord) {
+  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
+  serve();
+  Launch wrong = launch();
+  wrong.libraries = {"segue_test_throws"};
+  const auto process = start(wrong);
+  const auto reason = end();
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_EQ(reason->status, kNoLibrary) << to_string(*reason);
+  EXPECT_THAT(text_of(process.log), HasSubstr("no luck today"));
+}
+
+TEST_F(DeploymentProcessTest, processorsThatAreNotThereAreRefused) {
+  serve();
+  Launch wrong = launch();
+  wrong.deployment.cpus = {1000};
+  const auto process = start(wrong);
+  const auto reason = end();
+  ASSERT_TRUE(reason.has_value());
+  EXPECT_EQ(reason->status, kNotPermitted);
+  EXPECT_THAT(text_of(process.log), HasSubstr("processors"));
+}
+
+TEST_F(DeploymentProcessTest, withoutAPlaceForSocketsNothingStarts) {
+  serve();
+  ::setenv("XDG_RUNTIME_DIR", "/nowhere", 1);
+  EXPECT_FALSE(processes_->start(launch(), soon()).has_value());
+}
+
+}  // namespace
+}  // namespace segue::deploy
