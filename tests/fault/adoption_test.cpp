@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Deployment processes outlive their runtime, and the next one takes them over.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "deployed_robot.hpp"
+
+namespace segue::testing {
+namespace {
+
+using runtime::EventKind;
+
+class Adoption : public DeployedRobotTest {
+ protected:
+  std::filesystem::path socket_of(const std::string& deployment) {
+    const model::DeploymentKey key{model::kLocalHost, model::ProcessName(deployment)};
+    return deploy::process_socket(launch_.robot, key).value();
+  }
+  /// As if the process had been started by another version of Segue.
+  void forge_version(const std::string& deployment) {
+    std::filesystem::path lock = socket_of(deployment);
+    lock += ".lock";
+    const int file = ::open(lock.c_str(), O_WRONLY | O_CLOEXEC);
+    ASSERT_GE(file, 0);
+    std::string record = "pid " + std::to_string(pid_of(deployment)) + "\nsoftware 0.0.1\n";
+    record.resize(128, '\0');
+    EXPECT_EQ(::pwrite(file, record.data(), record.size(), 0), static_cast<ssize_t>(record.size()));
+    ::close(file);
+  }
+
+  const model::Network plain_ = network("plain");
+};
+
+TEST_F(Adoption, finds_everything_as_it_was_and_disturbs_nothing) {
+  const auto working = network("working", "  relay: {component: \"fault::Relay\", properties: {gain: 3}}\n",
+                               "  work: {tasks: [relay], cpu: [0]}\n",
+                               "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n");
+  switch_to(working);
+  expect_undisturbed();
+  const auto before = deployments();
+  life_.reset();
+  EXPECT_EQ(deployments(), before) << "they outlive their runtime";
+  begin_life();
+  auto without_witness = working;  // it lived in the runtime's own process
+  std::erase_if(without_witness.tasks, [](const auto& task) { return task.id.str() == "witness"; });
+  std::erase_if(without_witness.connections,
+                [](const auto& connection) { return connection.to.task.str() == "witness"; });
+  EXPECT_TRUE(equivalent(host().observe(), without_witness))
+      << ::testing::PrintToString(differences(host().observe(), without_witness));
+  EXPECT_EQ(deployments(), before);
+  expect_undisturbed();
+  switch_to(working);
+  EXPECT_EQ(deployments(), before);
+  expect_undisturbed();
+  expect_undisturbed("witness");
+}
+
+TEST_F(Adoption, goes_on_over_many_lives_without_growing) {
+  switch_to(plain_);
+  life_.reset();
+  begin_life();
+  switch_to(plain_);
+  life_.reset();
+  const pid_t heart = pid_of("heart");
+  const Holdings before = holdings_of(heart);
+  for (int i = 0; i < 5; ++i) {
+    begin_life();
+    switch_to(plain_);
+    life_.reset();
+  }
+  begin_life();
+  recover_to(plain_);
+  expect_undisturbed();
+  life_.reset();
+  EXPECT_EQ(pid_of("heart"), heart);
+  begin_life();
+  recover_to(plain_);
+  EXPECT_TRUE(eventually([&] { return holdings_of(heart).memory_maps <= before.memory_maps + 2; }))
+      << to_string(before) << " have become " << to_string(holdings_of(heart));
+}
+
+TEST_F(Adoption, replaces_a_process_of_another_version) {
+  switch_to(plain_);
+  life_.reset();
+  const pid_t old = pid_of("eye");
+  forge_version("eye");
+  begin_life();
+  expect_event(EventKind::Process, "0.0.1");
+  recover_to(plain_);
+  EXPECT_NE(pid_of("eye"), old);
+  EXPECT_GT(pid_of("eye"), 0);
+  expect_undisturbed();
+}
+
+TEST_F(Adoption, takes_a_process_that_died_meanwhile_as_gone) {
+  switch_to(plain_);
+  life_.reset();
+  kill("eye");
+  begin_life();
+  EXPECT_EQ(host().observe().find_task(model::TaskId("watcher")), nullptr);
+  recover_to(plain_);
+  expect_undisturbed();
+}
+
+}  // namespace
+}  // namespace segue::testing

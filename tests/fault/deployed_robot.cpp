@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "deployed_robot.hpp"
+
+#include <segue/host/component_library.hpp>
+#include <segue/link/shared_memory.hpp>
+#include <segue/model/files.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+namespace segue::testing {
+
+namespace {
+
+namespace fs = std::filesystem;
+using type::Value;
+
+constexpr auto kPatience = std::chrono::seconds(60);
+
+constexpr const char* kLibrary = "segue_test_faults";
+constexpr const char* kTasks =
+    "  beater: {component: \"fault::Beater\"}\n"
+    "  watcher: {component: \"fault::Watcher\"}\n"
+    "  witness: {component: \"fault::Watcher\"}\n";
+constexpr const char* kDeployments =
+    "  heart: {tasks: [beater]}\n"
+    "  eye: {tasks: [watcher]}\n";
+/// Room for twenty seconds, so that a computer that is merely busy disturbs nobody.
+constexpr const char* kConnections =
+    "  - {from: beater.out, to: watcher.in, policy: buffer, size: 4000}\n"
+    "  - {from: beater.words, to: watcher.words, policy: buffer, size: 4000}\n"
+    "  - {from: beater.out, to: witness.in, policy: buffer, size: 4000}\n";
+
+std::uint64_t count_of(const Value& report, const std::string& key) {
+  const Value* value = report.find(key);
+  return value == nullptr ? 0 : static_cast<std::uint64_t>(value->as_int());
+}
+
+}  // namespace
+
+RobotLife::RobotLife(const deploy::Launch& launch) {
+  EXPECT_TRUE(libraries_.load(kLibrary));
+  auto models = libraries_.export_models(kLibrary, catalog_.types());
+  EXPECT_TRUE(models);
+  for (auto& model : *models)
+    catalog_.add(std::move(model));
+  auto memory = link::SharedMemory::create(launch.memory);
+  EXPECT_TRUE(memory);
+  local_ = std::make_unique<host::LocalTaskHost>(
+      libraries_, catalog_, host::LocalOptions{launch.stand_in, launch.only_stand_ins, {}});
+  deploy::DeploymentInfo info;
+  info.robot = launch.robot;
+  info.pid = ::getpid();
+  info.incarnation = (*memory)->incarnation();
+  own_ = std::make_unique<deploy::LocalDeployment>(info, *local_, *memory);
+  deploy::ProcessServerOptions options;
+  options.program = SEGUE_DEPLOYMENT_PROGRAM;
+  auto server = deploy::ProcessServer::create(options);
+  EXPECT_TRUE(server) << to_string(server.error());
+  server_ = std::move(*server);
+  host_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *server_, control::connect_deployment, launch,
+                                                     *local_);
+  runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *host_, catalog_);
+}
+
+void DeployedRobotTest::SetUp() {
+  std::string pattern = ::testing::TempDir() + "segue-fault-XXXXXX";
+  ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+  folder_ = pattern;
+  ::setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
+  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_FAULT_LIBRARIES, 1);
+  launch_.robot = "patient";
+  launch_.libraries = {kLibrary};
+  begin_life();
+}
+
+void DeployedRobotTest::TearDown() {
+  if (life_ != nullptr) {
+    const auto ended = try_switch(model::Network{}, std::chrono::seconds(10));
+    EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << (ended.error ? to_string(*ended.error) : "");
+  }
+  life_.reset();
+  EXPECT_TRUE(eventually([&] { return processes_of(folder_).empty(); })) << "a process is left";
+  for (const auto& [pid, program] : processes_of(folder_)) {
+    ADD_FAILURE() << program << ' ' << pid << " is left";
+    ::kill(pid, SIGKILL);
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    EXPECT_NE(entry.path().extension(), ".sock") << entry.path() << " is left";
+  }
+  fs::remove_all(folder_);
+}
+
+model::Network DeployedRobotTest::network(const std::string& name, const std::string& tasks,
+                                          const std::string& deployments, const std::string& connections) {
+  const std::string text = "network: " + name + "\ntasks:\n" + kTasks + tasks + "deployments:\n" +
+                           kDeployments + deployments + "connections:\n" + kConnections + connections;
+  Diagnostics diagnostics;
+  auto network = model::read_network(text, name, diagnostics);
+  EXPECT_TRUE(network) << to_string(diagnostics);
+  return network.value_or(model::Network{});
+}
+
+runtime::SwitchResult DeployedRobotTest::try_switch(const model::Network& target, Duration action_deadline) {
+  runtime::RequestOptions options;
+  options.action_deadline = action_deadline;
+  return runtime().switch_to(target, options);
+}
+
+void DeployedRobotTest::switch_to(const model::Network& target) {
+  const auto result = try_switch(target);
+  ASSERT_EQ(result.outcome, runtime::Outcome::Done)
+      << (result.error ? to_string(*result.error) : "") << to_string(result.diagnostics);
+  EXPECT_TRUE(equivalent(host().observe(), target))
+      << ::testing::PrintToString(differences(host().observe(), target));
+}
+
+void DeployedRobotTest::recover_to(const model::Network& target) {
+  runtime::SwitchResult last;
+  const bool recovered = eventually([&] {
+    last = try_switch(target);
+    return last.outcome == runtime::Outcome::Done && equivalent(host().observe(), target);
+  });
+  EXPECT_TRUE(recovered) << (last.error ? to_string(*last.error) : "") << to_string(last.diagnostics)
+                         << ::testing::PrintToString(differences(host().observe(), target));
+}
+
+pid_t DeployedRobotTest::pid_of(const std::string& deployment) const {
+  const auto all = deployments();
+  const auto found = all.find(deployment);
+  return found == all.end() ? -1 : found->second;
+}
+
+void DeployedRobotTest::kill(const std::string& deployment) {
+  const pid_t pid = pid_of(deployment);
+  ASSERT_GT(pid, 0) << "there is no process " << deployment;
+  ::kill(pid, SIGKILL);
+  EXPECT_TRUE(eventually([&] { return pid_of(deployment) != pid; }));
+}
+
+Sight DeployedRobotTest::sight(const std::string& watcher) {
+  const auto deadline = RealClock::instance().now() + kPatience;
+  const auto report = host().call(model::TaskId(watcher), "report", Value(), deadline);
+  EXPECT_TRUE(report) << to_string(report.error());
+  if (!report) return {};
+  return {count_of(*report, "beats"), count_of(*report, "words"),    count_of(*report, "last"),
+          count_of(*report, "gaps"),  count_of(*report, "restarts"), count_of(*report, "torn"),
+          count_of(*report, "starts")};
+}
+
+void DeployedRobotTest::expect_undisturbed(const std::string& watcher) {
+  const Sight before = sight(watcher);
+  Sight now = before;
+  EXPECT_TRUE(eventually([&] { return (now = sight(watcher)).beats > before.beats + 5; }))
+      << watcher << " sees no beats any more";
+  EXPECT_EQ(now.gaps, 0U) << watcher;
+  EXPECT_EQ(now.restarts, 0U) << watcher;
+  EXPECT_EQ(now.torn, 0U) << watcher;
+  EXPECT_EQ(now.starts, 1U) << watcher << " itself was started again";
+}
+
+void DeployedRobotTest::expect_event(runtime::EventKind kind, const std::string& words) {
+  const bool came = eventually([&] {
+    for (const auto& event : runtime().events()) {
+      const std::string text = event.subject + ": " + event.message;
+      if (event.kind == kind && text.find(words) != std::string::npos) return true;
+    }
+    return false;
+  });
+  std::string all;
+  for (const auto& event : runtime().events())
+    all += std::string(to_string(event.kind)) + ' ' + event.subject + ": " + event.message + '\n';
+  EXPECT_TRUE(came) << "no such event with '" << words << "' among\n" << all;
+}
+
+bool DeployedRobotTest::eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+}  // namespace segue::testing

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/deployment_client.hpp>
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/deploy/process_server.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "processes.hpp"
+
+/// A robot of which this program is the runtime, with real deployment processes. What a test through the
+/// command line cannot do: stop between two actions, and short deadlines.
+namespace segue::testing {
+
+/// What a watcher has seen (fault::Report).
+struct Sight {
+  std::uint64_t beats = 0, words = 0, last = 0, gaps = 0, restarts = 0, torn = 0, starts = 0;
+};
+
+/// One life of a runtime: all that ends with it.
+class RobotLife {
+ public:
+  explicit RobotLife(const deploy::Launch& launch);
+
+  runtime::Runtime& runtime() { return *runtime_; }
+  host::TaskHost& host() { return *host_; }
+  /// The tasks of the runtime's own process.
+  deploy::DeploymentService& own() { return *own_; }
+
+ private:
+  model::ComponentCatalog catalog_;
+  host::LibrarySet libraries_;
+  std::unique_ptr<host::LocalTaskHost> local_;
+  std::unique_ptr<deploy::LocalDeployment> own_;
+  std::unique_ptr<deploy::ProcessServer> server_;
+  std::unique_ptr<deploy::DeployedTaskHost> host_;
+  std::unique_ptr<runtime::Runtime> runtime_;
+};
+
+/// Every network of a test has a chain that no switch touches: `beater` in process `heart` beats into
+/// `watcher` in process `eye` and into `witness` in the runtime's own process. Whoever is disturbed shows it:
+/// watchers count gaps, restarts and torn samples.
+class DeployedRobotTest : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  /// Whatever happened: no process of the robot, nor its socket, may be left.
+  void TearDown() override;
+
+  /// The chain and more, in YAML ("  task: {...}" lines).
+  static model::Network network(const std::string& name, const std::string& tasks = {},
+                                const std::string& deployments = {}, const std::string& connections = {});
+
+  void begin_life() { life_ = std::make_unique<RobotLife>(launch_); }
+  runtime::Runtime& runtime() { return life_->runtime(); }
+  host::TaskHost& host() { return life_->host(); }
+
+  runtime::SwitchResult try_switch(const model::Network& target,
+                                   Duration action_deadline = std::chrono::seconds(60));
+  void switch_to(const model::Network& target);
+  /// Switches until the robot is as it should be; a process that died a moment ago may fail the first.
+  void recover_to(const model::Network& target);
+
+  [[nodiscard]] std::map<std::string, pid_t> deployments() const { return deployments_of(folder_); }
+  [[nodiscard]] pid_t pid_of(const std::string& deployment) const;
+  /// SIGKILL, and waits until the process is gone.
+  void kill(const std::string& deployment);
+
+  Sight sight(const std::string& watcher = "watcher");
+  /// Waits for new beats; then checks that nothing has ever been wrong.
+  void expect_undisturbed(const std::string& watcher = "watcher");
+  /// Waits for an event of which subject or message have `words`.
+  void expect_event(runtime::EventKind kind, const std::string& words);
+  [[nodiscard]] static bool eventually(const std::function<bool()>& condition);
+
+  std::filesystem::path folder_;
+  deploy::Launch launch_;
+  std::unique_ptr<RobotLife> life_;
+};
+
+}  // namespace segue::testing

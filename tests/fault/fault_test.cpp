@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fault_test.hpp"
+
+#include <thread>
+
+namespace segue::testing {
+
+namespace {
+
+namespace fs = std::filesystem;
+using type::Value;
+
+constexpr const char* kChainTasks =
+    "  beater: {component: \"fault::Beater\"}\n"
+    "  watcher: {component: \"fault::Watcher\"}\n"
+    "  witness: {component: \"fault::Watcher\"}\n";
+constexpr const char* kChainDeployments =
+    "  heart: {tasks: [beater]}\n"
+    "  eye: {tasks: [watcher]}\n";
+/// Room for twenty seconds, so that a computer that is merely busy disturbs nobody.
+constexpr const char* kChainConnections =
+    "  - {from: beater.out, to: watcher.in, policy: buffer, size: 4000}\n"
+    "  - {from: beater.words, to: watcher.words, policy: buffer, size: 4000}\n"
+    "  - {from: beater.out, to: witness.in, policy: buffer, size: 4000}\n";
+
+std::uint64_t count_of(const Value& report, const std::string& key) {
+  const Value* value = report.find(key);
+  return value == nullptr ? 0 : static_cast<std::uint64_t>(value->as_int());
+}
+
+}  // namespace
+
+void FaultTest::SetUp() {
+  SystemTest::SetUp();
+  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_FAULT_LIBRARIES, 1);
+  write("robot/robot.yaml", "robot: patient\nlibraries: [segue_test_faults]\ncontrollers: [\"*.net\"]\n");
+}
+
+void FaultTest::TearDown() {
+  if (robot_) stop();
+  const fs::path runtime = folder_ / "runtime";
+  EXPECT_TRUE(eventually([&] { return processes_of(runtime).empty(); })) << "a process is left";
+  for (const auto& [pid, program] : processes_of(runtime)) {
+    ADD_FAILURE() << program << " " << pid << " is left";
+    ::kill(pid, SIGKILL);
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(runtime)) {
+    EXPECT_NE(entry.path().extension(), ".sock") << entry.path() << " is left";
+  }
+  SystemTest::TearDown();
+}
+
+void FaultTest::write_network(const std::string& name, const std::string& tasks,
+                              const std::string& deployments, const std::string& connections) {
+  write("robot/" + name + ".net", "network: " + name + "\ntasks:\n" + kChainTasks + tasks + "deployments:\n" +
+                                      kChainDeployments + deployments + "connections:\n" + kChainConnections +
+                                      connections);
+}
+
+void FaultTest::start(const std::string& controller) {
+  std::vector<std::string> arguments = {"run", "robot/robot.yaml"};
+  arguments.insert(arguments.end(), run_options_.begin(), run_options_.end());
+  robot_ = std::make_unique<Process>(command(std::move(arguments)), folder_);
+  if (!robot_->wait_for("robot patient runs")) {
+    const auto finished = robot_->wait();
+    FAIL() << finished.output << finished.errors;
+  }
+  if (!controller.empty()) {
+    switch_to(controller);
+  }
+}
+
+void FaultTest::kill_runtime() {
+  robot_->signal(SIGKILL);
+  EXPECT_EQ(robot_->wait().status, 128 + SIGKILL);
+  robot_.reset();
+}
+
+std::map<std::string, pid_t> FaultTest::deployments() const {
+  return deployments_of(folder_ / "runtime");
+}
+
+pid_t FaultTest::pid_of(const std::string& deployment) const {
+  const auto all = deployments();
+  const auto found = all.find(deployment);
+  return found == all.end() ? -1 : found->second;
+}
+
+void FaultTest::expect_deployments(const std::vector<std::string>& names) {
+  std::vector<std::string> found;
+  const bool as_expected = eventually([&] {
+    found.clear();
+    for (const auto& [name, pid] : deployments())
+      found.push_back(name);
+    return found == names;
+  });
+  EXPECT_TRUE(as_expected);
+  if (!as_expected) {
+    EXPECT_EQ(found, names);
+  }
+}
+
+Value FaultTest::switch_to(const std::string& controller, const std::string& outcome) {
+  const auto result = json({"switch", controller}, outcome == "done" ? 0 : 1);
+  const Value* found = result.find("outcome");
+  EXPECT_TRUE(found != nullptr && *found == Value(outcome)) << type::to_json(result);
+  return result;
+}
+
+bool FaultTest::recover_to(const std::string& controller) {
+  return eventually([&] {
+    static_cast<void>(segue({"switch", controller}));
+    return what_is_wrong(controller).empty();
+  });
+}
+
+std::string FaultTest::what_is_wrong(const std::string& controller) {
+  const auto finished = segue({"status", "--format", "json"});
+  const auto status = type::parse_json(finished.output);
+  if (finished.status != 0 || !status) {
+    return finished.errors;
+  }
+  if (*status->find("controller") != Value(controller) || !status->find("differences")->as_list().empty()) {
+    return type::to_json(*status->find("controller")) + type::to_json(*status->find("differences"));
+  }
+  for (const Value& task : status->find("tasks")->as_list()) {
+    if (*task.find("state") != Value("running")) {
+      return type::to_json(task);
+    }
+  }
+  return {};
+}
+
+Sight FaultTest::sight(const std::string& watcher) {
+  const auto report = json({"call", watcher + ".report"});
+  return {count_of(report, "beats"), count_of(report, "words"),    count_of(report, "last"),
+          count_of(report, "gaps"),  count_of(report, "restarts"), count_of(report, "torn"),
+          count_of(report, "starts")};
+}
+
+void FaultTest::expect_undisturbed(const std::string& watcher) {
+  const Sight before = sight(watcher);
+  Sight now = before;
+  EXPECT_TRUE(eventually([&] { return (now = sight(watcher)).beats > before.beats + 5; }))
+      << watcher << " sees no beats any more";
+  EXPECT_EQ(now.gaps, 0U) << watcher;
+  EXPECT_EQ(now.restarts, 0U) << watcher;
+  EXPECT_EQ(now.torn, 0U) << watcher;
+  EXPECT_EQ(now.starts, 1U) << watcher << " itself was started again";
+}
+
+std::string FaultTest::expect_event(const std::string& kind, const std::string& words) {
+  std::string found;
+  const bool came = eventually([&] {
+    const auto events = json({"events"});
+    for (const Value& event : events.as_list()) {
+      const std::string text = event.find("subject")->as_string() + ": " + event.find("message")->as_string();
+      if (*event.find("kind") == Value(kind) && text.find(words) != std::string::npos) {
+        found = text;
+        return true;
+      }
+    }
+    return false;
+  });
+  EXPECT_TRUE(came) << "no event '" << kind << "' with '" << words << "'\n" << segue({"events"}).output;
+  return found;
+}
+
+bool FaultTest::eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+}  // namespace segue::testing

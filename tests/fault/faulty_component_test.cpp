@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// A component that does in one of its hooks what it should not: it throws, hangs, stops its process, ends it,
+// or takes all memory.
+#include "deployed_robot.hpp"
+
+namespace segue::testing {
+namespace {
+
+using runtime::EventKind;
+using runtime::Outcome;
+
+struct Fault {
+  const char* hook;
+  const char* how;
+};
+
+std::string name_of(const ::testing::TestParamInfo<Fault>& fault) {
+  return std::string(fault.param.how) + "_in_" + fault.param.hook;
+}
+
+class FaultyComponent : public DeployedRobotTest, public ::testing::WithParamInterface<Fault> {
+ protected:
+  /// The chain, and a task with the fault in a process of its own beside a healthy one.
+  static model::Network with(const std::string& hook, const std::string& how) {
+    return network(
+        "faulty",
+        "  bad: {component: \"fault::Faulty\", properties: {hook: \"" + hook + "\", how: " + how + "}}\n",
+        "  bad: {tasks: [bad], limits: {memory: 400MB, core: 0}}\n");
+  }
+  [[nodiscard]] TaskState state_of_bad() {
+    const auto observed = host().observe();
+    const auto* task = observed.find_task(model::TaskId("bad"));
+    return task == nullptr ? TaskState::PreOperational : task->state;
+  }
+
+  const model::Network plain_ = network("plain");
+  const model::Network healthy_ = with("", "nothing");
+};
+
+/// Hooks that do not return, and processes that stop altogether.
+class Hang : public FaultyComponent {};
+
+TEST_P(Hang, costs_its_process_and_nothing_else) {
+  const Duration patience = std::chrono::seconds(1);
+  switch_to(plain_);
+  const std::string hook = GetParam().hook;
+  const bool at_the_begin = hook == "configure" || hook == "start";
+  const auto there = try_switch(with(hook, GetParam().how), patience);
+  EXPECT_EQ(there.outcome, at_the_begin ? Outcome::Failed : Outcome::Done)
+      << (there.error ? to_string(*there.error) : "");
+  const pid_t hanging = pid_of("bad");
+  // A process that is seen not to answer is replaced at once; a hook is given its time first.
+  const auto failed = at_the_begin ? there.outcome : try_switch(plain_, patience).outcome;
+  if (failed == Outcome::Failed) {
+    expect_event(EventKind::ActionFailed, "bad");
+    EXPECT_TRUE(eventually([&] { return state_of_bad() == TaskState::Fatal; })) << to_string(state_of_bad());
+  }
+  expect_event(EventKind::TaskState, "bad: fatal");
+  expect_undisturbed();
+  recover_to(healthy_);
+  EXPECT_GT(pid_of("bad"), 0);
+  EXPECT_NE(pid_of("bad"), hanging);
+  recover_to(plain_);
+  EXPECT_EQ(pid_of("bad"), -1);
+  expect_undisturbed();
+  expect_undisturbed("witness");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Hang,
+                         ::testing::Values(Fault{"configure", "hang"}, Fault{"start", "hang"},
+                                           Fault{"update", "hang"}, Fault{"stop", "hang"},
+                                           Fault{"cleanup", "hang"}, Fault{"configure", "freeze"},
+                                           Fault{"update", "freeze"}, Fault{"stop", "freeze"}),
+                         name_of);
+
+/// Exceptions and refusals: the process stays.
+class Failure : public FaultyComponent {};
+
+TEST_P(Failure, is_told_and_the_process_stays) {
+  switch_to(healthy_);
+  const pid_t pid = pid_of("bad");
+  const std::string hook = GetParam().hook;
+  const auto there = try_switch(with(hook, GetParam().how));
+  if (hook == "configure" || hook == "start") {
+    EXPECT_EQ(there.outcome, Outcome::Failed);
+    expect_event(EventKind::ActionFailed, "bad");
+  } else if (hook == "update") {
+    expect_event(EventKind::TaskState, "thrown, as it was told to");
+  } else {
+    EXPECT_EQ(try_switch(plain_).outcome, Outcome::Failed);
+    expect_event(EventKind::ActionFailed, "thrown, as it was told to");
+  }
+  expect_undisturbed();
+  recover_to(healthy_);
+  EXPECT_EQ(pid_of("bad"), pid);
+  expect_undisturbed();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Failure,
+                         ::testing::Values(Fault{"configure", "throw"}, Fault{"start", "throw"},
+                                           Fault{"update", "throw"}, Fault{"stop", "throw"},
+                                           Fault{"cleanup", "throw"}, Fault{"configure", "error"},
+                                           Fault{"start", "error"}),
+                         name_of);
+
+/// The process ends.
+class Crash : public FaultyComponent {};
+
+TEST_P(Crash, costs_its_process_and_nothing_else) {
+  switch_to(healthy_);
+  const pid_t pid = pid_of("bad");
+  const std::string hook = GetParam().hook;
+  const auto there = try_switch(with(hook, GetParam().how));
+  if (hook != "update") {
+    EXPECT_EQ(hook == "stop" ? try_switch(plain_).outcome : there.outcome, Outcome::Failed);
+  }
+  EXPECT_TRUE(eventually([&] { return pid_of("bad") != pid; }));
+  const std::string how = GetParam().how;
+  expect_event(EventKind::Process, how == "abort" ? "SIGABRT" : how == "crash" ? "SIGSEGV" : "status 3");
+  expect_undisturbed();
+  recover_to(healthy_);
+  EXPECT_GT(pid_of("bad"), 0);
+  expect_undisturbed();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Crash,
+                         ::testing::Values(Fault{"configure", "abort"}, Fault{"update", "abort"},
+                                           Fault{"stop", "abort"}, Fault{"start", "crash"},
+                                           Fault{"update", "exit"}),
+                         name_of);
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they need all address space themselves
+
+class Exhaustion : public FaultyComponent {};
+
+TEST_P(Exhaustion, of_memory_hurts_nobody_else) {
+  switch_to(plain_);
+  const std::string hook = GetParam().hook;
+  const auto there = try_switch(with(hook, GetParam().how));
+  if (hook == "configure") {
+    EXPECT_EQ(there.outcome, Outcome::Failed);
+  } else {
+    EXPECT_TRUE(eventually([&] { return !runtime().observed_differences().empty(); }));
+  }
+  expect_undisturbed();
+  recover_to(healthy_);
+  recover_to(plain_);
+  expect_undisturbed();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Exhaustion,
+                         ::testing::Values(Fault{"configure", "exhaust"}, Fault{"update", "exhaust"}),
+                         name_of);
+
+#endif
+
+}  // namespace
+}  // namespace segue::testing

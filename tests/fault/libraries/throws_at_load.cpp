@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A component library whose static initialisation throws: whoever loads it gets an exception, or ends.
+#include <stdexcept>
+
+namespace {
+
+struct Thrower {
+  Thrower() {
+    if (true) throw std::runtime_error("thrown while the library was loaded");
+  }
+};
+const Thrower thrower;
+
+}  // namespace
