@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+
+#include "bench_experiment.hpp"
+#include "bench_robot.hpp"
+#include "chart.hpp"
+#include "command.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string folder = "segue-bench";
+  std::size_t repeat = 5;
+  bool quick = false;
+};
+
+struct Plan {
+  std::vector<std::size_t> in_process = {1, 5, 10, 25, 50, 100, 250};
+  std::vector<std::size_t> in_processes = {1, 5, 10, 25, 50};
+  std::size_t repeat = 5;
+};
+
+Plan plan_for(const Options& options) {
+  if (options.quick) return {{1, 2, 4}, {1, 2}, std::min<std::size_t>(options.repeat, 2)};
+  Plan plan;
+  plan.repeat = options.repeat;
+  return plan;
+}
+
+const std::vector<std::size_t>& sizes_of(const Plan& plan, Placement placement) {
+  return placement == Placement::OneProcess ? plan.in_process : plan.in_processes;
+}
+
+constexpr std::array kPlacements = {Placement::OneProcess, Placement::ProcessEach};
+
+/// All that was measured, in the order in which it came.
+class Results {
+ public:
+  void add(const Measurement& measurement) {
+    times_[{measurement.experiment, measurement.placement, measurement.relays}].push_back(
+        measurement.seconds);
+  }
+  [[nodiscard]] bool empty() const { return times_.empty(); }
+  [[nodiscard]] std::vector<std::size_t> sizes(const std::string& experiment, Placement placement) const {
+    std::vector<std::size_t> sizes;
+    for (const auto& [key, times] : times_) {
+      if (key.experiment == experiment && key.placement == placement) sizes.push_back(key.relays);
+    }
+    return sizes;
+  }
+  [[nodiscard]] const std::vector<double>& times(const std::string& experiment, Placement placement,
+                                                 std::size_t relays) const {
+    return times_.at({experiment, placement, relays});
+  }
+
+ private:
+  struct Key {
+    std::string experiment;
+    Placement placement;
+    std::size_t relays;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::map<Key, std::vector<double>> times_;
+};
+
+Chart chart_of(const Experiment& experiment, const Results& results) {
+  Chart chart{experiment.name + ": " + experiment.title, "relays", {}};
+  for (const Placement placement : kPlacements) {
+    Chart::Line line{to_string(placement), {}};
+    for (const std::size_t relays : results.sizes(experiment.name, placement))
+      line.points.push_back({static_cast<double>(relays), results.times(experiment.name, placement, relays)});
+    chart.lines.push_back(std::move(line));
+  }
+  return chart;
+}
+
+std::string csv_of(const Experiment& experiment, const Results& results) {
+  std::string text = "placement,relays,repetition,milliseconds\n";
+  for (const Placement placement : kPlacements) {
+    for (const std::size_t relays : results.sizes(experiment.name, placement)) {
+      std::size_t repetition = 0;
+      for (const double seconds : results.times(experiment.name, placement, relays))
+        text += fmt::format("{},{},{},{:.4f}\n", to_string(placement), relays, ++repetition, seconds * 1e3);
+    }
+  }
+  return text;
+}
+
+/// "E2.3 worst" as "E2.3_worst".
+std::string file_name(const Experiment& experiment) {
+  std::string name = experiment.name;
+  std::ranges::replace(name, ' ', '_');
+  return name;
+}
+
+Result<void> write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text;
+  stream.close();
+  if (stream) return {};
+  return fail(ErrorCode::IoError, "cannot write " + quote(file.string()) + ": is there room, may you write?");
+}
+
+Result<void> write_results(const fs::path& folder, const Results& results) {
+  for (const Experiment& experiment : experiments()) {
+    const fs::path stem = folder / file_name(experiment);
+    const auto csv = write_file(stem.string() + ".csv", csv_of(experiment, results));
+    if (!csv) return csv;
+    const auto svg = write_file(stem.string() + ".svg", to_svg(chart_of(experiment, results)));
+    if (!svg) return svg;
+  }
+  return {};
+}
+
+/// The largest chain of each series.
+Table summary(const Results& results) {
+  using Align = Table::Align;
+  Table table({{"experiment"},
+               {"placement"},
+               {"relays", Align::Right},
+               {"median", Align::Right},
+               {"least", Align::Right},
+               {"most", Align::Right}});
+  for (const Experiment& experiment : experiments()) {
+    for (const Placement placement : kPlacements) {
+      const auto sizes = results.sizes(experiment.name, placement);
+      if (sizes.empty()) continue;
+      const auto& times = results.times(experiment.name, placement, sizes.back());
+      const auto [least, most] = std::ranges::minmax(times);
+      table.add({experiment.name, to_string(placement), std::to_string(sizes.back()),
+                 format_seconds(median_of(times)), format_seconds(least), format_seconds(most)});
+    }
+  }
+  return table;
+}
+
+type::Value json_of(const Results& results) {
+  type::Value::List series;
+  for (const Experiment& experiment : experiments()) {
+    for (const Placement placement : kPlacements) {
+      type::Value::List points;
+      for (const std::size_t relays : results.sizes(experiment.name, placement)) {
+        type::Value::List times;
+        for (const double seconds : results.times(experiment.name, placement, relays))
+          times.emplace_back(seconds);
+        points.push_back(
+            type::Value::map({{"relays", std::uint64_t{relays}}, {"seconds", std::move(times)}}));
+      }
+      series.push_back(type::Value::map({{"experiment", experiment.name},
+                                         {"title", experiment.title},
+                                         {"placement", to_string(placement)},
+                                         {"points", std::move(points)}}));
+    }
+  }
+  return type::Value::map({{"series", std::move(series)}});
+}
+
+/// One placement, from nothing to nothing.
+Result<void> measure(Placement placement, const Plan& plan, Results& results, StopSignal& stop) {
+  auto robot = make_bench_robot(placement);
+  if (!robot) return robot.error();
+  Progress progress;
+  const auto report = [&](const Measurement& measurement) {
+    results.add(measurement);
+    progress.show(fmt::format("{}: {} relays, {}: {}", to_string(placement), measurement.relays,
+                              measurement.experiment, format_seconds(measurement.seconds)));
+    return !stop.requested();
+  };
+  return run_experiments(**robot, placement, sizes_of(plan, placement), plan.repeat, report);
+}
+
+int run(const Options& options, const Context& context) {
+  StopSignal stop;
+  std::error_code failed_to_make;
+  fs::create_directories(options.folder, failed_to_make);
+  if (failed_to_make) {
+    return failed(context, fail(ErrorCode::IoError, "cannot make the folder " + quote(options.folder) + ": " +
+                                                        failed_to_make.message()));
+  }
+  set_log_level(LogLevel::Error);
+  const Plan plan = plan_for(options);
+  Results results;
+  Result<void> measured;
+  for (const Placement placement : kPlacements) {
+    if (measured && !stop.requested()) measured = measure(placement, plan, results, stop);
+  }
+  const auto written = write_results(options.folder, results);
+  if (!measured) return failed(context, measured.error());
+  if (!written) return failed(context, written.error());
+  if (context.json()) {
+    print_json(json_of(results));
+  } else {
+    print(summary(results).text());
+    print_line(fmt::format("all series as CSV and SVG: {}", (fs::path(options.folder) / "").string()));
+  }
+  if (!stop.requested()) return kDone;
+  print_note("interrupted: what had been measured until then is there");
+  return kFailed;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      app, context, "bench", "how fast controllers are switched on this computer, as CSV and SVG",
+      "  segue bench --quick               # some seconds, to see that everything works\n"
+      "  segue bench --out results\n\n"
+      "Chains producer -> relays -> consumer are brought up (E1.1) and taken down (E1.2); of running chains "
+      "one\n"
+      "relay (E2.1), all relays (E2.2) or half of them (E2.3: neighbours, the best case; every second one, "
+      "the\n"
+      "worst; and the longest pause of the samples) are exchanged. All of it once in one process and once "
+      "with\n"
+      "a process for each task. Close other programs first. Ctrl-C ends it in order, no process stays.",
+      [options, &context] { return run(*options, context); });
+  verb->add_option("--out", options->folder, "the folder to write to (segue-bench)")->type_name("DIR");
+  verb->add_option("--repeat", options->repeat, "how often each is measured (5)")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1000}).description(""));
+  verb->add_flag("--quick", options->quick, "short chains, twice");
+}
+
+}  // namespace segue::cli
