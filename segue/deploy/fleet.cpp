@@ -136,20 +136,6 @@ void Fleet::learn_seats(const ProcessRecord& record, const Snapshot& snapshot) {
   }
 }
 
-std::vector<model::TaskId> Fleet::drop_seats_of(const model::DeploymentKey& key) {
-  std::vector<model::TaskId> dropped;
-  const std::lock_guard lock(mutex_);
-  for (auto seat = seats_.begin(); seat != seats_.end();) {
-    if (seat->second == key) {
-      dropped.push_back(seat->first);
-      seat = seats_.erase(seat);
-    } else {
-      ++seat;
-    }
-  }
-  return dropped;
-}
-
 namespace {
 
 /// What of a network a process needs to know: its tasks, and connections at them.

@@ -86,15 +86,14 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void on_exit(const ProcessInfo& process);
   /// It ended by itself.
   void end(const RecordPtr& record, const ExitReason& reason);
-  /// Out of the tables; gives the tasks that went with it.
-  std::vector<model::TaskId> remove(const RecordPtr& record);
+  /// It has ended: out of the tables. Gives the tasks that went with it; nothing where that is known.
+  std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);
   /// Lets go of a process that is gone, here and in all others.
   void release(const RecordPtr& record);
   void tell(const ProcessRecord& record, const ProcessRecord::Change& change);
   void tell_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
   void tell_task(const model::TaskId& task, TaskState state, std::string message);
   void learn_seats(const ProcessRecord& record, const Snapshot& snapshot);
-  std::vector<model::TaskId> drop_seats_of(const model::DeploymentKey& key);
   void watch();
 
   ProcessService& processes_;

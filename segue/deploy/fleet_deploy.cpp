@@ -218,7 +218,6 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   if (reason && reason->killed) {
     events_.push(host::ProcessEvent{key, to_string(*reason), true});
   }
-  record->end();
   remove(record);
   release(record);
   return {};
@@ -233,7 +232,6 @@ void Fleet::end_all(TimePoint deadline) {
     jobs.emplace_back([this, record, deadline] {
       record->leave(true);
       (void)processes_.stop(launch_.robot, record->key(), part_until(deadline, kOrderly));
-      record->end();
       remove(record);
       release(record);
     });

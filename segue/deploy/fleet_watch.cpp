@@ -160,24 +160,36 @@ void Fleet::on_exit(const ProcessInfo& process) {
 }
 
 void Fleet::end(const RecordPtr& record, const ExitReason& reason) {
-  if (!record->end()) {
+  const auto tasks = remove(record);
+  if (!tasks) {
     return;
   }
-  const auto tasks = remove(record);
   const std::string what = to_string(reason);
-  events_.push(host::ProcessEvent{record->key(), with_tasks(what, tasks), true});
-  for (const auto& task : tasks) {
+  events_.push(host::ProcessEvent{record->key(), with_tasks(what, *tasks), true});
+  for (const auto& task : *tasks) {
     tell_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }
   pool_.submit([this, record] { release(record); });
 }
 
-std::vector<model::TaskId> Fleet::remove(const RecordPtr& record) {
-  auto tasks = drop_seats_of(record->key());
+std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record) {
+  // Under the lock, so that whoever sees that it ended finds it in no table any more.
   const std::lock_guard lock(mutex_);
+  if (!record->end()) {
+    return std::nullopt;
+  }
   const auto found = records_.find(record->key());
   if (found != records_.end() && found->second == record) {
     records_.erase(found);
+  }
+  std::vector<model::TaskId> tasks;
+  for (auto seat = seats_.begin(); seat != seats_.end();) {
+    if (seat->second == record->key()) {
+      tasks.push_back(seat->first);
+      seat = seats_.erase(seat);
+    } else {
+      ++seat;
+    }
   }
   return tasks;
 }

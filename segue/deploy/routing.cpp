@@ -199,7 +199,8 @@ Result<void> Router::make_way(const model::ConfigAction& what, const model::Depl
   }
   const auto seen = service->snapshot();
   if (!seen) {
-    return seen.error();
+    const bool gone = seen.error().code == ErrorCode::Unavailable;
+    return gone ? Result<void>() : Result<void>(seen.error());
   }
   const model::Task* old = seen->network.find_task(task);
   if (old != nullptr && is_configured(old->state)) {
