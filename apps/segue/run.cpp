@@ -35,6 +35,7 @@ struct Options {
   std::string stand_ins;
   bool stand_in = false;
   bool in_process = false;
+  bool daemon = false;
   bool verbose = false;
   std::string log_level = std::string(to_string(LogLevel::Info));
   Duration length{0};
@@ -173,6 +174,9 @@ int run(const Options& options, const Context& context) {
   runtime::EmbeddedOptions embedded;
   embedded.stand_in = options.stand_in || !options.stand_ins.empty();
   embedded.stand_ins = options.stand_ins;
+  embedded.placement = options.in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
+  embedded.daemon = options.daemon;
+  embedded.log_level = level_of(options.log_level);
   const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
   if (!robot) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
@@ -189,8 +193,10 @@ void add_run(CLI::App& app, Context& context) {
       app, context, "run", "start a robot's runtime; Ctrl-C stops it in order",
       "  segue run robot.yaml --controller explore\n"
       "  segue run --stand-in robot.yaml     # without the components of the real robot\n\n"
-      "All tasks live in this one process. SIGINT (Ctrl-C) and SIGTERM stop every task in order; a second\n"
-      "one ends at once with status 130. With `--format json` every event is a line of JSON.",
+      "Tasks of deployments live in processes of their own, all others in this one. SIGINT (Ctrl-C) and\n"
+      "SIGTERM stop every task in order and end those processes; a second one ends at once with status 130\n"
+      "and leaves them running. Deployments of the robot that already run are taken over: without\n"
+      "`--controller` they just go on. With `--format json` every event is a line of JSON.",
       [options, &context] { return run(*options, context); });
   verb->add_option("ROBOT", options->file, "the robot file")->required()->type_name("");
   verb->add_option("--controller", options->controller, "request this controller at once")->type_name("NAME");
@@ -198,8 +204,12 @@ void add_run(CLI::App& app, Context& context) {
   verb->add_option("--stand-ins", options->stand_ins,
                    "a file that says how stand-ins behave; implies --stand-in")
       ->type_name("FILE");
-  verb->add_flag("--in-process", options->in_process,
-                 "all tasks in one process, whatever the network's deployments say; always so for now");
+  CLI::Option* in_process =
+      verb->add_flag("--in-process", options->in_process,
+                     "all tasks in this one process, whatever the network's deployments say");
+  verb->add_flag("--daemon", options->daemon,
+                 "let the process server of this computer (`segue host`) start the processes")
+      ->excludes(in_process);
   add_duration(*verb, "--for", options->length, "end by itself after so long");
   verb->add_flag("-v,--verbose", options->verbose, "also print every action");
   verb->add_option("--log-level", options->log_level,

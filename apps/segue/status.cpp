@@ -17,11 +17,12 @@ using type::Value;
 
 std::string heading(const Value& status) {
   const std::string controller = text_at(status, "controller");
-  return fmt::format(
-      "robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
-      number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
-      controller.empty() ? "the empty network" : "controller " + coloured(Colour::Green, controller),
-      text_at(status, "state"));
+  return fmt::format("robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
+                     number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
+                     !controller.empty()                ? "controller " + coloured(Colour::Green, controller)
+                     : list_at(status, "tasks").empty() ? "the empty network"
+                                                        : "no controller that it knows",
+                     text_at(status, "state"));
 }
 
 std::string others(const Value& status) {

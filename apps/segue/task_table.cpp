@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -29,7 +30,20 @@ std::string micros(const Value& task, std::string_view key) {
   return value > 0 ? format_seconds(value * 1e-6) : std::string("-");
 }
 
-std::vector<std::string> cells(const Value& task, bool with_cpu) {
+/// Where it lives; the host only where it is another one.
+std::string process_cell(const Value& task) {
+  const std::string process = text_at(task, "process");
+  const std::string host = text_at(task, "host");
+  const bool here = host.empty() || host == "localhost" || process.empty();
+  return process.empty() ? "-" : here ? process : fmt::format("{}/{}", host, process);
+}
+
+bool has_processes(const Value::List& tasks) {
+  return std::any_of(tasks.begin(), tasks.end(),
+                     [](const Value& task) { return !text_at(task, "process").empty(); });
+}
+
+std::vector<std::string> cells(const Value& task, bool with_process, bool with_cpu) {
   const Value* stand_in = task.find("stand_in");
   const bool is_stand_in = stand_in != nullptr && stand_in->is_bool() && stand_in->as_bool();
   std::vector<std::string> row = {
@@ -37,6 +51,9 @@ std::vector<std::string> cells(const Value& task, bool with_cpu) {
       state_cell(task),           fmt::format("{}", number_at(task, "cycles")),
       micros(task, "cycle_us"),   micros(task, "worst_us"),
       micros(task, "latency_us"), fmt::format("{}", number_at(task, "missed"))};
+  if (with_process) {
+    row.insert(row.begin() + 3, {process_cell(task), fmt::format("{}", number_at(task, "pid"))});
+  }
   if (with_cpu) row.push_back(micros(task, "cpu_us"));
   return row;
 }
@@ -65,10 +82,12 @@ std::string task_table(const Value& status, bool with_cpu) {
                                         {"WORST", Align::Right},
                                         {"LATENCY", Align::Right},
                                         {"MISSED", Align::Right}};
+  const bool with_process = has_processes(tasks);
+  if (with_process) columns.insert(columns.begin() + 3, {{"PROCESS"}, {"PID", Align::Right}});
   if (with_cpu) columns.push_back({"CPU", Align::Right});
   Table table(std::move(columns));
   for (const Value& task : tasks)
-    table.add(cells(task, with_cpu));
+    table.add(cells(task, with_process, with_cpu));
   return table.text() + errors_text(tasks);
 }
 
