@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main job: a robot with four controllers walks through all twelve transitions between them while samples
-// flow. Everything runs in this process; stand-ins take the place of the rover's drivers.
+// flow between its 8 to 17 processes. Stand-ins take the place of the rover's drivers.
 #include "report.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
@@ -31,35 +31,51 @@ int walk(runtime::EmbeddedRobot& robot, demo::Report& report) {
   report.introduce(robot);
   const runtime::SwitchResult begun = robot.switch_to(kWalk.front());
   if (!report.started(begun)) return 1;
+  report.check_processes(robot);
   std::this_thread::sleep_for(kStay);
   for (const char* target : std::span(kWalk).subspan(1)) {
     const demo::Flow before = demo::measure_flow(robot);
     const runtime::SwitchResult result = robot.switch_to(target);
     if (!report.switched(result, before, demo::measure_flow(robot))) return 1;
+    report.check_processes(robot);
     std::this_thread::sleep_for(kStay);
     report.flowed(demo::measure_flow(robot));
   }
   report.ended(robot.shut_down());
+  report.check_processes(robot);
   return report.summarise() ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool everything = argc == 3 && std::strcmp(argv[2], "--all") == 0;
-  if (argc != 2 && !everything) {
-    std::fprintf(
-        stderr,
-        "usage: artemis_demo ROBOT_FILE [--all]\n  --all  print every action, not the first of each kind\n");
+  bool everything = false;
+  bool in_process = false;
+  bool understood = argc >= 2;
+  for (int i = 2; i < argc; ++i) {
+    everything = everything || std::strcmp(argv[i], "--all") == 0;
+    in_process = in_process || std::strcmp(argv[i], "--in-process") == 0;
+    understood =
+        understood && (std::strcmp(argv[i], "--all") == 0 || std::strcmp(argv[i], "--in-process") == 0);
+  }
+  if (!understood) {
+    std::fputs(
+        "usage: artemis_demo ROBOT_FILE [--all] [--in-process]\n"
+        "  --all         print every action, not the first of each kind\n"
+        "  --in-process  all tasks in this one process\n",
+        stderr);
     return 2;
   }
   Diagnostics diagnostics;
-  const auto robot = runtime::EmbeddedRobot::open(argv[1], diagnostics, {.stand_in = true});
+  runtime::EmbeddedOptions options;
+  options.stand_in = true;
+  options.placement = in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
+  const auto robot = runtime::EmbeddedRobot::open(argv[1], diagnostics, options);
   if (!robot) {
     std::fputs(to_string(diagnostics).c_str(), stderr);
     return 1;
   }
-  auto report = demo::Report::create(robot->robot().folder / "table7.yaml", everything);
+  auto report = demo::Report::create(robot->robot().folder / "table7.yaml", everything, in_process);
   if (!report) {
     std::fprintf(stderr, "%s\n", to_string(report.error()).c_str());
     return 1;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
+#include "processes.hpp"
+
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -82,11 +84,12 @@ Flow measure_flow(runtime::EmbeddedRobot& robot) {
   return flow;
 }
 
-Result<Report> Report::create(const std::filesystem::path& table, bool everything) {
+Result<Report> Report::create(const std::filesystem::path& table, bool everything, bool in_process) {
   auto document = type::load_yaml(table);
   if (!document) return document.error();
   Report report;
   report.everything_ = everything;
+  report.in_process_ = in_process;
   const type::Value* rows = document->find("transitions");
   if (rows == nullptr || !rows->is_list())
     return fail(ErrorCode::ParseError, table.string() + " has no list 'transitions'");
@@ -101,9 +104,10 @@ Result<Report> Report::create(const std::filesystem::path& table, bool everythin
 }
 
 void Report::introduce(runtime::EmbeddedRobot& robot) {
-  std::puts(
-      "The Artemis rover (Wirkus et al. 2020): four controllers, switched online in one process.\n"
-      "Every component is a stand-in: it has the ports, connections and life cycle, but no driver.\n");
+  std::printf(
+      "The Artemis rover (Wirkus et al. 2020): four controllers, switched online %s.\n"
+      "Every component is a stand-in: it has the ports, connections and life cycle, but no driver.\n\n",
+      in_process_ ? "in one process" : "in processes of their own");
   std::printf("  %-22s %6s %10s %12s\n", "controller", "tasks", "processes", "connections");
   for (const auto& name : robot.runtime().controllers()) {
     const auto network = robot.runtime().controller(name);
@@ -197,6 +201,35 @@ bool Report::switched(const runtime::SwitchResult& result, const Flow& before, c
   return true;
 }
 
+void Report::check_processes(runtime::EmbeddedRobot& robot) {
+  const model::Network network = robot.runtime().belief();
+  std::set<std::string> expected;
+  for (const auto& deployment : network.deployments) {
+    if (!in_process_) expected.insert(deployment.process.str());
+  }
+  const Processes found = look_at_processes();
+  const std::size_t pools = in_process_ ? 0 : 2 * (expected.size() + 1);
+  auto wrong = robot.runtime().observed_differences();
+  if (found.names != expected) {
+    wrong.push_back("the operating system shows other processes: " + std::to_string(found.names.size()));
+  }
+  if (found.pools != pools) {
+    wrong.push_back(std::to_string(found.pools) + " pools of shared memory are mapped, expected " +
+                    std::to_string(pools));
+  }
+  std::printf("  processes     %zu, %zu pools of shared memory, %zu tasks, %zu connections: %s\n",
+              found.names.size(), found.pools, network.tasks.size(), network.connections.size(),
+              wrong.empty() ? "exactly what the controller says" : "NOT what the controller says");
+  for (const auto& sentence : wrong)
+    std::printf("                %s\n", sentence.c_str());
+  ++looks_;
+  wrong_looks_ += wrong.empty() ? 0 : 1;
+  if (!network.empty()) {
+    fewest_ = fewest_ == 0 ? found.names.size() : std::min(fewest_, found.names.size());
+    most_ = std::max(most_, found.names.size());
+  }
+}
+
 void Report::flowed(const Flow& flow) {
   const std::uint64_t samples = flow.samples - std::min(flow.samples, samples_before_);
   samples_ += samples;
@@ -223,7 +256,16 @@ bool Report::summarise() {
       transitions_, actions_, numbers_equal_, numbers_, milliseconds(switching_), milliseconds(longest_),
       undisturbed_ + disturbed_, disturbed_ == 0 ? "each time it simply went on" : "some were disturbed",
       static_cast<unsigned long long>(samples_));
-  return counts_equal && disturbed_ == 0;
+  if (!in_process_) {
+    std::printf(
+        "  The controllers ran in %zu to %zu processes. %d times the operating system and the processes were "
+        "asked;\n"
+        "  %s.\n",
+        fewest_, most_, looks_,
+        wrong_looks_ == 0 ? "each time there was exactly what the controller says, and nothing was left over"
+                          : "something was missing or left over");
+  }
+  return counts_equal && disturbed_ == 0 && wrong_looks_ == 0;
 }
 
 }  // namespace demo

@@ -23,8 +23,8 @@ Flow measure_flow(segue::runtime::EmbeddedRobot& robot);
 
 class Report {
  public:
-  /// Reads the paper's table. `everything`: print every action.
-  static segue::Result<Report> create(const std::filesystem::path& table, bool everything);
+  /// Reads the paper's table. `everything`: print every action. `in_process`: there are no other processes.
+  static segue::Result<Report> create(const std::filesystem::path& table, bool everything, bool in_process);
 
   void introduce(segue::runtime::EmbeddedRobot& robot);
   bool started(const segue::runtime::SwitchResult& result);
@@ -32,7 +32,11 @@ class Report {
   bool switched(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
   void flowed(const Flow& flow);
   void ended(const segue::runtime::SwitchResult& result);
-  /// False if a count differs from the paper's, or if a task that no transition named was disturbed.
+  /// Compares what runs now with the controller: processes and shared memory as the operating system shows
+  /// them, tasks and connections as the processes show them.
+  void check_processes(segue::runtime::EmbeddedRobot& robot);
+  /// False if a count differs from the paper's, if a task that no transition named was disturbed, or if
+  /// anything was left over or missing.
   bool summarise();
 
  private:
@@ -44,6 +48,7 @@ class Report {
   int note_undisturbed(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
 
   bool everything_ = false;
+  bool in_process_ = false;
   std::map<std::pair<std::string, std::string>, Columns> table_;
   int transitions_ = 0;
   int actions_ = 0;
@@ -51,6 +56,10 @@ class Report {
   int numbers_ = 0;
   int undisturbed_ = 0;
   int disturbed_ = 0;
+  int looks_ = 0;
+  int wrong_looks_ = 0;
+  std::size_t fewest_ = 0;
+  std::size_t most_ = 0;
   std::uint64_t samples_ = 0;
   std::uint64_t samples_before_ = 0;
   segue::Duration longest_{0};

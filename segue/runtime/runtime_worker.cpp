@@ -254,7 +254,8 @@ model::NetworkName Runtime::Implementation::true_name(const model::Network& obse
                                                       const model::Network& first,
                                                       const model::Network& second) const {
   for (const model::Network* candidate : {&first, &second}) {
-    if (equivalent(observed, *candidate)) {
+    const bool names = !candidate->name.empty() || candidate->empty();
+    if (names && equivalent(observed, *candidate)) {
       return candidate->name;
     }
   }

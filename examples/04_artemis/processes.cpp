@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "processes.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace demo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The parent's number stands second behind the command, which is in parentheses.
+int parent_of(const fs::path& process) {
+  const std::string stat = content(process / "stat");
+  const auto end = stat.rfind(')');
+  if (end == std::string::npos) return 0;
+  std::istringstream fields(stat.substr(end + 1));
+  char state = 0;
+  int parent = 0;
+  fields >> state >> parent;
+  return parent;
+}
+
+/// "rover_io", from its arguments "segue-deployment", "artemis/rover_io"; "" for any other program.
+std::string deployment_name(const fs::path& process) {
+  const std::string command = content(process / "cmdline");
+  const auto program = command.find('\0');
+  if (program == std::string::npos || command.find("segue-deployment") > program) return {};
+  const std::string name = command.substr(program + 1, command.find('\0', program + 1) - program - 1);
+  return name.substr(name.find('/') + 1);
+}
+
+void add_pools(const fs::path& process, std::set<std::string>& inodes) {
+  std::ifstream maps(process / "maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("/memfd:segue-") == std::string::npos) continue;
+    std::istringstream fields(line);
+    std::string range, rights, offset, device, inode;
+    fields >> range >> rights >> offset >> device >> inode;
+    inodes.insert(inode);
+  }
+}
+
+}  // namespace
+
+Processes look_at_processes() {
+  Processes found;
+  std::set<std::string> inodes;
+  add_pools("/proc/self", inodes);
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string number = entry.path().filename();
+    const bool is_process =
+        std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (!is_process || parent_of(entry.path()) != ::getpid()) continue;
+    const std::string name = deployment_name(entry.path());
+    if (name.empty()) continue;
+    found.names.insert(name);
+    add_pools(entry.path(), inodes);
+  }
+  found.pools = inodes.size();
+  return found;
+}
+
+}  // namespace demo
