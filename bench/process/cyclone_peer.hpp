@@ -36,24 +36,32 @@ class CycloneDomain {
   dds_entity_t participant_;
 };
 
-/// Reliable, so nothing is lost as long as no more than the history is under way.
-inline dds_qos_t* cyclone_quality() {
+enum class CycloneHistory {
+  Stream,  ///< nothing is lost as long as no more than eight are under way
+  Last     ///< late readers get the last sample
+};
+
+/// Reliable.
+inline dds_qos_t* cyclone_quality(CycloneHistory history) {
   dds_qos_t* quality = ::dds_create_qos();
   ::dds_qset_reliability(quality, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
-  ::dds_qset_history(quality, DDS_HISTORY_KEEP_LAST, 8);
+  if (history == CycloneHistory::Last) ::dds_qset_durability(quality, DDS_DURABILITY_TRANSIENT_LOCAL);
+  ::dds_qset_history(quality, DDS_HISTORY_KEEP_LAST, history == CycloneHistory::Last ? 1 : 8);
   return quality;
 }
 
-inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, const std::string& topic) {
-  dds_qos_t* quality = cyclone_quality();
+inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, const std::string& topic,
+                                        CycloneHistory history) {
+  dds_qos_t* quality = cyclone_quality(history);
   const dds_entity_t writer =
       ::dds_create_writer(domain.participant(), domain.topic(topic), quality, nullptr);
   ::dds_delete_qos(quality);
   return writer;
 }
 
-inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, const std::string& topic) {
-  dds_qos_t* quality = cyclone_quality();
+inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, const std::string& topic,
+                                        CycloneHistory history) {
+  dds_qos_t* quality = cyclone_quality(history);
   const dds_entity_t reader =
       ::dds_create_reader(domain.participant(), domain.topic(topic), quality, nullptr);
   ::dds_delete_qos(quality);

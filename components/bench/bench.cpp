@@ -140,17 +140,16 @@ class Consumer final : public Component {
     latency_sum_ = 0;
     gaps_ = {};
     fixed_gaps_ = {};
-    last_arrival_ = 0;
   }
 
   void count(std::uint64_t sequence, std::int64_t stamp, GapCounter& gaps) {
     const std::int64_t arrival = nanoseconds(now());
     const double latency = 1e-9 * static_cast<double>(arrival - stamp);
-    if (last_arrival_ > 0) {
-      const double pause = 1e-9 * static_cast<double>(arrival - last_arrival_);
+    if (statistics_.last_arrival > 0) {
+      const double pause = 1e-9 * static_cast<double>(arrival - statistics_.last_arrival);
       statistics_.pause_max = std::max(statistics_.pause_max, pause);
     }
-    last_arrival_ = arrival;
+    statistics_.last_arrival = arrival;
     ++statistics_.count;
     statistics_.lost += gaps.lost_before(sequence);
     latency_sum_ += latency;
@@ -166,7 +165,6 @@ class Consumer final : public Component {
   Operation<void()> reset_{*this, "reset", {}, [this] { reset(); }};
   Statistics statistics_;
   double latency_sum_ = 0;
-  std::int64_t last_arrival_ = 0;
   GapCounter gaps_;
   GapCounter fixed_gaps_;
 };

@@ -25,7 +25,7 @@ struct FixedSample {
 
 /// What a consumer has seen since it was started or reset. Latencies in seconds from the producer's stamp to
 /// the consumer's update; lost counts gaps in the sequence numbers; pause_max is the longest time between the
-/// arrivals of two samples, in seconds.
+/// arrivals of two samples, in seconds; last_arrival is when the last one came (monotonic clock, ns).
 struct Statistics {
   std::uint64_t count = 0;
   std::uint64_t lost = 0;
@@ -33,10 +33,11 @@ struct Statistics {
   double latency_mean = 0;
   double latency_max = 0;
   double pause_max = 0;
+  std::int64_t last_arrival = 0;
 };
 
 }  // namespace bench
 
 SEGUE_TYPE(bench::Sample, sequence, stamp, payload)
 SEGUE_TYPE(bench::FixedSample, sequence, stamp, payload)
-SEGUE_TYPE(bench::Statistics, count, lost, latency_min, latency_mean, latency_max, pause_max)
+SEGUE_TYPE(bench::Statistics, count, lost, latency_min, latency_mean, latency_max, pause_max, last_arrival)

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../support/measure.hpp"
+
+#include <segue/host/task_host.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+/// A robot's processes, without a runtime above them: actions go straight to the task host. Files and sockets
+/// lie in a folder that goes with this, and with it all processes.
+class Fleet {
+ public:
+  /// `zygote`: processes are forked from one that has the component libraries loaded. Ends the program where
+  /// it fails.
+  static std::unique_ptr<Fleet> open(bool zygote = false);
+  virtual ~Fleet() = default;
+  Fleet(const Fleet&) = delete;
+  Fleet& operator=(const Fleet&) = delete;
+
+  virtual segue::host::TaskHost& host() = 0;
+
+  /// Carries them out side by side; ends the program where one fails.
+  void perform(const std::vector<segue::model::Action>& actions);
+  /// A task of the bench components in a process, running.
+  void run(const std::string& process, const std::vector<std::string>& tasks, const std::string& component);
+
+ protected:
+  Fleet() = default;
+};
+
+segue::model::Action on_task(segue::model::ActionKind kind, const std::string& task);
+segue::model::Action on_process(segue::model::ActionKind kind, const std::string& process);
+/// Of the ports for samples of fixed size; with the last sample at once.
+segue::model::Action on_connection(segue::model::ActionKind kind, const std::string& from,
+                                   const std::string& to);
+segue::model::Action place(const std::string& task, const std::string& component, const std::string& process);
+
+}  // namespace bench
