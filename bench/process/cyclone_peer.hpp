@@ -50,20 +50,18 @@ inline dds_qos_t* cyclone_quality(CycloneHistory history) {
   return quality;
 }
 
-inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, const std::string& topic,
+inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, dds_entity_t topic,
                                         CycloneHistory history) {
   dds_qos_t* quality = cyclone_quality(history);
-  const dds_entity_t writer =
-      ::dds_create_writer(domain.participant(), domain.topic(topic), quality, nullptr);
+  const dds_entity_t writer = ::dds_create_writer(domain.participant(), topic, quality, nullptr);
   ::dds_delete_qos(quality);
   return writer;
 }
 
-inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, const std::string& topic,
+inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, dds_entity_t topic,
                                         CycloneHistory history) {
   dds_qos_t* quality = cyclone_quality(history);
-  const dds_entity_t reader =
-      ::dds_create_reader(domain.participant(), domain.topic(topic), quality, nullptr);
+  const dds_entity_t reader = ::dds_create_reader(domain.participant(), topic, quality, nullptr);
   ::dds_delete_qos(quality);
   return reader;
 }
