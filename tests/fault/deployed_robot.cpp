@@ -19,24 +19,6 @@ using type::Value;
 constexpr auto kPatience = std::chrono::seconds(60);
 
 constexpr const char* kLibrary = "segue_test_faults";
-constexpr const char* kTasks =
-    "  beater: {component: \"fault::Beater\"}\n"
-    "  watcher: {component: \"fault::Watcher\"}\n"
-    "  witness: {component: \"fault::Watcher\"}\n";
-constexpr const char* kDeployments =
-    "  heart: {tasks: [beater]}\n"
-    "  eye: {tasks: [watcher]}\n";
-/// Room for twenty seconds, so that a computer that is merely busy disturbs nobody.
-constexpr const char* kConnections =
-    "  - {from: beater.out, to: watcher.in, policy: buffer, size: 4000}\n"
-    "  - {from: beater.words, to: watcher.words, policy: buffer, size: 4000}\n"
-    "  - {from: beater.out, to: witness.in, policy: buffer, size: 4000}\n";
-
-std::uint64_t count_of(const Value& report, const std::string& key) {
-  const Value* value = report.find(key);
-  return value == nullptr ? 0 : static_cast<std::uint64_t>(value->as_int());
-}
-
 }  // namespace
 
 RobotLife::RobotLife(const deploy::Launch& launch) {
@@ -94,8 +76,9 @@ void DeployedRobotTest::TearDown() {
 
 model::Network DeployedRobotTest::network(const std::string& name, const std::string& tasks,
                                           const std::string& deployments, const std::string& connections) {
-  const std::string text = "network: " + name + "\ntasks:\n" + kTasks + tasks + "deployments:\n" +
-                           kDeployments + deployments + "connections:\n" + kConnections + connections;
+  const std::string text = "network: " + name + "\ntasks:\n" + kChainTasks + tasks + "deployments:\n" +
+                           kChainDeployments + deployments + "connections:\n" + kChainConnections +
+                           connections;
   Diagnostics diagnostics;
   auto network = model::read_network(text, name, diagnostics);
   EXPECT_TRUE(network) << to_string(diagnostics);
@@ -143,10 +126,7 @@ Sight DeployedRobotTest::sight(const std::string& watcher) {
   const auto deadline = RealClock::instance().now() + kPatience;
   const auto report = host().call(model::TaskId(watcher), "report", Value(), deadline);
   EXPECT_TRUE(report) << to_string(report.error());
-  if (!report) return {};
-  return {count_of(*report, "beats"), count_of(*report, "words"),    count_of(*report, "last"),
-          count_of(*report, "gaps"),  count_of(*report, "restarts"), count_of(*report, "torn"),
-          count_of(*report, "starts")};
+  return report ? Sight::of(*report) : Sight{};
 }
 
 void DeployedRobotTest::expect_undisturbed(const std::string& watcher) {

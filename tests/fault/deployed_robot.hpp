@@ -17,15 +17,11 @@
 #include <vector>
 
 #include "processes.hpp"
+#include "sight.hpp"
 
 /// A robot of which this program is the runtime, with real deployment processes. What a test through the
 /// command line cannot do: stop between two actions, and short deadlines.
 namespace segue::testing {
-
-/// What a watcher has seen (fault::Report).
-struct Sight {
-  std::uint64_t beats = 0, words = 0, last = 0, gaps = 0, restarts = 0, torn = 0, starts = 0;
-};
 
 /// One life of a runtime: all that ends with it.
 class RobotLife {

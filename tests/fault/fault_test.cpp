@@ -10,24 +10,6 @@ namespace {
 namespace fs = std::filesystem;
 using type::Value;
 
-constexpr const char* kChainTasks =
-    "  beater: {component: \"fault::Beater\"}\n"
-    "  watcher: {component: \"fault::Watcher\"}\n"
-    "  witness: {component: \"fault::Watcher\"}\n";
-constexpr const char* kChainDeployments =
-    "  heart: {tasks: [beater]}\n"
-    "  eye: {tasks: [watcher]}\n";
-/// Room for twenty seconds, so that a computer that is merely busy disturbs nobody.
-constexpr const char* kChainConnections =
-    "  - {from: beater.out, to: watcher.in, policy: buffer, size: 4000}\n"
-    "  - {from: beater.words, to: watcher.words, policy: buffer, size: 4000}\n"
-    "  - {from: beater.out, to: witness.in, policy: buffer, size: 4000}\n";
-
-std::uint64_t count_of(const Value& report, const std::string& key) {
-  const Value* value = report.find(key);
-  return value == nullptr ? 0 : static_cast<std::uint64_t>(value->as_int());
-}
-
 }  // namespace
 
 void FaultTest::SetUp() {
@@ -132,10 +114,7 @@ std::string FaultTest::what_is_wrong(const std::string& controller) {
 }
 
 Sight FaultTest::sight(const std::string& watcher) {
-  const auto report = json({"call", watcher + ".report"});
-  return {count_of(report, "beats"), count_of(report, "words"),    count_of(report, "last"),
-          count_of(report, "gaps"),  count_of(report, "restarts"), count_of(report, "torn"),
-          count_of(report, "starts")};
+  return Sight::of(json({"call", watcher + ".report"}));
 }
 
 void FaultTest::expect_undisturbed(const std::string& watcher) {

@@ -8,6 +8,7 @@
 
 #include "../system/system_test.hpp"
 #include "processes.hpp"
+#include "sight.hpp"
 
 /// A robot whose tasks live in several real processes, and what may happen to them.
 ///

@@ -140,7 +140,7 @@ TEST_P(Exhaustion, of_memory_hurts_nobody_else) {
   if (hook == "configure") {
     EXPECT_EQ(there.outcome, Outcome::Failed);
   } else {
-    EXPECT_TRUE(eventually([&] { return !runtime().observed_differences().empty(); }));
+    expect_event(EventKind::TaskState, "bad_alloc");
   }
   expect_undisturbed();
   recover_to(healthy_);
