@@ -66,7 +66,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   };
 
   void adopt();
-  void adopt(const ProcessInfo& process);
+  /// Says what became of it.
+  std::string adopt(const ProcessInfo& process);
   Result<RecordPtr> start(const model::Deployment& deployment, TimePoint deadline);
   Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
   std::optional<ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record, Duration patience);

@@ -262,36 +262,32 @@ void Fleet::adopt() {
         {}, "which processes run already cannot be told: " + to_string(running.error()), false});
     return;
   }
+  std::sort(running->begin(), running->end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  std::vector<std::string> findings(running->size());
   std::vector<WorkerPool::Job> jobs;
-  for (const auto& process : *running) {
-    jobs.emplace_back([this, &process] { adopt(process); });
+  for (std::size_t i = 0; i < running->size(); ++i) {
+    jobs.emplace_back([&, i] { findings[i] = adopt((*running)[i]); });
   }
   pool_.run_all(std::move(jobs));
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    events_.push(host::ProcessEvent{(*running)[i].key, findings[i], false});
+  }
   look();
 }
 
-void Fleet::adopt(const ProcessInfo& process) {
+std::string Fleet::adopt(const ProcessInfo& process) {
   model::Deployment deployment;
   deployment.host = process.key.host;
   deployment.process = process.key.process;
   const auto record = std::make_shared<ProcessRecord>(std::move(deployment), process);
   const auto opened = open(record, now() + kAdoption);
+  const std::string who = "was running (pid " + std::to_string(process.pid) + ") and ";
   if (!opened && !may_still_come(opened.error())) {
-    events_.push(host::ProcessEvent{
-        process.key,
-        "runs (pid " + std::to_string(process.pid) +
-            ") but cannot be taken over, and is ended when its name is needed: " + to_string(opened.error()),
-        false});
-    return;
+    return who + "cannot be taken over; it is ended when its name is needed: " + to_string(opened.error());
   }
-  {
-    const std::lock_guard lock(mutex_);
-    records_.insert_or_assign(process.key, record);
-  }
-  if (opened) {
-    events_.push(host::ProcessEvent{
-        process.key, "was running (pid " + std::to_string(process.pid) + ") and has been taken over", false});
-  }
+  const std::lock_guard lock(mutex_);
+  records_.insert_or_assign(process.key, record);
+  return opened ? who + "has been taken over" : who + "does not answer; a transition replaces it";
 }
 
 }  // namespace segue::deploy::detail

@@ -41,6 +41,7 @@ class Merger {
       add_process(process);
     }
     add_halves();
+    sort();
     return std::move(merged_);
   }
 
@@ -120,6 +121,18 @@ class Merger {
       }
     }
     return names;
+  }
+
+  /// As one process would show them, whichever they come from.
+  void sort() {
+    const auto by_id = [](const auto& a, const auto& b) { return a.id < b.id; };
+    std::sort(merged_.network.tasks.begin(), merged_.network.tasks.end(), by_id);
+    std::sort(merged_.tasks.begin(), merged_.tasks.end(), by_id);
+    const auto identity = [](const model::Connection& one) { return std::tie(one.from, one.to, one.policy); };
+    std::sort(merged_.network.connections.begin(), merged_.network.connections.end(),
+              [&](const auto& a, const auto& b) { return identity(a) < identity(b); });
+    std::sort(merged_.connections.begin(), merged_.connections.end(),
+              [&](const auto& a, const auto& b) { return identity(a.connection) < identity(b.connection); });
   }
 
   template <class Items>
