@@ -6,6 +6,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/process_server.hpp>
+#include <segue/runtime/daemon_processes.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -44,14 +45,7 @@ Result<Descriptor> lock_robot(const std::string& robot) {
   return file;
 }
 
-Result<std::unique_ptr<deploy::ProcessService>> open_processes(bool daemon) {
-  if (!daemon) {
-    auto server = deploy::ProcessServer::create();
-    if (!server) {
-      return std::move(server.error());
-    }
-    return std::unique_ptr<deploy::ProcessService>(std::move(*server));
-  }
+Result<std::unique_ptr<deploy::ProcessService>> connect_daemon() {
   const auto folder = control::socket_folder();
   if (!folder) {
     return folder.error();
@@ -62,6 +56,21 @@ Result<std::unique_ptr<deploy::ProcessService>> open_processes(bool daemon) {
         .because_of(std::move(connected.error()));
   }
   return connected;
+}
+
+Result<std::unique_ptr<deploy::ProcessService>> open_processes(const std::string& robot, bool daemon) {
+  if (!daemon) {
+    auto server = deploy::ProcessServer::create();
+    if (!server) {
+      return std::move(server.error());
+    }
+    return std::unique_ptr<deploy::ProcessService>(std::move(*server));
+  }
+  auto connected = DaemonProcesses::connect(robot, connect_daemon);
+  if (!connected) {
+    return std::move(connected.error());
+  }
+  return std::unique_ptr<deploy::ProcessService>(std::move(*connected));
 }
 
 Result<deploy::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
@@ -136,7 +145,7 @@ Result<void> RobotTasks::spread(const model::Robot& robot, const EmbeddedOptions
     return std::move(memory.error());
   }
   memory_ = std::move(*memory);
-  auto processes = open_processes(options.daemon);
+  auto processes = open_processes(robot.name, options.daemon);
   if (!processes) {
     return std::move(processes.error());
   }

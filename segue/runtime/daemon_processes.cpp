@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/daemon_processes.hpp>
+
+#include <segue/base/log.hpp>
+
+namespace segue::runtime {
+
+Result<std::unique_ptr<DaemonProcesses>> DaemonProcesses::connect(std::string robot, Open open) {
+  auto first = open();
+  if (!first) {
+    return std::move(first.error());
+  }
+  return std::unique_ptr<DaemonProcesses>(
+      new DaemonProcesses(std::move(robot), std::move(open), std::move(*first)));
+}
+
+DaemonProcesses::Service DaemonProcesses::current() {
+  const std::lock_guard lock(mutex_);
+  return current_;
+}
+
+DaemonProcesses::Service DaemonProcesses::successor(const Service& old) {
+  const std::lock_guard lock(mutex_);
+  if (current_ != old) {
+    return current_;  // somebody was quicker
+  }
+  const auto alive = old->processes(robot_);
+  if (alive || alive.error().code != ErrorCode::Unavailable) {
+    return nullptr;
+  }
+  auto next = open_();
+  if (!next) {
+    return nullptr;
+  }
+  log(LogLevel::Info, "runtime", "connected with the process server that has been started anew");
+  old->set_listener({});
+  current_ = std::move(*next);
+  current_->set_listener(listener_);
+  return current_;
+}
+
+template <class T, class Ask>
+Result<T> DaemonProcesses::ask(Ask ask_service) {
+  const Service service = current();
+  Result<T> answer = ask_service(*service);
+  if (answer || answer.error().code != ErrorCode::Unavailable) {
+    return answer;
+  }
+  const Service next = successor(service);
+  return next == nullptr ? std::move(answer) : ask_service(*next);
+}
+
+Result<deploy::ProcessInfo> DaemonProcesses::start(const deploy::Launch& launch, TimePoint deadline) {
+  return ask<deploy::ProcessInfo>(
+      [&](deploy::ProcessService& service) { return service.start(launch, deadline); });
+}
+
+Result<deploy::ExitReason> DaemonProcesses::stop(const std::string& robot, const model::DeploymentKey& key,
+                                                 TimePoint deadline) {
+  return ask<deploy::ExitReason>(
+      [&](deploy::ProcessService& service) { return service.stop(robot, key, deadline); });
+}
+
+Result<std::vector<deploy::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
+  return ask<std::vector<deploy::ProcessInfo>>(
+      [&](deploy::ProcessService& service) { return service.processes(robot); });
+}
+
+void DaemonProcesses::set_listener(Listener listener) {
+  const std::lock_guard lock(mutex_);
+  listener_ = std::move(listener);
+  current_->set_listener(listener_);
+}
+
+}  // namespace segue::runtime

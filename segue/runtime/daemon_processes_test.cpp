@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/daemon_processes.hpp>
+
+#include <gtest/gtest.h>
+
+namespace segue::runtime {
+namespace {
+
+/// What the process servers of a computer share with the test.
+struct Computer {
+  int opened = 0;
+  int calls = 0;
+  bool one_runs = true;
+  int living = 0;  ///< the number of the one that lives
+  deploy::ProcessService::Listener listener;
+  ErrorCode start_fails = ErrorCode::AlreadyExists;
+};
+
+class FakeDaemon final : public deploy::ProcessService {
+ public:
+  FakeDaemon(Computer& computer, int number) : computer_(computer), number_(number) {}
+
+  Result<deploy::ProcessInfo> start(const deploy::Launch& /*launch*/, TimePoint /*deadline*/) override {
+    ++computer_.calls;
+    return fail(lives() ? computer_.start_fails : ErrorCode::Unavailable, "no");
+  }
+  Result<deploy::ExitReason> stop(const std::string& /*robot*/, const model::DeploymentKey& /*key*/,
+                                  TimePoint /*deadline*/) override {
+    if (lives()) return deploy::ExitReason{};
+    return fail(ErrorCode::Unavailable, "gone");
+  }
+  Result<std::vector<deploy::ProcessInfo>> processes(const std::string& /*robot*/) override {
+    if (lives()) return std::vector<deploy::ProcessInfo>(static_cast<std::size_t>(number_));
+    return fail(ErrorCode::Unavailable, "gone");
+  }
+  void set_listener(Listener listener) override {
+    if (lives()) computer_.listener = std::move(listener);
+  }
+
+ private:
+  [[nodiscard]] bool lives() const { return computer_.one_runs && computer_.living == number_; }
+
+  Computer& computer_;
+  const int number_;
+};
+
+class DaemonProcessesTest : public ::testing::Test {
+ protected:
+  Result<std::unique_ptr<DaemonProcesses>> connect() {
+    return DaemonProcesses::connect("rover", [this]() -> Result<std::unique_ptr<deploy::ProcessService>> {
+      if (!computer_.one_runs) return fail(ErrorCode::Unavailable, "none runs");
+      computer_.living = ++computer_.opened;
+      return std::make_unique<FakeDaemon>(computer_, computer_.opened);
+    });
+  }
+  void start_anew() { computer_.living = 0; }
+
+  Computer computer_;
+};
+
+TEST_F(DaemonProcessesTest, goes_on_with_the_next_process_server) {
+  auto daemon = connect();
+  ASSERT_TRUE(daemon);
+  int told = 0;
+  (*daemon)->set_listener([&](const deploy::ProcessInfo&) { ++told; });
+  EXPECT_EQ((*daemon)->processes("rover")->size(), 1U);
+  start_anew();
+  computer_.listener = {};
+  EXPECT_EQ((*daemon)->processes("rover")->size(), 2U);
+  ASSERT_TRUE(computer_.listener) << "the next one is listened to";
+  computer_.listener({});
+  EXPECT_EQ(told, 1);
+  EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
+  EXPECT_EQ(computer_.opened, 2);
+}
+
+TEST_F(DaemonProcessesTest, says_so_while_there_is_none) {
+  auto daemon = connect();
+  ASSERT_TRUE(daemon);
+  computer_.one_runs = false;
+  EXPECT_EQ((*daemon)->stop("rover", {}, {}).error().code, ErrorCode::Unavailable);
+  EXPECT_FALSE(connect());
+  computer_.one_runs = true;
+  start_anew();
+  EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
+}
+
+TEST_F(DaemonProcessesTest, takes_a_refusal_of_one_that_lives_as_it_is) {
+  auto daemon = connect();
+  ASSERT_TRUE(daemon);
+  computer_.start_fails = ErrorCode::Unavailable;
+  EXPECT_EQ((*daemon)->start({}, {}).error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(computer_.calls, 1) << "it is not asked twice";
+  EXPECT_EQ(computer_.opened, 1);
+}
+
+}  // namespace
+}  // namespace segue::runtime
