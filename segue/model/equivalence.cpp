@@ -39,17 +39,18 @@ auto index_by(const Items& items, Key key) {
 void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   auto tell = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
     if (equal) return;
-    findings.add("task " + quote(a.id.str()) + ": " + std::string(what) + " " + first + " against " + second);
+    findings.add("task " + quote(a.id.str()) + ": " + std::string(what) + " is " + second + ", expected " +
+                 first);
   };
   tell(a.component == b.component, "component", a.component.str(), b.component.str());
   tell(a.state == b.state, "state", std::string(to_string(a.state)), std::string(to_string(b.state)));
-  tell(a.config_names == b.config_names, "configuration sections", "[" + listed(a.config_names) + "]",
+  tell(a.config_names == b.config_names, "list of configuration sections", "[" + listed(a.config_names) + "]",
        "[" + listed(b.config_names) + "]");
-  tell(a.properties == b.properties, "properties", type::describe(a.properties),
+  tell(a.properties == b.properties, "value of the properties", type::describe(a.properties),
        type::describe(b.properties) + " of other content");
   tell(a.activity == b.activity, "activity", a.activity ? "given" : "default",
        b.activity ? "given, other" : "default");
-  tell(a.exclusive == b.exclusive, "devices", "[" + listed(a.exclusive) + "]",
+  tell(a.exclusive == b.exclusive, "list of devices", "[" + listed(a.exclusive) + "]",
        "[" + listed(b.exclusive) + "]");
   tell(a.takes_over == b.takes_over, "takes_over", a.takes_over ? a.takes_over->str() : "nothing",
        b.takes_over ? b.takes_over->str() : "nothing");
@@ -66,15 +67,14 @@ void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
     if (findings.full()) return;
     auto other = in_b.find(name_of(task));
     if (other == in_b.end()) {
-      findings.add("task " + quote(task.id.str()) + " is only in the first");
+      findings.add("task " + quote(task.id.str()) + " is missing");
     } else if (!(task == *other->second)) {
       compare_tasks(task, *other->second, findings);
     }
   }
   for (const Task& task : b.tasks) {
     if (findings.full()) return;
-    if (!in_a.contains(name_of(task)))
-      findings.add("task " + quote(task.id.str()) + " is only in the second");
+    if (!in_a.contains(name_of(task))) findings.add("task " + quote(task.id.str()) + " is not expected");
   }
   if (a.tasks.size() != b.tasks.size() && in_a.size() == in_b.size()) {
     findings.add("a task occurs twice in one of them");
@@ -106,15 +106,15 @@ void compare_seats(const std::string& process, const Seats& a, const Seats& b, F
   for (const auto& [task, name] : a) {
     auto other = b.find(task);
     if (other == b.end()) {
-      findings.add("process " + process + " holds task " + quote(task) + " only in the first");
+      findings.add("process " + process + " lacks task " + quote(task));
     } else if (other->second != name) {
-      findings.add("process " + process + ": task " + quote(task) + " is called " + quote(name) +
-                   " against " + quote(other->second));
+      findings.add("process " + process + ": task " + quote(task) + " is called " + quote(other->second) +
+                   ", expected " + quote(name));
     }
   }
   for (const auto& [task, name] : b) {
     if (!a.contains(task)) {
-      findings.add("process " + process + " holds task " + quote(task) + " only in the second");
+      findings.add("process " + process + " holds task " + quote(task) + ", which is not expected");
     }
   }
 }
@@ -128,7 +128,7 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
     if (findings.full()) return;
     auto other = in_b.find(key);
     if (other == in_b.end()) {
-      findings.add("process " + to_string(key) + " is only in the first");
+      findings.add("process " + to_string(key) + " is missing");
       continue;
     }
     if (!deployment->same_process(*other->second)) {
@@ -138,7 +138,7 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
   }
   for (const auto& [key, deployment] : in_b) {
     if (findings.full()) return;
-    if (!in_a.contains(key)) findings.add("process " + to_string(key) + " is only in the second");
+    if (!in_a.contains(key)) findings.add("process " + to_string(key) + " is not expected");
   }
 }
 
@@ -160,18 +160,18 @@ void compare_connections(const Network& a, const Network& b, Findings& findings)
     --balance[&connection];
   for (const auto& [connection, count] : balance) {
     if (findings.full()) return;
-    if (count > 0) findings.add("connection " + to_string(*connection) + " is only in the first");
-    if (count < 0) findings.add("connection " + to_string(*connection) + " is only in the second");
+    if (count > 0) findings.add("connection " + to_string(*connection) + " is missing");
+    if (count < 0) findings.add("connection " + to_string(*connection) + " is not expected");
   }
 }
 
 }  // namespace
 
-std::vector<std::string> differences(const Network& a, const Network& b, std::size_t limit) {
+std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit) {
   Findings findings(limit);
-  compare_all_tasks(a, b, findings);
-  compare_deployments(a, b, findings);
-  compare_connections(a, b, findings);
+  compare_all_tasks(expected, found, findings);
+  compare_deployments(expected, found, findings);
+  compare_connections(expected, found, findings);
   return std::move(findings).take();
 }
 

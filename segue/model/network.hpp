@@ -109,7 +109,8 @@ struct Network {
 /// network lacks do not count. Linear in the size of the networks.
 bool equivalent(const Network& a, const Network& b);
 
-/// The first few differences as sentences, for messages and tests; empty if equivalent().
-std::vector<std::string> differences(const Network& a, const Network& b, std::size_t limit = 10);
+/// The first few differences as sentences ("task 'slam' is missing"), for messages and tests; empty if
+/// equivalent().
+std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit = 10);
 
 }  // namespace segue::model

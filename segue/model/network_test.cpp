@@ -92,7 +92,7 @@ TEST(EquivalenceTest, differencesAreSentences) {
   Network other = one;
   other.tasks[0].state = TaskState::Stopped;
   other.connections[0].policy.init = true;
-  EXPECT_THAT(differences(one, other), ElementsAre("task 'a': state running against stopped",
+  EXPECT_THAT(differences(one, other), ElementsAre("task 'a': state is stopped, expected running",
                                                    HasSubstr("a.out -> b.in"), HasSubstr("a.out -> b.in")));
   EXPECT_EQ(differences(one, other, 1).size(), 1U);
 }
