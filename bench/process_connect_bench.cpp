@@ -113,7 +113,7 @@ void peer(Table& table, Joining& joining, std::size_t topics) {
   const std::string name =
       joining.name() + (topics == 1 ? ", one" : ", " + std::to_string(topics) + " at once");
   const auto summary = run_pair(
-      {}, [&](const End& end) { return joining.join(end, topics, kRepeats / 2); },
+      {}, [&](const End& end) { return joining.join(end, topics, topics == 1 ? 50 : 20); },
       [&](const End& end) { joining.offer(end, topics); });
   if (summary) {
     table.add(name, *summary);

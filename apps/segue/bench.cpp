@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string folder = "segue-bench";
+  std::string order = std::string(to_string(model::Order::Seamless));
   std::size_t repeat = 5;
   bool quick = false;
 };
@@ -34,12 +35,17 @@ struct Plan {
   std::vector<std::size_t> in_process = {1, 5, 10, 25, 50, 100, 250};
   std::vector<std::size_t> in_processes = {1, 5, 10, 25, 50};
   std::size_t repeat = 5;
+  model::Order order = model::Order::Seamless;
 };
 
 Plan plan_for(const Options& options) {
-  if (options.quick) return {{1, 2, 4}, {1, 2}, std::min<std::size_t>(options.repeat, 2)};
   Plan plan;
   plan.repeat = options.repeat;
+  if (options.order == to_string(model::Order::Paper)) plan.order = model::Order::Paper;
+  if (!options.quick) return plan;
+  plan.in_process = {1, 2, 4};
+  plan.in_processes = {1, 2};
+  plan.repeat = std::min<std::size_t>(options.repeat, 2);
   return plan;
 }
 
@@ -173,7 +179,7 @@ type::Value json_of(const Results& results) {
 
 /// One placement, from nothing to nothing.
 Result<void> measure(Placement placement, const Plan& plan, Results& results, StopSignal& stop) {
-  auto robot = make_bench_robot(placement);
+  auto robot = make_bench_robot(placement, plan.order);
   if (!robot) return robot.error();
   Progress progress;
   const auto report = [&](const Measurement& measurement) {
@@ -234,6 +240,7 @@ void add_bench(CLI::App& app, Context& context) {
   verb->add_option("--repeat", options->repeat, "how often each is measured (5)")
       ->type_name("N")
       ->check(CLI::Range(std::size_t{1}, std::size_t{1000}).description(""));
+  add_order_option(*verb, options->order);
   verb->add_flag("--quick", options->quick, "short chains, twice");
 }
 

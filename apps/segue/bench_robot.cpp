@@ -64,8 +64,8 @@ Error first_error(const Diagnostics& diagnostics) {
 
 class EmbeddedBenchRobot final : public BenchRobot {
  public:
-  static Result<std::unique_ptr<BenchRobot>> make(Placement placement) {
-    auto made = std::unique_ptr<EmbeddedBenchRobot>(new EmbeddedBenchRobot);
+  static Result<std::unique_ptr<BenchRobot>> make(Placement placement, model::Order order) {
+    auto made = std::unique_ptr<EmbeddedBenchRobot>(new EmbeddedBenchRobot(order));
     auto lock = take_lock();
     if (!lock) return lock.error();
     made->lock_ = std::move(*lock);
@@ -83,7 +83,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
 
   Result<double> switch_to(const model::Network& network) override {
     const auto begin = RealClock::instance().now();
-    const auto result = robot_->runtime().switch_to(network);
+    const auto result = robot_->runtime().switch_to(network, options_);
     const auto end = RealClock::instance().now();
     if (result.outcome == runtime::Outcome::Done) return std::chrono::duration<double>(end - begin).count();
     if (result.error) return *result.error;
@@ -112,7 +112,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
   Result<double> longest_gap() override { return statistic("pause_max"); }
 
  private:
-  EmbeddedBenchRobot() = default;
+  explicit EmbeddedBenchRobot(model::Order order) { options_.order = order; }
 
   Result<void> open(Placement placement) {
     std::ofstream(folder_.path() / "robot.yaml")
@@ -138,6 +138,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
     return number_at(*statistics, name);
   }
 
+  runtime::RequestOptions options_;
   Descriptor lock_;
   TemporaryFolder folder_;
   std::unique_ptr<runtime::EmbeddedRobot> robot_;
@@ -145,8 +146,8 @@ class EmbeddedBenchRobot final : public BenchRobot {
 
 }  // namespace
 
-Result<std::unique_ptr<BenchRobot>> make_bench_robot(Placement placement) {
-  return EmbeddedBenchRobot::make(placement);
+Result<std::unique_ptr<BenchRobot>> make_bench_robot(Placement placement, model::Order order) {
+  return EmbeddedBenchRobot::make(placement, order);
 }
 
 }  // namespace segue::cli

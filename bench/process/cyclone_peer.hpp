@@ -36,31 +36,23 @@ class CycloneDomain {
   dds_entity_t participant_;
 };
 
-enum class CycloneHistory {
-  Stream,  ///< nothing is lost as long as no more than eight are under way
-  Last     ///< late readers get the last sample
-};
-
-/// Reliable.
-inline dds_qos_t* cyclone_quality(CycloneHistory history) {
+/// Reliable: nothing is lost as long as no more than eight are under way.
+inline dds_qos_t* cyclone_quality() {
   dds_qos_t* quality = ::dds_create_qos();
   ::dds_qset_reliability(quality, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
-  if (history == CycloneHistory::Last) ::dds_qset_durability(quality, DDS_DURABILITY_TRANSIENT_LOCAL);
-  ::dds_qset_history(quality, DDS_HISTORY_KEEP_LAST, history == CycloneHistory::Last ? 1 : 8);
+  ::dds_qset_history(quality, DDS_HISTORY_KEEP_LAST, 8);
   return quality;
 }
 
-inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, dds_entity_t topic,
-                                        CycloneHistory history) {
-  dds_qos_t* quality = cyclone_quality(history);
+inline dds_entity_t make_cyclone_writer(const CycloneDomain& domain, dds_entity_t topic) {
+  dds_qos_t* quality = cyclone_quality();
   const dds_entity_t writer = ::dds_create_writer(domain.participant(), topic, quality, nullptr);
   ::dds_delete_qos(quality);
   return writer;
 }
 
-inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, dds_entity_t topic,
-                                        CycloneHistory history) {
-  dds_qos_t* quality = cyclone_quality(history);
+inline dds_entity_t make_cyclone_reader(const CycloneDomain& domain, dds_entity_t topic) {
+  dds_qos_t* quality = cyclone_quality();
   const dds_entity_t reader = ::dds_create_reader(domain.participant(), topic, quality, nullptr);
   ::dds_delete_qos(quality);
   return reader;

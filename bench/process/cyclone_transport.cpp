@@ -22,7 +22,7 @@ class CycloneWriter final : public Writer {
  private:
   std::vector<std::uint8_t> data_;
   CycloneDomain domain_;
-  dds_entity_t writer_ = make_cyclone_writer(domain_, domain_.topic("hop"), CycloneHistory::Stream);
+  dds_entity_t writer_ = make_cyclone_writer(domain_, domain_.topic("hop"));
 };
 
 class Cyclone final : public Transport {
@@ -32,7 +32,7 @@ class Cyclone final : public Transport {
   std::unique_ptr<Writer> open(const End& end) override { return std::make_unique<CycloneWriter>(end.bytes); }
   void read(const End& end) override {
     const CycloneDomain domain;
-    const dds_entity_t reader = make_cyclone_reader(domain, domain.topic("hop"), CycloneHistory::Stream);
+    const dds_entity_t reader = make_cyclone_reader(domain, domain.topic("hop"));
     const dds_entity_t waiting = ::dds_create_waitset(domain.participant());
     const dds_entity_t condition = ::dds_create_readcondition(reader, DDS_ANY_STATE);
     ::dds_waitset_attach(waiting, condition, 0);
