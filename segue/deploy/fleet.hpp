@@ -102,7 +102,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   const Launch launch_;
   const DeployedOptions options_;
   const RecordPtr own_;
-  WorkerPool pool_{64};
+  WorkerPool pool_{12, 64};
   EventQueue events_;
 
   mutable std::mutex mutex_;

@@ -46,6 +46,12 @@ class Round {
 
 }  // namespace
 
+WorkerPool::WorkerPool(std::size_t first, std::size_t most) : most_(most) {
+  for (std::size_t i = 0; i < first; ++i) {
+    threads_.emplace_back([this] { work(); });
+  }
+}
+
 bool WorkerPool::submit(Job job) {
   {
     const std::lock_guard lock(mutex_);
@@ -53,7 +59,7 @@ bool WorkerPool::submit(Job job) {
       return false;
     }
     waiting_.push_back(std::move(job));
-    if (waiting_.size() > idle_ && threads_.size() < most_) {
+    if (waiting_.size() + busy_ > threads_.size() && threads_.size() < most_) {
       threads_.emplace_back([this] { work(); });
     }
   }
@@ -91,17 +97,17 @@ void WorkerPool::close() {
 void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    ++idle_;
     changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
-    --idle_;
     if (closed_) {
       return;
     }
     const Job job = std::move(waiting_.front());
     waiting_.pop_front();
+    ++busy_;
     lock.unlock();
     job();
     lock.lock();
+    --busy_;
   }
 }
 

@@ -11,13 +11,13 @@
 
 namespace segue::deploy::detail {
 
-/// Threads for calls that may block until their deadlines. Made when they are needed, up to a limit; what is
-/// beyond it waits. All functions may be called from any thread.
+/// Threads for calls that may block until their deadlines: a first few, and more where all of them are busy,
+/// up to a limit; what is beyond it waits. All functions may be called from any thread.
 class WorkerPool {
  public:
   using Job = std::function<void()>;
 
-  explicit WorkerPool(std::size_t most) : most_(most) {}
+  WorkerPool(std::size_t first, std::size_t most);
   ~WorkerPool() { close(); }
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -38,7 +38,7 @@ class WorkerPool {
   std::condition_variable changed_;
   std::deque<Job> waiting_;
   std::vector<std::thread> threads_;
-  std::size_t idle_ = 0;
+  std::size_t busy_ = 0;
   bool closed_ = false;
 };
 
