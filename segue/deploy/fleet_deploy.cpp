@@ -181,6 +181,12 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
                     quote(info->robot) + ") answers at " + record->process().socket.string(),
                 to_string(record->key()));
   }
+  if (const auto own = own_->service()->info(); own && own->software != info->software) {
+    return fail(ErrorCode::InvalidState,
+                "it is of version " + quote(info->software) + " of Segue, and this is " +
+                    quote(own->software) + ": what they share may differ",
+                to_string(record->key()));
+  }
   listen_to(record, *service);
   send_expected(*service, record->key());
   record->set_service(service, std::move(*info));

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Deployment processes outlive their runtime, and the next one takes them over.
-#include <fcntl.h>
-#include <unistd.h>
-
 #include "deployed_robot.hpp"
 
 namespace segue::testing {
@@ -12,20 +9,16 @@ using runtime::EventKind;
 
 class Adoption : public DeployedRobotTest {
  protected:
-  std::filesystem::path socket_of(const std::string& deployment) {
-    const model::DeploymentKey key{model::kLocalHost, model::ProcessName(deployment)};
-    return deploy::process_socket(launch_.robot, key).value();
-  }
-  /// As if the process had been started by another version of Segue.
-  void forge_version(const std::string& deployment) {
-    std::filesystem::path lock = socket_of(deployment);
-    lock += ".lock";
-    const int file = ::open(lock.c_str(), O_WRONLY | O_CLOEXEC);
-    ASSERT_GE(file, 0);
-    std::string record = "pid " + std::to_string(pid_of(deployment)) + "\nsoftware 0.0.1\n";
-    record.resize(128, '\0');
-    EXPECT_EQ(::pwrite(file, record.data(), record.size(), 0), static_cast<ssize_t>(record.size()));
-    ::close(file);
+  /// Starts the process by another version of Segue.
+  void start_other_version(const std::string& deployment) {
+    deploy::ProcessServerOptions options;
+    options.program = SEGUE_OTHER_VERSION;
+    auto server = deploy::ProcessServer::create(options);
+    ASSERT_TRUE(server) << to_string(server.error());
+    deploy::Launch launch = launch_;
+    launch.deployment.process = model::ProcessName(deployment);
+    const auto started = (*server)->start(launch, RealClock::instance().now() + std::chrono::seconds(60));
+    ASSERT_TRUE(started) << to_string(started.error());
   }
 
   const model::Network plain_ = network("plain");
@@ -82,8 +75,10 @@ TEST_F(Adoption, goes_on_over_many_lives_without_growing) {
 TEST_F(Adoption, replaces_a_process_of_another_version) {
   switch_to(plain_);
   life_.reset();
+  kill("eye");
+  start_other_version("eye");
+  ASSERT_TRUE(eventually([&] { return pid_of("eye") > 0; }));
   const pid_t old = pid_of("eye");
-  forge_version("eye");
   begin_life();
   expect_event(EventKind::Process, "0.0.1");
   recover_to(plain_);

@@ -34,6 +34,7 @@ RobotLife::RobotLife(const deploy::Launch& launch) {
   deploy::DeploymentInfo info;
   info.robot = launch.robot;
   info.pid = ::getpid();
+  info.software = SEGUE_VERSION;
   info.incarnation = (*memory)->incarnation();
   own_ = std::make_unique<deploy::LocalDeployment>(info, *local_, *memory);
   deploy::ProcessServerOptions options;
