@@ -84,7 +84,7 @@ TEST_F(DeploymentTest, AMemoryOfferWithoutMemoryIsRefused) {
   };
   EXPECT_EQ(admit(true).code, ErrorCode::ParseError);
   EXPECT_NE(admit(false).message, "");
-  EXPECT_TRUE(deployment_.seen().admitted.empty());
+  EXPECT_TRUE(deployment_.seen()->admitted.empty());
   EXPECT_TRUE(client()->info());
 }
 
@@ -106,9 +106,9 @@ TEST_F(DeploymentTest, ActionsThatMakeNoSenseAreRefusedAndTheConnectionLives) {
   };
   EXPECT_NE(perform(200).message, "");
   EXPECT_NE(perform(static_cast<unsigned>(ActionKind::Connect)).message, "");
-  EXPECT_TRUE(deployment_.seen().performed.empty());
+  EXPECT_TRUE(deployment_.seen()->performed.empty());
   EXPECT_EQ(perform(static_cast<unsigned>(ActionKind::Stop)).message, "");
-  EXPECT_EQ(deployment_.seen().performed.size(), 1U);
+  EXPECT_EQ(deployment_.seen()->performed.size(), 1U);
 }
 
 TEST_F(DeploymentTest, AClientWithTooManyCallsIsToldSo) {

@@ -40,12 +40,12 @@ TEST_F(DeploymentTest, NetworksAndTransitionsTravel) {
     const auto network = segue::testing::random_network(random, segue::testing::everything());
     deployment_.hold(network);
     RC_ASSERT(process->expect(network).has_value());
-    RC_ASSERT(deployment_.seen().expected == network);
+    RC_ASSERT(deployment_.seen()->expected == network);
     RC_ASSERT(process->snapshot().value().network == network);
     RC_ASSERT(process->conclude(transition).has_value());
-    RC_ASSERT(deployment_.seen().concluded == transition);
+    RC_ASSERT(deployment_.seen()->concluded == transition);
     RC_ASSERT(process->perform(transition.actions, soon()).size() == transition.actions.size());
-    RC_ASSERT(deployment_.seen().performed == transition.actions);
+    RC_ASSERT(deployment_.seen()->performed == transition.actions);
   });
 }
 
@@ -61,9 +61,9 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
   ASSERT_FALSE(outcomes[1]);
   EXPECT_EQ(outcomes[1].error().code, ErrorCode::HookFailed);
   EXPECT_EQ(outcomes[1].error().subject, "bad");
-  EXPECT_EQ(deployment_.seen().performed, actions);
-  EXPECT_GT(deployment_.seen().left, std::chrono::seconds(1));
-  EXPECT_LE(deployment_.seen().left, kLong);
+  EXPECT_EQ(deployment_.seen()->performed, actions);
+  EXPECT_GT(deployment_.seen()->left, std::chrono::seconds(1));
+  EXPECT_LE(deployment_.seen()->left, kLong);
   EXPECT_TRUE(client()->perform({}, soon()).empty());
 }
 
@@ -76,8 +76,8 @@ TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {
   Value version(1.1);
   version.set_source_text("1.10");
   ASSERT_TRUE(process->set_property(TaskId("a"), "b.c", version, soon()));
-  EXPECT_EQ(deployment_.seen().written, "a.b.c");
-  EXPECT_EQ(deployment_.seen().value.source_text(), "1.10");
+  EXPECT_EQ(deployment_.seen()->written, "a.b.c");
+  EXPECT_EQ(deployment_.seen()->value.source_text(), "1.10");
   EXPECT_EQ(process->properties(TaskId("a")).value(), version);
   EXPECT_EQ(process->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->call(TaskId("a"), "echo", Value::list({1, "x"}), soon()).value(), Value::list({1, "x"}));
@@ -118,20 +118,20 @@ TEST_F(DeploymentTest, ConnectionsBetweenProcessesAreArranged) {
       process->open_inputs(std::vector<deploy::OpenInput>{{connection, {8, 16, true}}}, soon());
   ASSERT_EQ(places.size(), 1U);
   EXPECT_EQ(places[0]->definition, "definition");
-  ASSERT_EQ(deployment_.seen().opened.size(), 1U);
-  EXPECT_EQ(deployment_.seen().opened[0].connection, connection);
-  EXPECT_EQ(deployment_.seen().opened[0].origin.writer, 8U);
+  ASSERT_EQ(deployment_.seen()->opened.size(), 1U);
+  EXPECT_EQ(deployment_.seen()->opened[0].connection, connection);
+  EXPECT_EQ(deployment_.seen()->opened[0].origin.writer, 8U);
 
   ASSERT_TRUE(
       process->attach_outputs(std::vector<deploy::AttachOutput>{{connection, *places[0]}}, soon()).at(0));
-  EXPECT_EQ(deployment_.seen().attached.at(0).place.generation, 3U);
+  EXPECT_EQ(deployment_.seen()->attached.at(0).place.generation, 3U);
   const std::vector<deploy::CloseHalf> halves = {{connection, deploy::Side::Input, true},
                                                  {connection, deploy::Side::Output, false}};
   EXPECT_EQ(process->close_halves(halves, soon()).size(), 2U);
-  EXPECT_TRUE(deployment_.seen().closed.at(0).peer_closed);
-  EXPECT_EQ(deployment_.seen().closed.at(1).side, deploy::Side::Output);
+  EXPECT_TRUE(deployment_.seen()->closed.at(0).peer_closed);
+  EXPECT_EQ(deployment_.seen()->closed.at(1).side, deploy::Side::Output);
   ASSERT_TRUE(process->forget(77));
-  EXPECT_EQ(deployment_.seen().forgotten, 77U);
+  EXPECT_EQ(deployment_.seen()->forgotten, 77U);
 }
 
 TEST_F(DeploymentTest, MemoryArrivesAndNoDescriptorIsLeftBehind) {
@@ -147,7 +147,7 @@ TEST_F(DeploymentTest, MemoryArrivesAndNoDescriptorIsLeftBehind) {
     EXPECT_EQ(content_of(offer->control), "control");
     const link::MemoryOffer own{9, memory_with("mine"), memory_with("too")};
     ASSERT_TRUE(process->admit(own));
-    EXPECT_EQ(deployment_.seen().admitted, (std::vector<std::string>{"9", "mine", "too"}));
+    EXPECT_EQ(deployment_.seen()->admitted, (std::vector<std::string>{"9", "mine", "too"}));
   }
   EXPECT_TRUE(eventually([&] { return open_descriptors() == before; })) << open_descriptors() - before;
 }
@@ -368,11 +368,11 @@ TEST_F(ProcessesTest, StartStopAndListTravel) {
   launch.libraries = {"a", "b"};
   launch.memory.prefault = 4096;
   EXPECT_EQ(processes->start(launch, soon()).value().pid, 42);
-  EXPECT_EQ(processes_.launched, launch);
+  EXPECT_EQ(processes_.seen()->launched, launch);
   launch.robot = "twice";
   EXPECT_EQ(processes->start(launch, soon()).error().code, ErrorCode::AlreadyExists);
   EXPECT_EQ(processes->stop("spot", {model::kLocalHost, model::ProcessName("p")}, soon()).value().signal, 9);
-  EXPECT_EQ(processes_.asked, "spot:localhost/p");
+  EXPECT_EQ(processes_.seen()->asked, "spot:localhost/p");
   EXPECT_EQ(processes->processes("spot").value().size(), 2U);
   EXPECT_EQ(connect(socket_, kLong).error().code, ErrorCode::Unsupported);
 }

@@ -85,7 +85,7 @@ bool ProcessServer::Implementation::fork(const Launch& what, ProcessEntry& entry
   if (!zygote || zygote_failed || loader) return false;
   const auto pid = zygote->launch(detail::process_title(what.robot, entry.info.socket), files);
   if (pid) {
-    entry.info.pid = *pid;
+    told_pid(entry, *pid);
     entry.zygote = true;
     return true;
   }
@@ -159,8 +159,14 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
   const std::string title = detail::process_title(what.robot, entry.info.socket);
   auto pid = detail::spawn(program, {title}, what.deployment.environment, files);
   if (!pid) return std::move(pid.error());
-  entry.info.pid = *pid;
+  told_pid(entry, *pid);
   return {};
+}
+
+/// Others may ask for the entry already, to say that it is just starting.
+void ProcessServer::Implementation::told_pid(ProcessEntry& entry, int pid) {
+  const std::lock_guard lock(mutex);
+  entry.info.pid = pid;
 }
 
 fs::path ProcessServer::Implementation::group_of(const ProcessEntry& entry,

@@ -38,6 +38,7 @@ struct ProcessServer::Implementation {
   bool fork(const Launch& what, detail::ProcessEntry& entry, const detail::HandedOver& files);
   Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place,
                              std::optional<std::uint64_t> memory);
+  void told_pid(detail::ProcessEntry& entry, int pid);
   [[nodiscard]] std::filesystem::path group_of(const detail::ProcessEntry& entry,
                                                std::optional<std::uint64_t> memory) const;
   void finish(std::uint64_t id);

@@ -42,7 +42,10 @@ void chatter() {
 
 [[noreturn]] void misbehave(const std::string& how) {
   if (how == "abort") std::abort();
-  if (how == "segv") ::raise(SIGSEGV);
+  if (how == "segv") {
+    ::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
+    ::raise(SIGSEGV);
+  }
   if (how == "status") std::_Exit(3);
   std::_Exit(kNoAssignment);
 }

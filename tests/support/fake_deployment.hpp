@@ -56,6 +56,18 @@ inline model::Action action_of(model::ActionKind kind, const std::string& task) 
   return {1, kind, model::TaskAction{model::TaskId(task)}, model::Phase::Commit, {}};
 }
 
+/// For fields that calls write: a socket orders threads, but no sanitizer knows. Locked as long as it lives.
+template <class Fake>
+class Seen {
+ public:
+  Seen(const Fake& fake, std::mutex& fields) : fake_(fake), lock_(fields) {}
+  const Fake* operator->() const { return &fake_; }
+
+ private:
+  const Fake& fake_;
+  std::unique_lock<std::mutex> lock_;
+};
+
 class FakeDeployment final : public deploy::DeploymentService {
  public:
   Gate entered;  ///< a call that waits has begun
@@ -199,11 +211,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     const std::lock_guard lock(fields_);
     now.network = network;
   }
-  /// For fields that a call has just written: a socket orders threads, but no sanitizer knows.
-  FakeDeployment& seen() {
-    const std::lock_guard lock(fields_);
-    return *this;
-  }
+  Seen<FakeDeployment> seen() { return {*this, fields_}; }
 
   void tell(const host::TaskEvent& event) {
     const std::lock_guard lock(mutex_);
@@ -251,19 +259,23 @@ class FakeProcesses final : public deploy::ProcessService {
   std::string asked{};
 
   Result<deploy::ProcessInfo> start(const deploy::Launch& launch, TimePoint) override {
+    const std::lock_guard lock(fields_);
     launched = launch;
     if (launch.robot == "twice") return fail(ErrorCode::AlreadyExists, "it runs");
     return process;
   }
   Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                                   TimePoint) override {
+    const std::lock_guard lock(fields_);
     asked = robot + ":" + to_string(key);
     return exit;
   }
   Result<std::vector<deploy::ProcessInfo>> processes(const std::string& robot) override {
+    const std::lock_guard lock(fields_);
     asked = robot;
     return std::vector<deploy::ProcessInfo>{process, {}};
   }
+  Seen<FakeProcesses> seen() { return {*this, fields_}; }
   void set_listener(Listener listener) override {
     const std::lock_guard lock(mutex_);
     listener_ = std::move(listener);
@@ -274,6 +286,7 @@ class FakeProcesses final : public deploy::ProcessService {
   }
 
  private:
+  std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
 };
