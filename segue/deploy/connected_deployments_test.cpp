@@ -195,7 +195,7 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   run_both();
   const auto connected = connect(flow_);
   ASSERT_TRUE(connected) << to_string(connected.error());
-  EXPECT_TRUE(arrives_after(100));
+  EXPECT_TRUE(arrives_after(pair::last + 100));
   EXPECT_EQ(pair::backwards, 0);
   const auto outputs = p_.halves();
   const auto inputs = q_.halves();
@@ -208,8 +208,8 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   EXPECT_EQ(inputs[0].peer, p_.memory->incarnation());
   EXPECT_EQ(outputs[0].place.offset, inputs[0].place.offset);
   EXPECT_EQ(outputs[0].place.generation, inputs[0].place.generation);
-  EXPECT_GE(outputs[0].counters.written, 100U);
-  EXPECT_GE(inputs[0].counters.read, 100U);
+  EXPECT_GT(outputs[0].counters.written, 10U);
+  EXPECT_GT(inputs[0].counters.read, 10U);
   EXPECT_THAT(p_.deployment->snapshot()->network.connections, IsEmpty()) << "it is half a connection only";
   EXPECT_EQ(p_.deployment->snapshot()->memory.connections, 1U);
 }
