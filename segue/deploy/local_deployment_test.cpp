@@ -243,7 +243,8 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   // As in a process that ends by std::_Exit: nothing is destroyed that the hanging thread needs.
   static const model::ComponentCatalog& catalog = *new model::ComponentCatalog;
   static const host::LibrarySet& libraries = *new host::LibrarySet;
-  static auto& host = *new host::LocalTaskHost(libraries, catalog);
+  static auto& kept = *new std::vector<host::LocalTaskHost*>;
+  host::LocalTaskHost& host = *kept.emplace_back(new host::LocalTaskHost(libraries, catalog));
   LocalDeployment deployment(info_of("p"), host, nullptr);
   for (const auto& task : {stuck_in("s", "stop"), stuck_in("a", "")}) {
     const std::vector actions{apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
