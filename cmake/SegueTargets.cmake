@@ -60,7 +60,7 @@ function(segue_folder NAME)
   add_dependencies(product segue_${NAME})
   install(TARGETS segue_${NAME} EXPORT segue LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segue/${NAME}
-          FILES_MATCHING PATTERN "*.hpp")
+          FILES_MATCHING PATTERN "*.hpp" PATTERN "*test_support.hpp" EXCLUDE PATTERN "fake_*.hpp" EXCLUDE)
 endfunction()
 
 # segue_test(NAME SOURCES ... LINK targets... [LABELS ...] [TIMEOUT seconds])

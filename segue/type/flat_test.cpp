@@ -19,18 +19,19 @@ namespace {
 std::atomic<int> allocations{0};
 }  // namespace
 
-// Counted, so that a test can say "allocates nothing". Sanitizers want to own these themselves.
+// Counted, so that a test can say "allocates nothing". Sanitizers want to own these themselves. Not inlined,
+// or gcc sees malloc and free of their own where new and delete belong together.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SEGUE_TEST_COUNTS_ALLOCATIONS
-void* operator new(std::size_t size) {
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 #endif
