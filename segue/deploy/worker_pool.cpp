@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/worker_pool.hpp>
 
+#include <pthread.h>
+
 #include <memory>
 #include <utility>
 
@@ -95,6 +97,7 @@ void WorkerPool::close() {
 }
 
 void WorkerPool::work() {
+  ::pthread_setname_np(::pthread_self(), "segue-worker");
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });

@@ -71,13 +71,7 @@ TEST_F(KilledDeployment, gives_back_what_it_held) {
   }
   EXPECT_TRUE(eventually([&] { return holdings_of(heart) == before; }))
       << to_string(before) << " have become " << to_string(holdings_of(heart));
-  // Its pool of threads grows with what is to be done at one time, a few at the most.
-  const auto same_as_before = [&] {
-    const Holdings now = holdings_of(::getpid());
-    return now.descriptors == own.descriptors && now.memory_maps == own.memory_maps &&
-           now.threads < own.threads + 5;
-  };
-  EXPECT_TRUE(eventually(same_as_before))
+  EXPECT_TRUE(eventually([&] { return holdings_of(::getpid()) == own; }))
       << to_string(own) << " have become " << to_string(holdings_of(::getpid()));
 }
 

@@ -29,6 +29,15 @@ std::size_t entries(const fs::path& folder) {
   return error ? 0 : static_cast<std::size_t>(std::distance(begin, fs::directory_iterator()));
 }
 
+std::size_t threads_of(pid_t pid) {
+  std::error_code gone;
+  std::size_t threads = 0;
+  for (const auto& thread : fs::directory_iterator(folder_of(pid) / "task", gone)) {
+    threads += text_of(thread.path() / "comm") == "segue-worker\n" ? 0 : 1;
+  }
+  return threads;
+}
+
 }  // namespace
 
 std::map<pid_t, std::string> processes_of(const fs::path& runtime_folder) {
@@ -72,7 +81,7 @@ std::map<std::string, pid_t> deployments_of(const fs::path& runtime_folder) {
 
 Holdings holdings_of(pid_t pid) {
   Holdings holdings;
-  holdings.threads = entries(folder_of(pid) / "task");
+  holdings.threads = threads_of(pid);
   holdings.descriptors = entries(folder_of(pid) / "fd");
   std::istringstream maps(text_of(folder_of(pid) / "maps"));
   for (std::string line; std::getline(maps, line);) {

@@ -19,7 +19,7 @@ std::map<std::string, pid_t> deployments_of(const std::filesystem::path& runtime
 
 /// What a process holds. A process that is gone holds nothing.
 struct Holdings {
-  std::size_t threads = 0;
+  std::size_t threads = 0;  ///< those of pools aside, which grow with what there is to do at one time
   std::size_t descriptors = 0;
   std::size_t memory_maps = 0;  ///< of memory without a file that it shares (memfd)
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/worker_pool.hpp>
 
+#include <pthread.h>
+
 #include <csignal>
 #include <system_error>
 #include <utility>
@@ -32,6 +34,7 @@ void WorkerPool::work() {
   for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
     sigdelset(&all, fault);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  pthread_setname_np(pthread_self(), "segue-worker");
 
   std::unique_lock lock(mutex_);
   for (;;) {
