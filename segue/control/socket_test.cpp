@@ -4,7 +4,9 @@
 
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <string>
@@ -35,6 +37,31 @@ TEST_F(ControlTest, SocketAndFolderAreOnlyForTheirOwner) {
   ::chmod(socket_.parent_path().c_str(), 0777);
   ASSERT_TRUE(socket_folder());
   EXPECT_EQ(mode_of(socket_.parent_path()), 0700U);
+}
+
+/// Connects as another user. The system call itself, since the library's function changes all threads.
+Descriptor connect_as(uid_t user, const std::filesystem::path& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.native().copy(address.sun_path, sizeof address.sun_path - 1);
+  Descriptor socket(::socket(AF_UNIX, SOCK_STREAM, 0));
+  EXPECT_EQ(::syscall(SYS_setresuid, -1, user, -1), 0);
+  EXPECT_EQ(::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(::syscall(SYS_setresuid, -1, 0, -1), 0);
+  return socket;
+}
+
+TEST_F(ControlTest, AnotherUserIsTurnedAwayEvenIfTheFilesLetHimIn) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can be somebody else";
+  serve();
+  ::chmod(folder_.c_str(), 0755);
+  ::chmod(socket_.parent_path().c_str(), 0755);
+  ::chmod(socket_.c_str(), 0777);
+  constexpr uid_t kNobody = 65534;
+  const Descriptor stranger = connect_as(kNobody, socket_);
+  char byte = 0;
+  EXPECT_EQ(::recv(stranger.get(), &byte, 1, 0), 0) << "the server hangs up without a word";
+  EXPECT_TRUE(client()->status());
 }
 
 TEST_F(ControlTest, AFolderThatIsALinkIsRefused) {
