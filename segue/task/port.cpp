@@ -143,7 +143,7 @@ Result<void> OutputPortBase::share(const std::shared_ptr<SampleMemory>& memory) 
 Error OutputPortBase::out_of_memory() const {
   return fail(ErrorCode::ResourceExhausted,
               "the shared memory of this process has no room for the samples of " + full_name() +
-                  "; give its deployment a larger payload pool, or connect with smaller buffers");
+                  "; connect with smaller buffers");
 }
 
 void OutputPortBase::detach(const WriterEnd& end) {
