@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Deployment processes outlive their runtime, and the next one takes them over.
+#include <fstream>
+#include <iterator>
+
 #include "deployed_robot.hpp"
 
 namespace segue::testing {
@@ -77,7 +80,12 @@ TEST_F(Adoption, replaces_a_process_of_another_version) {
   life_.reset();
   kill("eye");
   start_other_version("eye");
-  ASSERT_TRUE(eventually([&] { return pid_of("eye") > 0; }));
+  // It is found once it has written who it is.
+  ASSERT_TRUE(eventually([&] {
+    std::ifstream record(folder_ / "segue" / "patient" / "eye.sock.lock");
+    const std::string text{std::istreambuf_iterator<char>(record), {}};
+    return pid_of("eye") > 0 && text.find("software 0.0.1\n") != std::string::npos;
+  }));
   const pid_t old = pid_of("eye");
   begin_life();
   expect_event(EventKind::Process, "0.0.1");

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/descriptor.hpp>
+
+#include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
 #include "deployed_robot.hpp"
 
 #include <segue/host/component_library.hpp>
@@ -119,9 +125,13 @@ pid_t DeployedRobotTest::pid_of(const std::string& deployment) const {
 void DeployedRobotTest::kill(const std::string& deployment) {
   const pid_t pid = pid_of(deployment);
   ASSERT_GT(pid, 0) << "there is no process " << deployment;
+  // Its memory goes before its locks and sockets, its first thread before the others: only its end counts.
+  const Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
+  ASSERT_TRUE(process.valid());
   ::kill(pid, SIGKILL);
-  // Its memory goes before its locks and sockets: only a dead one holds nothing any more.
-  EXPECT_TRUE(eventually([&] { return state_of(pid) == 'Z' || state_of(pid) == '\0'; }));
+  pollfd end{process.get(), POLLIN, 0};
+  EXPECT_EQ(::poll(&end, 1, 60'000), 1);
+  EXPECT_TRUE(eventually([&] { return pid_of(deployment) != pid; }));
 }
 
 Sight DeployedRobotTest::sight(const std::string& watcher) {
