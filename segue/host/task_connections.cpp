@@ -62,8 +62,9 @@ Result<void> TaskConnections::disconnect(const model::Connection& connection) {
   return {};
 }
 
-Result<void> TaskConnections::with_output(const model::PortRef& port, TimePoint deadline,
-                                          const std::function<Result<void>(task::OutputPortBase&)>& use) {
+template <class FindPort, class Use>
+Result<void> TaskConnections::with_port(const model::PortRef& port, model::Direction direction,
+                                        TimePoint deadline, FindPort find_port, const Use& use) {
   const auto entry = find(port.task);
   if (!entry) {
     return entry.error();
@@ -73,31 +74,22 @@ Result<void> TaskConnections::with_output(const model::PortRef& port, TimePoint 
     return lock.error();
   }
   const WireEnd end = end_of(*entry);
-  if (auto grown = grow(end, port, model::Direction::Output); !grown) {
+  if (auto grown = grow(end, port, direction); !grown) {
     return grown;
   }
   const task::HeldPorts ports(end.component);
-  const auto output = find_output(ports, end, port);
-  return output ? use(**output) : output.error();
+  const auto found = find_port(ports, end, port);
+  return found ? use(**found) : found.error();
+}
+
+Result<void> TaskConnections::with_output(const model::PortRef& port, TimePoint deadline,
+                                          const std::function<Result<void>(task::OutputPortBase&)>& use) {
+  return with_port(port, model::Direction::Output, deadline, find_output, use);
 }
 
 Result<void> TaskConnections::with_input(const model::PortRef& port, TimePoint deadline,
                                          const std::function<Result<void>(task::InputPortBase&)>& use) {
-  const auto entry = find(port.task);
-  if (!entry) {
-    return entry.error();
-  }
-  const auto lock = hold_ports(*entry, deadline);
-  if (!lock) {
-    return lock.error();
-  }
-  const WireEnd end = end_of(*entry);
-  if (auto grown = grow(end, port, model::Direction::Input); !grown) {
-    return grown;
-  }
-  const task::HeldPorts ports(end.component);
-  const auto input = find_input(ports, end, port);
-  return input ? use(**input) : input.error();
+  return with_port(port, model::Direction::Input, deadline, find_input, use);
 }
 
 }  // namespace segue::host::detail

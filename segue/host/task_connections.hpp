@@ -24,6 +24,10 @@ class TaskConnections {
                           const std::function<Result<void>(task::InputPortBase&)>& use);
 
  private:
+  /// What with_output() and with_input() have in common.
+  template <class FindPort, class Use>
+  Result<void> with_port(const model::PortRef& port, model::Direction direction, TimePoint deadline,
+                         FindPort find_port, const Use& use);
   /// The task at one end, unless it is told to refuse connections.
   [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
 
