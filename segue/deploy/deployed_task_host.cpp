@@ -130,9 +130,16 @@ Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint de
   return std::move(perform_all({&action, 1}, deadline).front());
 }
 
-std::vector<Result<void>> DeployedTaskHost::perform_all(std::span<const model::Action> actions,
-                                                        TimePoint deadline) {
-  return implementation_->router.perform(actions, deadline);
+void DeployedTaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                                   const host::Completion& completed) {
+  auto outcomes = implementation_->router.perform(actions, deadline);
+  std::vector<host::Completed> ended;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    ended.push_back({i, std::move(outcomes[i])});
+  }
+  if (!ended.empty()) {
+    completed(std::move(ended));
+  }
 }
 
 model::Network DeployedTaskHost::observe() const {

@@ -48,7 +48,9 @@ class DeployedTaskHost final : public host::TaskHost {
 
   /// Side by side in their processes: one message for each process and kind of work, three for connections
   /// between processes however many they are.
-  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline) override;
+  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                   const host::Completion& completed) override;
+  using TaskHost::perform_all;
 
   [[nodiscard]] model::Depth validation_depth() const override;
   Result<void> can_make(const model::ComponentName& component) const override;

@@ -37,6 +37,7 @@ class LocalTaskHost final : public TaskHost {
   void conclude(const model::Transition& transition) override;
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
+  using TaskHost::perform_all;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<TaskReport> tasks() const override;
   [[nodiscard]] std::vector<ConnectionReport> connections() const override;

@@ -11,17 +11,27 @@ Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }
 
-std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline) {
-  std::vector<Result<void>> outcomes;
-  outcomes.reserve(actions.size());
-  for (const auto& action : actions) {
-    outcomes.push_back(perform(action, deadline));
+void TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                           const Completion& completed) {
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    completed({{i, perform(actions[i], deadline)}});
   }
+}
+
+std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline) {
+  std::vector<Result<void>> outcomes(actions.size());
+  perform_all(actions, deadline, [&](std::vector<Completed> ended) {
+    for (auto& one : ended) {
+      outcomes[one.index] = std::move(one.outcome);
+    }
+  });
   return outcomes;
 }
 
 void TaskHost::expect(const model::Network& /*target*/) {}
 
 void TaskHost::conclude(const model::Transition& /*transition*/) {}
+
+void TaskHost::withdraw() {}
 
 }  // namespace segue::host

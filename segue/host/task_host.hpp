@@ -59,6 +59,16 @@ struct ProcessEvent {
 
 using HostEvent = std::variant<TaskEvent, ProcessEvent>;
 
+/// How one action of a batch has ended.
+struct Completed {
+  std::size_t index = 0;  ///< its place in the batch
+  Result<void> outcome;
+};
+
+/// Told what has ended since the last call, at least one; one call at a time, from any thread. Must not
+/// block.
+using Completion = std::function<void(std::vector<Completed>)>;
+
 /// Reads the samples of an output port for a person or a tool. Destroying it removes the connection.
 class PortReader {
  public:
@@ -83,17 +93,29 @@ class TaskHost {
   /// Which network is about to be made. Told once before the first action of a transition; may prepare, does
   /// not change what runs.
   virtual void expect(const model::Network& target);
-  /// All actions of the transition are done: tasks that it removes are forgotten (destroyed, their processes
-  /// stay), kept tasks that it redefines get their new definitions.
+  /// Whether a task that moves to another process can be made there beside the incarnation that still runs.
+  [[nodiscard]] virtual bool side_by_side() const { return false; }
+  /// All actions of the transition are done: new incarnations become the ones that plain ids mean; tasks that
+  /// it removes, and incarnations that were replaced, are forgotten (destroyed, their processes stay), kept
+  /// tasks that it redefines get their new definitions.
   virtual void conclude(const model::Transition& transition);
+  /// The transition is given up: plain ids mean the incarnations that stood before again. New ones remain,
+  /// under their full ids, until they are removed.
+  virtual void withdraw();
 
   /// Carries out one action. CallOperation's result is dropped; use call() for one that is wanted. Deadline
   /// passed: DeadlineExceeded, and the true state must be read again.
   virtual Result<void> perform(const model::Action& action, TimePoint deadline) = 0;
 
-  /// Carries out actions that do not depend on each other, in any order or side by side; a failure does not
-  /// keep the others from being done. Outcomes are in the order of `actions`.
-  virtual std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
+  /// Carries out actions that do not depend on each other, side by side; a failure does not keep the others
+  /// from being done. Every action is told exactly once; what ends while others still run is told without
+  /// waiting for them, what ends quickly together is told together. Returns when all are told, by `deadline`
+  /// and a little at the latest: what has not ended by then is told as DeadlineExceeded and may still be at
+  /// work. `completed` is not called any more when it returns.
+  virtual void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                           const Completion& completed);
+  /// The same; outcomes in the order of `actions`, when all have ended.
+  std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
   /// What truly runs, as a network: every configured or named task with its true state, properties and seat,
   /// every connection, every deployment.
