@@ -93,6 +93,7 @@ struct Action {
     config @7 :Config;
     call @8 :Call;
   }
+  kill @9 :Bool;  # the process of an undeploy, instead of shutting it down
 
   struct Config {
     definition @0 :Task;

@@ -57,6 +57,7 @@ struct ConnectionAction {
 /// tasks.
 struct DeploymentAction {
   Deployment deployment;
+  bool kill = false;  ///< Undeploy: the process is killed at once, whatever its tasks do
   friend bool operator==(const DeploymentAction&, const DeploymentAction&) = default;
 };
 /// ApplyConfig: the whole definition of the task as the target network has it, and where it lives. Creates

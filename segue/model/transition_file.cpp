@@ -38,10 +38,11 @@ CallAction read_call(Fields& fields) {
   return action;
 }
 
-DeploymentAction read_deployment(Fields& fields, const Source& source) {
+DeploymentAction read_deployment(Fields& fields, ActionKind kind, const Source& source) {
   DeploymentAction action;
   detail::read_process(fields, action.deployment, source);
   action.deployment.process = ProcessName(fields.required_name("process"));
+  if (kind == ActionKind::Undeploy) action.kill = fields.boolean("kill", false);
   return action;
 }
 
@@ -62,7 +63,7 @@ void read_subject(Action& action, Fields& fields, const Source& source) {
       return;
     case ActionKind::Undeploy:
     case ActionKind::Deploy:
-      action.what = read_deployment(fields, source);
+      action.what = read_deployment(fields, action.kind, source);
       return;
     case ActionKind::ApplyConfig:
       action.what = read_config(fields, source);
@@ -149,6 +150,7 @@ void write_subject(ValueMap& map, const ConnectionAction& action, ActionKind) {
 void write_subject(ValueMap& map, const DeploymentAction& action, ActionKind) {
   map.append("host", action.deployment.host.str());
   map.append("process", action.deployment.process.str());
+  if (action.kill) map.append("kill", true);
   ValueMap attributes;
   detail::write_process(attributes, action.deployment);
   attributes.erase("host");

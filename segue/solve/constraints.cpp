@@ -33,8 +33,8 @@ class Finder {
       add_task(task);
     for (std::size_t i = 0; i < index_.processes.size(); ++i)
       add(nodes_.undeploy[i], nodes_.deploy[i]);
-    for (std::size_t i = 0; i < nodes_.disconnect.size(); ++i)
-      add_disconnect(i);
+    for (std::size_t i = 0; i < index_.wires[kCurrent].size(); ++i)
+      add_old_wire(i);
     for (std::size_t i = 0; i < nodes_.connect.size(); ++i)
       add_connect(i);
     add_devices();
@@ -48,6 +48,20 @@ class Finder {
 
   [[nodiscard]] int node(int task, ActionKind kind) const { return nodes_.of(task, kind); }
 
+  /// The end of the process that the task lives in now.
+  [[nodiscard]] int undeploy_of(int task) const {
+    return nodes_.undeploy[as_index(index_.task(task).current().process)];
+  }
+  [[nodiscard]] bool is_killed(int task) const {
+    return index_.task(task).current().task != nullptr &&
+           plan_.is_killed(index_.task(task).current().process);
+  }
+
+  /// What ends the old incarnation's running.
+  [[nodiscard]] int halt(int task) const {
+    return is_killed(task) ? undeploy_of(task) : node(task, ActionKind::Stop);
+  }
+
   /// Each of these actions of one task after the one before it.
   void chain(int task, std::initializer_list<ActionKind> kinds) {
     int last = kNone;
@@ -59,16 +73,16 @@ class Finder {
     }
   }
 
-  /// New incarnations that cannot exist beside an old one: of the same id in the same process, or on a seat
-  /// that another task leaves.
+  /// New incarnations that cannot exist beside an old one: of the same id in the same process (or anywhere,
+  /// if that is all that can be executed), or on a seat that another task leaves.
   void find_places() {
     std::optional<SeatIndex> seats;
     if (index_.seats_renamed) seats.emplace(index_, kCurrent);
     for (const int task : index_.target_order) {
       if (!has_new(plan_.task(task).fate)) continue;
+      if (is_in_place(task)) found_.in_place[as_index(task)] = true;
       const Incarnation& target = index_.task(task).target();
       if (plan_.process(target.process) != ProcessFate::Kept) continue;
-      if (is_in_place(task)) found_.in_place[as_index(task)] = true;
       const int occupant = seats ? seats->find(target.process, target.name) : kNone;
       if (occupant == kNone || occupant == task) continue;
       found_.in_place[as_index(task)] = true;
@@ -77,9 +91,10 @@ class Finder {
   }
 
   [[nodiscard]] bool is_in_place(int task) const {
-    return plan_.task(task).fate == TaskFate::Replaced &&
-           index_.task(task).current().process == index_.task(task).target().process &&
-           plan_.process(index_.task(task).target().process) == ProcessFate::Kept;
+    if (plan_.task(task).fate != TaskFate::Replaced) return false;
+    const int process = index_.task(task).target().process;
+    return !plan_.options.side_by_side ||
+           (index_.task(task).current().process == process && plan_.process(process) == ProcessFate::Kept);
   }
 
   void add_task(int task) {
@@ -107,11 +122,18 @@ class Finder {
     chain(task, {Stop, Cleanup});
     before_it_vanishes(task, node(task, Cleanup));
     before_it_vanishes(task, node(task, Recover));
+    const bool in_error = is_error(index_.task(task).current().task->state);
+    const bool goes_with_process = in_error && node(task, Cleanup) == kNone && node(task, Recover) == kNone;
+    if (is_killed(task) || goes_with_process) before_its_place_is_taken(task, undeploy_of(task));
   }
 
   /// The old incarnation is gone with its process, or when another takes its place.
   void before_it_vanishes(int task, int action) {
-    add(action, nodes_.undeploy[as_index(index_.task(task).current().process)]);
+    add(action, undeploy_of(task));
+    before_its_place_is_taken(task, action);
+  }
+
+  void before_its_place_is_taken(int task, int action) {
     if (is_in_place(task)) add(action, node(task, ActionKind::ApplyConfig));
     const int taker = takers_[as_index(task)];
     if (taker != kNone) add(action, node(taker, ActionKind::ApplyConfig));
@@ -124,24 +146,32 @@ class Finder {
     const TaskEntry& entry = index_.task(task);
     add(nodes_.deploy[as_index(entry.target().process)], node(task, ApplyConfig));
     if (plan_.task(task).fate == TaskFate::Replaced && entry.current().process != entry.target().process) {
-      add(node(task, Stop), node(task, Start));
+      add(halt(task), node(task, Start));
     }
-    if (entry.takes_over != kNone) add(node(entry.takes_over, Stop), node(task, Start));
+    if (entry.takes_over != kNone) add(halt(entry.takes_over), node(task, Start));
   }
 
-  void add_disconnect(std::size_t number) {
-    const int disconnect = nodes_.disconnect[number];
-    if (disconnect == kNone) return;
+  void add_old_wire(std::size_t number) {
+    const int end = end_of_wire(number);
+    if (end == kNone) return;
     const Wire& wire = index_.wires[kCurrent][number];
-    before_its_end_goes(disconnect, wire.from, wire.from_dynamic);
-    before_its_end_goes(disconnect, wire.to, wire.to_dynamic);
+    before_its_end_goes(end, wire.from, wire.from_dynamic);
+    before_its_end_goes(end, wire.to, wire.to_dynamic);
     if (wire.partner == kNone || !(is_kept(wire.from) || is_kept(wire.to))) return;
-    add(disconnect, nodes_.connect[as_index(wire.partner)]);
+    add(end, nodes_.connect[as_index(wire.partner)]);
+  }
+
+  /// A wire is disconnected, or goes with a process that is killed.
+  [[nodiscard]] int end_of_wire(std::size_t number) const {
+    const Wire& wire = index_.wires[kCurrent][number];
+    if (is_killed(wire.from)) return undeploy_of(wire.from);
+    return is_killed(wire.to) ? undeploy_of(wire.to) : nodes_.disconnect[number];
   }
 
   [[nodiscard]] bool is_kept(int task) const { return plan_.task(task).fate == TaskFate::Kept; }
 
   void before_its_end_goes(int disconnect, int task, bool dynamic) {
+    if (is_killed(task)) return;
     const int cleanup = node(task, ActionKind::Cleanup);
     if (is_kept(task)) {
       if (dynamic) add(disconnect, cleanup);
@@ -200,10 +230,9 @@ class Finder {
 
   /// A task in Fatal may hold its devices until its process is gone.
   void release(Device& device, int task) {
-    const Incarnation& incarnation = index_.task(task).current();
-    const bool fatal = incarnation.task->state == TaskState::Fatal;
-    const int action =
-        fatal ? nodes_.undeploy[as_index(incarnation.process)] : node(task, ActionKind::Cleanup);
+    const bool fatal = index_.task(task).current().task->state == TaskState::Fatal;
+    const bool with_process = fatal || is_killed(task);
+    const int action = with_process ? undeploy_of(task) : node(task, ActionKind::Cleanup);
     if (action != kNone) device.releases.push_back(action);
   }
 

@@ -23,16 +23,16 @@ model::DeploymentKey key_of(const Index& index, int process) {
 }
 
 /// All attributes that count, and no tasks: apply_config places these.
-model::DeploymentAction deployment_action(const Index& index, const Node& node) {
+model::DeploymentAction deployment_action(const Index& index, const Plan& plan, const Node& node) {
   const ProcessEntry& entry = index.process(node.subject);
   const model::Deployment& from = node.kind == ActionKind::Deploy ? *entry.target() : *entry.current();
   model::Deployment process = from;
   process.tasks.clear();
-  return {std::move(process)};
+  return {std::move(process), node.kind == ActionKind::Undeploy && plan.options.force};
 }
 
 /// Fills in what the action acts on.
-void fill(Action& action, const Index& index, const Node& node) {
+void fill(Action& action, const Index& index, const Plan& plan, const Node& node) {
   const auto wire = [&](Side side) -> const model::Connection& {
     return *index.wires[side][as_index(node.subject)].connection;
   };
@@ -45,7 +45,7 @@ void fill(Action& action, const Index& index, const Node& node) {
       return;
     case ActionKind::Undeploy:
     case ActionKind::Deploy:
-      action.what = deployment_action(index, node);
+      action.what = deployment_action(index, plan, node);
       return;
     case ActionKind::ApplyConfig: {
       const Incarnation& task = index.task(node.subject).target();
@@ -64,11 +64,11 @@ void fill(Action& action, const Index& index, const Node& node) {
 }
 
 /// Appends the action: one at a time, since they are large and many, and memory is what they cost.
-Action& add_action(model::Transition& transition, const Index& index, const Node& node) {
+Action& add_action(model::Transition& transition, const Index& index, const Plan& plan, const Node& node) {
   Action& action = transition.actions.emplace_back();
   action.id = static_cast<int>(transition.actions.size());
   action.kind = node.kind;
-  fill(action, index, node);
+  fill(action, index, plan, node);
   return action;
 }
 
@@ -106,17 +106,17 @@ void order_seamlessly(model::Transition& transition, const Index& index, const P
   transition.actions.reserve(order.size());
   for (const int number : order) {
     const Node& node = nodes.list[as_index(number)];
-    Action& action = add_action(transition, index, node);
+    Action& action = add_action(transition, index, plan, node);
     action.phase = node.phase;
     action.after = ids_before(before, number, id_of);
   }
 }
 
 /// The paper's sequential execution: one after the other, the whole of it a commit.
-void order_as_paper(model::Transition& transition, const Index& index, const Nodes& nodes) {
+void order_as_paper(model::Transition& transition, const Index& index, const Plan& plan, const Nodes& nodes) {
   transition.actions.reserve(nodes.list.size());
   for (const Node& node : nodes.list) {
-    Action& action = add_action(transition, index, node);
+    Action& action = add_action(transition, index, plan, node);
     if (action.id > 1) action.after.push_back(action.id - 1);
   }
 }
@@ -142,7 +142,7 @@ Result<model::Transition> diff(const model::Network& current, const model::Netwo
                                const model::ComponentCatalog& catalog, const Options& options) {
   auto index = build_index(current, target, catalog);
   if (!index) return index.error();
-  auto plan = make_plan(*index);
+  auto plan = make_plan(*index, options);
   if (!plan) return plan.error();
   Nodes nodes = make_nodes(*index, *plan);
   model::Transition transition;
@@ -150,7 +150,7 @@ Result<model::Transition> diff(const model::Network& current, const model::Netwo
   transition.to = target.name;
   transition.order = options.order;
   if (options.order == model::Order::Paper) {
-    order_as_paper(transition, *index, nodes);
+    order_as_paper(transition, *index, *plan, nodes);
   } else {
     order_seamlessly(transition, *index, *plan, nodes);
   }

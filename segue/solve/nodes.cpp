@@ -23,13 +23,14 @@ class Lister {
     std::iota(current_order_.begin(), current_order_.end(), 0);
   }
 
-  /// The kinds in their order; see ActionKind.
+  /// The kinds in their order; see ActionKind. What hangs is killed before anything else is asked of it.
   Nodes list() {
+    if (plan_.options.force) add_undeploys();
     add_tasks(ActionKind::Recover, current_order_);
     add_sequence(ActionKind::Stop, current_order_);
     add_wires(ActionKind::Disconnect, plan_.disconnect, nodes_.disconnect);
     add_tasks(ActionKind::Cleanup, current_order_);
-    add_processes(ActionKind::Undeploy, index_.process_order[kCurrent], is_undeployed, nodes_.undeploy);
+    if (!plan_.options.force) add_undeploys();
     add_processes(ActionKind::Deploy, index_.process_order[kTarget], is_deployed, nodes_.deploy);
     add_tasks(ActionKind::ApplyConfig, index_.target_order);
     add_tasks(ActionKind::Configure, index_.target_order);
@@ -39,6 +40,10 @@ class Lister {
   }
 
  private:
+  void add_undeploys() {
+    add_processes(ActionKind::Undeploy, index_.process_order[kCurrent], is_undeployed, nodes_.undeploy);
+  }
+
   int add(ActionKind kind, int subject) {
     nodes_.list.push_back({kind, model::Phase::Commit, subject});
     return static_cast<int>(nodes_.list.size()) - 1;

@@ -19,8 +19,8 @@ class Wishes {
       case ActionKind::Recover:
       case ActionKind::Cleanup:
         return has_old(plan_.task(node.subject).fate) ? Phase::Retire : Phase::Commit;
-      case ActionKind::Undeploy:
-        return Phase::Retire;
+      case ActionKind::Undeploy:  // which stops what runs if it kills
+        return plan_.options.force ? Phase::Commit : Phase::Retire;
       case ActionKind::Deploy:
         return Phase::Prepare;
       case ActionKind::ApplyConfig:

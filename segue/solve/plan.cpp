@@ -53,7 +53,7 @@ Steps steps_of_new(TaskState target) {
 
 class Planner {
  public:
-  explicit Planner(const Index& index) : index_(index) {}
+  Planner(const Index& index, const Options& options) : index_(index) { plan_.options = options; }
 
   Result<Plan> plan() {
     plan_processes();
@@ -154,6 +154,7 @@ class Planner {
   }
 
   [[nodiscard]] Steps old_steps(const TaskEntry& entry) const {
+    if (plan_.is_killed(entry.current().process)) return {};
     const bool stays = !is_undeployed(plan_.process(entry.current().process));
     return steps_of_old(entry.current().task->state, stays);
   }
@@ -174,7 +175,7 @@ class Planner {
       const Wire& wire = current[i];
       if (!exists(index_, wire)) continue;
       const bool kept = stays(wire);
-      plan_.disconnect[i] = !kept;
+      plan_.disconnect[i] = !kept && !is_killed(wire.from) && !is_killed(wire.to);
       if (kept) plan_.connect[as_index(wire.partner)] = false;
     }
   }
@@ -184,6 +185,11 @@ class Planner {
     const Wire& partner = index_.wires[kTarget][as_index(wire.partner)];
     return wire.connection->policy == partner.connection->policy && keeps(wire.from, wire.from_dynamic) &&
            keeps(wire.to, wire.to_dynamic);
+  }
+
+  /// Whether the task goes with its process, and its wires with it.
+  [[nodiscard]] bool is_killed(int number) const {
+    return plan_.is_killed(index_.task(number).current().process);
   }
 
   /// Whether the port at this end outlives the transition.
@@ -207,8 +213,8 @@ bool holds_any_component(const model::Deployment& deployment) {
   return deployment.deployer == "segue";
 }
 
-Result<Plan> make_plan(const Index& index) {
-  return Planner(index).plan();
+Result<Plan> make_plan(const Index& index, const Options& options) {
+  return Planner(index, options).plan();
 }
 
 }  // namespace segue::solve::detail

@@ -4,6 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/solve/index.hpp>
+#include <segue/solve/solve.hpp>
 
 #include <cstdint>
 #include <vector>
@@ -62,12 +63,17 @@ inline bool has_new(TaskFate fate) {
 }
 
 struct Plan {
+  Options options;
   std::vector<TaskPlan> tasks;         ///< as in Index::tasks
   std::vector<ProcessFate> processes;  ///< as in Index::processes
   std::vector<bool> disconnect;        ///< the current network's wires
   std::vector<bool> connect;           ///< the target's wires
   [[nodiscard]] const TaskPlan& task(int number) const { return tasks[as_index(number)]; }
   [[nodiscard]] ProcessFate process(int number) const { return processes[as_index(number)]; }
+  /// Whether the process goes without a word to its tasks.
+  [[nodiscard]] bool is_killed(int process) const {
+    return options.force && is_undeployed(processes[as_index(process)]);
+  }
 };
 
 /// Whether the current network's wire is really there: one at a dynamic port of a task that is not configured
@@ -79,6 +85,6 @@ bool exists(const Index& index, const Wire& wire);
 bool holds_any_component(const model::Deployment& deployment);
 
 /// Fails (Unsupported) where a task in Fatal lives in the runtime's own process, which cannot be restarted.
-Result<Plan> make_plan(const Index& index);
+Result<Plan> make_plan(const Index& index, const Options& options);
 
 }  // namespace segue::solve::detail

@@ -58,8 +58,7 @@ Result<> Simulation::execute(const model::Action& action) {
         return connect(what->connection);
       break;
     case ActionKind::Undeploy:
-      if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
-        return undeploy(what->deployment);
+      if (const auto* what = std::get_if<model::DeploymentAction>(&action.what)) return undeploy(*what);
       break;
     case ActionKind::Deploy:
       if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
@@ -181,12 +180,14 @@ Result<> Simulation::deploy(const model::Deployment& deployment) {
   return {};
 }
 
-Result<> Simulation::undeploy(const model::Deployment& deployment) {
+Result<> Simulation::undeploy(const model::DeploymentAction& action) {
+  const model::Deployment& deployment = action.deployment;
   const int number = find_process(deployment.key());
   if (deployment.process.empty()) return refuse("the runtime's own process cannot be undeployed");
   if (number == kNone) return refuse("process " + quote(to_string(deployment.key())) + " does not run");
   Process& process = processes_[as_index(number)];
   for (const int resident : process.tasks) {
+    if (action.kill) break;
     if (!task(resident).exists || !segue::is_configured(task(resident).state)) continue;
     return refuse(state_of(task(resident).definition->id, task(resident).state) +
                   "; stop it and clean it up before its process goes");

@@ -80,7 +80,7 @@ class Simulation {
   Result<> connect(const model::Connection& connection);
   Result<> disconnect(const model::Connection& connection);
   Result<> deploy(const model::Deployment& deployment);
-  Result<> undeploy(const model::Deployment& deployment);
+  Result<> undeploy(const model::DeploymentAction& action);
   Result<> apply(const model::ConfigAction& action);
   Result<> apply_again(int task, const model::ConfigAction& action);
   Result<> take_seat(int occupant, int process, const model::ConfigAction& action);

@@ -12,12 +12,19 @@ namespace segue::solve {
 
 struct Options {
   model::Order order = model::Order::Seamless;
+  /// Whether whoever executes can have two incarnations of a task that moves to another process. If not, the
+  /// new one waits until the old one is gone: in commit.
+  bool side_by_side = true;
+  /// Processes that go are killed (DeploymentAction::kill) before all else, and nothing is done in them or to
+  /// connections with them. Not graceful: their tasks cannot tidy up. For what hangs.
+  bool force = false;
 };
 
-/// The minimal transition under graceful semantics from what runs (`current`: a network whose tasks may be in
-/// any state) to `target` (tasks PreOperational, Stopped or Running). Both must have passed validation of
-/// structure; components that `catalog` lacks count as having static ports and no live properties. Fails
-/// (Unsupported) where no transition exists: a task in Fatal inside the runtime's own process.
+/// The minimal transition (under graceful semantics, but for `force`) from what runs (`current`: a network
+/// whose tasks may be in any state) to `target` (tasks PreOperational, Stopped or Running). Both must have
+/// passed validation of structure; components that `catalog` lacks count as having static ports and no live
+/// properties. Fails (Unsupported) where no transition exists: a task in Fatal inside the runtime's own
+/// process.
 Result<model::Transition> diff(const model::Network& current, const model::Network& target,
                                const model::ComponentCatalog& catalog, const Options& options = {});
 

@@ -21,15 +21,31 @@ using segue::testing::NetworkPair;
 using segue::testing::random_pair;
 using segue::testing::StrictMachine;
 
-Transition solve(const NetworkPair& pair, Order order) {
-  auto found = diff(pair.current, pair.target, pair.catalog, {order});
+Transition solve(const NetworkPair& pair, const Options& options) {
+  auto found = diff(pair.current, pair.target, pair.catalog, options);
   RC_ASSERT(found.has_value());
   return *found;
 }
 
+Transition solve(const NetworkPair& pair, Order order) {
+  return solve(pair, Options{order});
+}
+
+/// Whatever can be asked of the solver.
+std::vector<Options> all_options() {
+  std::vector<Options> all;
+  for (const Order order : {Order::Seamless, Order::Paper}) {
+    for (const bool side_by_side : {true, false}) {
+      for (const bool force : {false, true})
+        all.push_back({order, side_by_side, force});
+    }
+  }
+  return all;
+}
+
 /// As if executed: every wish came true.
-void check_prediction(const NetworkPair& pair, Order order) {
-  const Transition transition = solve(pair, order);
+void check_prediction(const NetworkPair& pair, const Options& options) {
+  const Transition transition = solve(pair, options);
   const auto found = predict(pair.current, transition, pair.catalog);
   if (!found) RC_FAIL(to_string(found.error()));
   const auto differences = model::differences(*found, pair.target);
@@ -39,15 +55,15 @@ void check_prediction(const NetworkPair& pair, Order order) {
 
 RC_GTEST_PROP(TransitionProperties, LeadToTheTarget, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
-  check_prediction(pair, Order::Seamless);
-  check_prediction(pair, Order::Paper);
+  for (const Options& options : all_options())
+    check_prediction(pair, options);
 }
 
 RC_GTEST_PROP(TransitionProperties, AreEmptyBetweenEqualNetworks, (std::uint64_t seed)) {
   NetworkPair pair = random_pair(seed);
   pair.current = pair.target;
-  for (const Order order : {Order::Seamless, Order::Paper}) {
-    const Transition transition = solve(pair, order);
+  for (const Options& options : all_options()) {
+    const Transition transition = solve(pair, options);
     RC_ASSERT(transition.actions.empty());
     RC_ASSERT(transition.removes.empty());
     RC_ASSERT(transition.redefines.empty());
@@ -63,10 +79,12 @@ RC_GTEST_PROP(TransitionProperties, NeedTheSameActionsInBothOrders, (std::uint64
     return found;
   };
   RC_ASSERT(labels(solve(pair, Order::Seamless)) == labels(solve(pair, Order::Paper)));
+  RC_ASSERT(labels(solve(pair, Options{Order::Seamless, false})) == labels(solve(pair, Order::Paper)));
 }
 
 RC_GTEST_PROP(TransitionProperties, AreNumberedAndWaitOnlyForEarlierPhases, (std::uint64_t seed)) {
-  const Transition transition = solve(random_pair(seed), Order::Seamless);
+  const Transition transition =
+      solve(random_pair(seed), Options{Order::Seamless, seed % 3 > 0, seed % 2 == 0});
   int id = 0;
   for (const Action& action : transition.actions) {
     RC_ASSERT(action.id == ++id);
@@ -110,8 +128,8 @@ std::vector<const Action*> linearise(const Transition& transition, std::mt19937_
 }
 
 void check_machine(const NetworkPair& pair, const Transition& transition,
-                   const std::vector<const Action*>& order) {
-  StrictMachine machine(pair.current, pair.target, pair.catalog);
+                   const std::vector<const Action*>& order, bool side_by_side) {
+  StrictMachine machine(pair.current, pair.target, pair.catalog, side_by_side);
   std::string story;
   for (const Action* action : order) {
     story += action->label() + "\n";
@@ -124,12 +142,41 @@ void check_machine(const NetworkPair& pair, const Transition& transition,
 
 RC_GTEST_PROP(TransitionProperties, BreakNoRuleInAnyOrderTheyAllow, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
-  const Transition transition = solve(pair, Order::Seamless);
   std::mt19937_64 random(seed + 1);
-  for (int i = 0; i < 5; ++i)
-    check_machine(pair, transition, linearise(transition, random));
-  const Transition paper = solve(pair, Order::Paper);
-  check_machine(pair, paper, linearise(paper, random));
+  for (const Options& options : all_options()) {
+    const Transition transition = solve(pair, options);
+    for (int i = 0; i < 3; ++i)
+      check_machine(pair, transition, linearise(transition, random), options.side_by_side);
+  }
+}
+
+/// Force leaves out what tidies up, and nothing else.
+RC_GTEST_PROP(TransitionProperties, DoNothingInProcessesThatTheyKill, (std::uint64_t seed)) {
+  const NetworkPair pair = random_pair(seed);
+  const Transition graceful = solve(pair, Order::Seamless);
+  const Transition forced = solve(pair, Options{Order::Seamless, true, true});
+  const auto labels = [](const Transition& transition) {
+    std::multiset<std::string> found;
+    for (const Action& action : transition.actions)
+      found.insert(action.label());
+    return found;
+  };
+  const auto more = labels(graceful);
+  const auto less = labels(forced);
+  RC_ASSERT(std::includes(more.begin(), more.end(), less.begin(), less.end()));
+  std::vector<std::string> left_out;
+  std::set_difference(more.begin(), more.end(), less.begin(), less.end(), std::back_inserter(left_out));
+  for (const std::string& label : left_out) {
+    const bool tidies = label.starts_with("stop ") || label.starts_with("cleanup ") ||
+                        label.starts_with("recover ") || label.starts_with("disconnect ");
+    RC_ASSERT(tidies);
+  }
+  for (const Action& action : forced.actions) {
+    if (action.kind == ActionKind::Undeploy) RC_ASSERT(std::get<model::DeploymentAction>(action.what).kill);
+  }
+  for (const Action& action : graceful.actions) {
+    if (action.kind == ActionKind::Undeploy) RC_ASSERT(!std::get<model::DeploymentAction>(action.what).kill);
+  }
 }
 
 /// Tasks from which `to` can be reached along wires between members.
@@ -194,7 +241,7 @@ RC_GTEST_PROP(TransitionProperties, StopProducersFirstAndStartThemLast, (std::ui
 /// What prepare may not do: touch what runs.
 RC_GTEST_PROP(TransitionProperties, LeaveTheOldNetworkAloneInPrepare, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
-  const Transition transition = solve(pair, Order::Seamless);
+  const Transition transition = solve(pair, Options{Order::Seamless, true, seed % 2 == 0});
   Transition first_half = transition;
   first_half.removes.clear();
   first_half.redefines.clear();

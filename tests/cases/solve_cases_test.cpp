@@ -38,7 +38,14 @@ struct Case {
   model::ComponentCatalog catalog;
   model::Network current;
   model::Network target;
+  Options options;
   Value expect;
+
+  [[nodiscard]] Result<Transition> solve(model::Order order) const {
+    Options asked = options;
+    asked.order = order;
+    return diff(current, target, catalog, asked);
+  }
 };
 
 model::Network network_of(const Value* value, const std::string& file) {
@@ -63,6 +70,16 @@ model::ComponentModel component_of(const std::string& name, const Value& value) 
   return component;
 }
 
+Options options_of(const Value* value) {
+  Options options;
+  if (value == nullptr) return options;
+  for (const auto& [key, on] : value->as_map()) {
+    EXPECT_TRUE(key == "side_by_side" || key == "force") << "no option is called " << key;
+    (key == "force" ? options.force : options.side_by_side) = on.as_bool();
+  }
+  return options;
+}
+
 Case load_case(const std::filesystem::path& file) {
   Case found;
   const auto value = type::load_yaml(file);
@@ -71,7 +88,8 @@ Case load_case(const std::filesystem::path& file) {
     return found;
   }
   for (const auto& [key, part] : value->as_map()) {
-    static const std::set<std::string> kKeys = {"rule", "components", "current", "target", "expect"};
+    static const std::set<std::string> kKeys = {"rule",    "components", "options",
+                                                "current", "target",     "expect"};
     EXPECT_TRUE(kKeys.contains(key)) << "no case has a part " << key;
   }
   found.current = network_of(value->find("current"), file.string());
@@ -80,6 +98,7 @@ Case load_case(const std::filesystem::path& file) {
     for (const auto& [name, component] : components->as_map())
       found.catalog.add(component_of(name, component));
   }
+  found.options = options_of(value->find("options"));
   found.expect = *value->find("expect");
   return found;
 }
@@ -150,6 +169,15 @@ void check_definition(const Transition& paper, const Value& expected) {
   }
 }
 
+Labels killed(const Transition& transition) {
+  Labels found;
+  for (const Action& action : transition.actions) {
+    const auto* what = std::get_if<model::DeploymentAction>(&action.what);
+    if (what != nullptr && what->kill) found.push_back(action.label());
+  }
+  return found;
+}
+
 Labels names(const std::vector<model::TaskId>& ids) {
   Labels found;
   for (const auto& id : ids)
@@ -169,6 +197,8 @@ void check_expectation(const Case& test, const Transition& paper, const Transiti
       check_counts(seamless, value);
     } else if (key == "applied") {
       check_definition(paper, value);
+    } else if (key == "killed") {
+      EXPECT_EQ(killed(seamless), texts(&value));
     } else if (key == "removes") {
       EXPECT_EQ(names(seamless.removes), texts(&value));
     } else if (key == "redefines") {
@@ -187,7 +217,7 @@ void check_result(const Case& test, const Transition& transition) {
   const auto result = predict(test.current, transition, test.catalog);
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_THAT(model::differences(*result, test.target), ::testing::IsEmpty());
-  segue::testing::StrictMachine machine(test.current, test.target, test.catalog);
+  segue::testing::StrictMachine machine(test.current, test.target, test.catalog, test.options.side_by_side);
   for (const Action& action : transition.actions)
     EXPECT_EQ(machine.execute(action), "") << action.label();
   EXPECT_EQ(machine.finish(transition, test.target), "");
@@ -202,8 +232,8 @@ class SolveCase : public ::testing::TestWithParam<std::filesystem::path> {};
 TEST_P(SolveCase, Holds) {
   const Case test = load_case(GetParam());
   if (HasFailure()) return;
-  const auto paper = diff(test.current, test.target, test.catalog, {model::Order::Paper});
-  const auto seamless = diff(test.current, test.target, test.catalog);
+  const auto paper = test.solve(model::Order::Paper);
+  const auto seamless = test.solve(model::Order::Seamless);
   if (const Value* error = test.expect.find("error")) {
     ASSERT_FALSE(paper);
     ASSERT_FALSE(seamless);
@@ -245,7 +275,9 @@ Value artemis(const char* file) {
 
 class Artemis : public ::testing::TestWithParam<model::Order> {
  protected:
-  Case pair(const Value& row) { return {{}, controller(*row.find("from")), controller(*row.find("to")), {}}; }
+  Case pair(const Value& row) {
+    return {{}, controller(*row.find("from")), controller(*row.find("to")), {}, {}};
+  }
 };
 
 TEST_P(Artemis, HasTheCountsOfTable7) {

@@ -35,7 +35,7 @@ inline model::Action random_action(Random& random, const model::Network& network
       break;
     case 1:
       action.kind = model::ActionKind::Undeploy;
-      action.what = model::DeploymentAction{random_deployment(random, everything(), id)};
+      action.what = model::DeploymentAction{random_deployment(random, everything(), id), one_in(random, 2)};
       break;
     case 2:
       action.kind = model::ActionKind::CallOperation;

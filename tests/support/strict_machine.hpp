@@ -15,14 +15,15 @@
 /// A second opinion on transitions: a robot that is stricter than any real one and knows nothing of the
 /// solver. It breaks at the first action that is not graceful: cleaning up under a wire that would be lost,
 /// undeploying a process with wires or with tasks at work, starting a task twice or with an old
-/// configuration, two holders of a device, two wires between the same ports. Slow and simple on purpose.
+/// configuration, two holders of a device, two wires between the same ports; and, if told so, a task in two
+/// processes. Slow and simple on purpose.
 namespace segue::testing {
 
 class StrictMachine {
  public:
   StrictMachine(const model::Network& current, const model::Network& target,
-                const model::ComponentCatalog& catalog)
-      : catalog_(catalog) {
+                const model::ComponentCatalog& catalog, bool side_by_side = true)
+      : catalog_(catalog), side_by_side_(side_by_side) {
     for (const auto& task : target.tasks)
       wanted_.emplace(task.id.str(), task);
     for (const auto& deployment : current.deployments)
@@ -43,7 +44,7 @@ class StrictMachine {
       case ActionKind::Deploy:
         return deploy(std::get<model::DeploymentAction>(action.what).deployment);
       case ActionKind::Undeploy:
-        return undeploy(std::get<model::DeploymentAction>(action.what).deployment);
+        return undeploy(std::get<model::DeploymentAction>(action.what));
       case ActionKind::Connect:
         return connect(std::get<model::ConnectionAction>(action.what).connection);
       case ActionKind::Disconnect:
@@ -161,10 +162,16 @@ class StrictMachine {
     return processes_.emplace(deployment.key(), deployment).second ? "" : "process runs already";
   }
 
-  std::string undeploy(const model::Deployment& deployment) {
+  std::string undeploy(const model::DeploymentAction& action) {
+    const model::Deployment& deployment = action.deployment;
     if (!processes_.contains(deployment.key())) return "no such process";
+    if (action.kill) {
+      std::erase_if(wires_, [&](const Wire& wire) {
+        return wire.from.first == deployment.key() || wire.to.first == deployment.key();
+      });
+    }
     for (const auto& [place, body] : seats_) {
-      if (place.first != deployment.key()) continue;
+      if (place.first != deployment.key() || action.kill) continue;
       if (configured(body.state)) return body.task.id.str() + " works when its process goes";
       if (is_wired(place)) return body.task.id.str() + " is wired when its process goes";
     }
@@ -217,6 +224,8 @@ class StrictMachine {
     }
     for (const Place& other : bodies_[id]) {
       if (other.first == place.first && configured(at(other).state)) return "id is at work in that process";
+      const bool at_rest = at(other).state == TaskState::PreOperational && !is_wired(other);
+      if (!side_by_side_ && !at_rest) return "id is there already";
     }
     seats_.insert_or_assign(place, Body{action.definition, TaskState::PreOperational});
     bodies_[id].push_back(place);
@@ -317,6 +326,7 @@ class StrictMachine {
   }
 
   const model::ComponentCatalog& catalog_;
+  bool side_by_side_;
   std::map<std::string, model::Task> wanted_;
   std::map<model::DeploymentKey, model::Deployment> processes_;
   std::map<Place, Body> seats_;

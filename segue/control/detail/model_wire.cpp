@@ -53,6 +53,7 @@ void encode_what(const model::ConnectionAction& what, wire::Action::Builder buil
 }
 void encode_what(const model::DeploymentAction& what, wire::Action::Builder builder) {
   encode(what.deployment, builder.initDeployment());
+  builder.setKill(what.kill);
 }
 void encode_what(const model::ConfigAction& what, wire::Action::Builder builder) {
   auto config = builder.initConfig();
@@ -112,7 +113,7 @@ void decode_what(model::Action& action, wire::Action::Reader reader) {
       action.what = model::ConnectionAction{decode(reader.getConnection())};
       return;
     case wire::Action::DEPLOYMENT:
-      action.what = model::DeploymentAction{decode(reader.getDeployment())};
+      action.what = model::DeploymentAction{decode(reader.getDeployment()), reader.getKill()};
       return;
     case wire::Action::CONFIG:
       action.what = decode_config(reader.getConfig());
