@@ -15,6 +15,8 @@ namespace segue::control {
 
 namespace {
 
+/// How long the end of a predecessor that was killed may take.
+constexpr auto kSuccession = std::chrono::seconds(10);
 constexpr auto kFlushPoll = std::chrono::milliseconds(5);
 constexpr auto kFlushLimit = std::chrono::milliseconds(500);
 
@@ -86,7 +88,7 @@ Server::Server(std::unique_ptr<Implementation> implementation) : implementation_
 Server::~Server() = default;
 
 Result<std::unique_ptr<Server>> Server::listen(const std::filesystem::path& socket, Served service) {
-  auto listening = detail::ListeningSocket::open(socket);
+  auto listening = detail::ListeningSocket::open(socket, RealClock::instance().now() + kSuccession);
   if (!listening) return listening.error();
   return Implementation::start(std::move(*listening), service);
 }

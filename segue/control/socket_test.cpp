@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/lock_file.hpp>
 #include <segue/control/detail/socket.hpp>
+#include <support/ending_process.hpp>
 #include <support/fake_robot.hpp>
 
 #include <sys/socket.h>
@@ -9,7 +11,9 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <optional>
 #include <string>
+#include <thread>
 
 namespace segue::control {
 namespace {
@@ -83,6 +87,16 @@ TEST_F(ControlTest, ASecondServerOnTheSameSocketIsRefused) {
 TEST_F(ControlTest, AStaleSocketIsReplaced) {
   leave_stale_socket(socket_);
   EXPECT_EQ(connect(socket_).error().code, ErrorCode::Unavailable);
+  serve();
+  EXPECT_TRUE(client()->status());
+}
+
+TEST_F(ControlTest, AServerThatIsEndingIsWaitedFor) {
+  leave_stale_socket(socket_);
+  const testing::EndingProcess killed;
+  std::optional<Descriptor> lock = try_lock(lock_of(socket_)).value();
+  ASSERT_TRUE(lock && write_record(lock->get(), {killed.pid(), "0.0.1"}));
+  std::jthread end([&] { lock.reset(); });
   serve();
   EXPECT_TRUE(client()->status());
 }

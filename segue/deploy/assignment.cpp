@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
 #include <segue/deploy/assignment.hpp>
-#include <segue/deploy/system_error.hpp>
 #include <segue/type/json.hpp>
 
 #include <sys/mman.h>
@@ -38,9 +38,9 @@ Result<Descriptor> write_assignment(const Assignment& assignment) {
                                 {"log_files", assignment.log_files}}),
                     -1);
   Descriptor file(::memfd_create("segue-launch", MFD_CLOEXEC));
-  if (!file.valid()) return detail::system_error("cannot make a file for a launch", errno);
+  if (!file.valid()) return system_error("cannot make a file for a launch", errno);
   if (::pwrite(file.get(), text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
-    return detail::system_error("cannot write a launch", errno);
+    return system_error("cannot write a launch", errno);
   }
   return file;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/lock_file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/deploy/assignment.hpp>
 #include <segue/deploy/inherited_process.hpp>
-#include <segue/deploy/process_place.hpp>
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -65,7 +65,7 @@ void InheritedProcess::begin(const std::filesystem::path& socket, std::string_vi
   const std::string title = socket.parent_path().filename().string() + '/' + socket.stem().string();
   std::fprintf(stderr, "---- %s %s starts: pid %d, %s (segue %s)\n", time_now().c_str(), title.c_str(),
                ::getpid(), own_program().c_str(), std::string(software).c_str());
-  if (!detail::write_record(lock_.get(), {::getpid(), std::string(software)})) {
+  if (!write_record(lock_.get(), {::getpid(), std::string(software)})) {
     log(LogLevel::Error, "segue-deployment",
         "cannot say in its lock who it is: no other server will find it");
   }
@@ -83,7 +83,7 @@ void InheritedProcess::leave() {
   // With the lock in hand nobody else can have put theirs there.
   if (socket_.empty() || !lock_.valid()) return;
   ::unlink(socket_.c_str());
-  ::unlink((std::filesystem::path(socket_) += ".lock").c_str());
+  ::unlink(lock_of(socket_).c_str());
 }
 
 }  // namespace segue::deploy

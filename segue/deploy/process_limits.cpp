@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/system_error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/process_limits.hpp>
-#include <segue/deploy/system_error.hpp>
 
 #include <sched.h>
 #include <sys/resource.h>
@@ -26,9 +26,9 @@ Result<void> limit(Resource resource, std::uint64_t most, const std::string& wha
   const int reason = errno;
   rlimit now{};
   ::getrlimit(resource, &now);
-  return detail::system_error("the system does not permit the limit " + what + " (at most " +
-                                  std::to_string(now.rlim_max) + "); ask for less, or raise it with ulimit",
-                              reason);
+  return system_error("the system does not permit the limit " + what + " (at most " +
+                          std::to_string(now.rlim_max) + "); ask for less, or raise it with ulimit",
+                      reason);
 }
 
 Result<void> apply_limits(const model::ResourceLimits& limits) {
@@ -62,7 +62,7 @@ Result<void> apply_processors(const std::vector<int>& processors) {
   if (errno == EINVAL) {
     return fail(ErrorCode::InvalidArgument, "this computer has none of the processors that 'cpu' names");
   }
-  return detail::system_error("cannot choose the processors", errno);
+  return system_error("cannot choose the processors", errno);
 }
 
 Result<void> apply_scheduler(const model::Deployment& deployment) {
@@ -75,7 +75,7 @@ Result<void> apply_scheduler(const model::Deployment& deployment) {
   const std::string what = "the system does not permit scheduler " +
                            std::string(to_string(deployment.scheduler)) + " with priority " +
                            std::to_string(deployment.priority);
-  if (reason != EPERM) return detail::system_error(what, reason);
+  if (reason != EPERM) return system_error(what, reason);
   if (deployment.optional) {
     log(LogLevel::Warning, "segue-deployment", what + "; it is optional, so the process runs as normal");
     return {};

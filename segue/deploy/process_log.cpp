@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/process_log.hpp>
-#include <segue/deploy/system_error.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -61,7 +61,7 @@ bool same_file(int descriptor, const fs::path& file) {
 
 Result<Descriptor> open_log(const fs::path& log) {
   Descriptor file(::open(log.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file.valid()) return detail::system_error("cannot open the log " + quote(log.native()), errno);
+  if (!file.valid()) return system_error("cannot open the log " + quote(log.native()), errno);
   return file;
 }
 
@@ -82,7 +82,7 @@ void rotate_output(const fs::path& log, std::size_t size, int files) {
 Result<std::string> log_tail(const fs::path& log, std::size_t lines, std::size_t most) {
   struct stat status {};
   if (::stat(log.c_str(), &status) != 0) {
-    return detail::system_error("cannot read the log " + quote(log.native()), errno);
+    return system_error("cannot read the log " + quote(log.native()), errno);
   }
   std::string text = end_of(log, most);
   for (int number = 1; number <= kMostOlder && text.size() < most; ++number) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
 
@@ -12,21 +13,13 @@
 /// it says who it is. Internal.
 namespace segue::deploy::detail {
 
-/// What a process writes into its lock.
-struct LockRecord {
-  int pid = 0;  ///< 0: it is still starting
-  std::string software;
-};
-/// Overwrites the record; the place of a new one always has room. False where the system does not let it.
-bool write_record(int lock, const LockRecord& record);
-
 /// A name taken: the lock is held and the socket listens. Both are to be handed to the process; the lock then
 /// ends with its last holder.
 class ProcessPlace {
  public:
   /// AlreadyExists where a process, or a server that is about to start one, holds the name. What a dead
-  /// process left is replaced. The socket has mode 0600.
-  static Result<ProcessPlace> claim(const std::filesystem::path& socket);
+  /// process left is replaced; one that is ending is waited for until `deadline`. The socket has mode 0600.
+  static Result<ProcessPlace> claim(const std::filesystem::path& socket, TimePoint deadline);
   ProcessPlace(ProcessPlace&&) = default;
   ProcessPlace& operator=(ProcessPlace&&) = delete;
   /// Removes socket and lock unless keep() was called.
@@ -53,8 +46,8 @@ struct FoundProcess {
 };
 
 /// The process that holds the place of `socket`, checked to be a living deployment process of this user with
-/// that title. Nothing where there is none; what a dead one left is removed. Unavailable where one is only
-/// just starting.
+/// that title. Nothing where there is none or it is ending; what a dead one left is removed. Unavailable
+/// where one is only just starting.
 Result<std::optional<FoundProcess>> find_process(const std::filesystem::path& socket,
                                                  const std::string& title);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/private_folder.hpp>
+#include <segue/base/system_error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/pidfd.hpp>
 #include <segue/deploy/process_cgroup.hpp>
 #include <segue/deploy/process_server.hpp>
 #include <segue/deploy/process_server_implementation.hpp>
 #include <segue/deploy/spawn.hpp>
-#include <segue/deploy/system_error.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -189,9 +189,8 @@ Result<ProcessInfo> ProcessServer::Implementation::settle(const Entry& entry, Pr
   const int reason = errno;
   entry->cgroup = group_of(*entry, memory);
   const std::lock_guard lock(mutex);
-  auto watched = pidfd.valid()
-                     ? watch->add(pidfd.get(), entry->id)
-                     : Result<void>(detail::system_error("cannot watch " + named(entry->info), reason));
+  auto watched = pidfd.valid() ? watch->add(pidfd.get(), entry->id)
+                               : Result<void>(system_error("cannot watch " + named(entry->info), reason));
   if (!watched) {
     detail::kill_group(entry->info.pid);
     detail::reap_child(entry->info.pid);
@@ -212,7 +211,7 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
   auto entry = reserve(*info, deadline);
   if (!entry) return std::move(entry.error());
   auto started = [&]() -> Result<ProcessInfo> {
-    auto place = ProcessPlace::claim(info->socket);
+    auto place = ProcessPlace::claim(info->socket, deadline);
     if (!place) return std::move(place.error());
     if (auto launched = launch(what, **entry, *place); !launched) return std::move(launched.error());
     return settle(*entry, *place, what.deployment.limits.memory);

@@ -318,6 +318,19 @@ TEST_F(ProcessServerTest, aProcessOfAnotherVersionIsReplaced) {
   EXPECT_TRUE(lives(after.pid));
 }
 
+TEST_F(ProcessServerTest, aProcessThatIsEndingIsWaitedFor) {
+  auto first = server();
+  const auto ending = ready(*first, launch("drivers", "end slowly"));
+  EXPECT_TRUE(eventually([&] { return !lives(ending.pid); }));
+  first.reset();
+  const auto second = server();
+  EXPECT_EQ(second->start(launch("drivers"), soon(milliseconds(5))).error().code, ErrorCode::AlreadyExists);
+  std::jthread end([&] { ::kill(ending.pid, SIGTERM); });
+  const auto process = started(*second, launch("drivers"));
+  EXPECT_NE(process.pid, ending.pid);
+  EXPECT_TRUE(lives(process.pid));
+}
+
 TEST_F(ProcessServerTest, whatADeadProcessLeftIsReplaced) {
   const auto processes = server();
   ASSERT_TRUE(process_folder("rover").has_value());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
 #include <segue/deploy/process_watch.hpp>
-#include <segue/deploy/system_error.hpp>
 
 #include <pthread.h>
 #include <sys/epoll.h>

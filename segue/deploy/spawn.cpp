@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
+#include <segue/base/system_error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/deploy/assignment.hpp>
 #include <segue/deploy/spawn.hpp>
-#include <segue/deploy/system_error.hpp>
 
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -9,6 +9,7 @@
 #include <segue/deploy/zygote_message.hpp>
 
 #include <signal.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 
 namespace {
 
@@ -40,6 +42,19 @@ void chatter() {
     std::printf("line %d of a log that grows\n", i);
 }
 
+/// Like a process that is killed while a thread of it is still in the system: its first thread has gone, and
+/// with that its command line; its descriptors go at SIGTERM.
+[[noreturn]] void end_slowly(deploy::InheritedProcess& process) {
+  std::thread([&process] {
+    while (!process.wait_for_end(std::chrono::hours(1))) {
+    }
+    std::_Exit(0);
+  }).detach();
+  std::printf("ready\n");
+  for (;;)
+    ::syscall(SYS_exit, 0);
+}
+
 [[noreturn]] void misbehave(const std::string& how) {
   if (how == "abort") std::abort();
   if (how == "segv") {
@@ -60,6 +75,7 @@ int run() {
   const char* variable = std::getenv("TEST_DO");
   const std::string what = variable == nullptr ? "" : variable;
   if (what == "abort" || what == "segv" || what == "status") misbehave(what);
+  if (what == "end slowly") end_slowly(process);
   if (what == "child") start_stubborn_child();
   if (what == "chatter") chatter();
   std::printf("ready\n");

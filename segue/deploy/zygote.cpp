@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
 #include <segue/deploy/pidfd.hpp>
 #include <segue/deploy/process_log.hpp>
 #include <segue/deploy/process_table.hpp>
-#include <segue/deploy/system_error.hpp>
 #include <segue/deploy/zygote.hpp>
 #include <segue/deploy/zygote_message.hpp>
 

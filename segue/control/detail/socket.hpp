@@ -14,8 +14,9 @@ namespace segue::control::detail {
 /// whose lock can be had is stale.
 class ListeningSocket {
  public:
-  /// Binds with mode 0600 and listens. AlreadyExists where another server holds the path.
-  static Result<ListeningSocket> open(const std::filesystem::path& path);
+  /// Binds with mode 0600 and listens. AlreadyExists where another server holds the path; one whose process
+  /// is ending is waited for until `deadline`.
+  static Result<ListeningSocket> open(const std::filesystem::path& path, TimePoint deadline);
   /// One that somebody else has bound and listens on; its file stays. InvalidArgument where it is none.
   static Result<ListeningSocket> adopt(Descriptor socket);
   ListeningSocket(ListeningSocket&&) = default;
