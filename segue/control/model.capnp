@@ -43,6 +43,7 @@ struct Task {
   activity @5 :Activity;  # null: the component's
   exclusive @6 :List(Text);
   takesOver @7 :Text;  # null: nobody
+  onFailure @8 :UInt8;  # 0: not given; else one more than the position
 }
 
 struct Number {
@@ -72,6 +73,7 @@ struct Deployment {
   cpus @7 :List(Int32);
   environment @8 :List(Pair);
   limits @9 :Limits;
+  onFailure @10 :UInt8;  # as a task's
 }
 
 struct Network {

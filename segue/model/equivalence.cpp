@@ -36,6 +36,10 @@ auto index_by(const Items& items, Key key) {
   return index;
 }
 
+std::string word_of(const std::optional<FailurePolicy>& policy) {
+  return policy ? std::string(to_string(*policy)) : "nothing";
+}
+
 void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   auto tell = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
     if (equal) return;
@@ -54,6 +58,7 @@ void compare_tasks(const Task& a, const Task& b, Findings& findings) {
        "[" + listed(b.exclusive) + "]");
   tell(a.takes_over == b.takes_over, "takes_over", a.takes_over ? a.takes_over->str() : "nothing",
        b.takes_over ? b.takes_over->str() : "nothing");
+  tell(a.on_failure == b.on_failure, "on_failure", word_of(a.on_failure), word_of(b.on_failure));
 }
 
 std::string_view name_of(const Task& task) {

@@ -193,16 +193,29 @@ models: ["models/*.yaml"]
 controllers: [controllers/*.yaml]
 missions: [missions/*.yaml]
 fallback: safe_stop
-policies: {restart: {max: 5, backoff: 200ms}}
+policies: {on_failure: restart, restart: {max: 5, backoff: 200ms}, watch: 500ms}
+look_ahead: {processes: 3, memory: 512MB}
 )",
                                 "/robots/artemis/robot.yaml", diagnostics);
   ASSERT_TRUE(robot) << to_string(diagnostics);
   EXPECT_THAT(diagnostics.items(), IsEmpty());
   EXPECT_THAT(robot->hosts, ElementsAre(Host{HostName("onboard"), "local", ""},
                                         Host{HostName("base"), "tcp://10.0.0.2:7447", "certs/ca.pem"}));
-  EXPECT_EQ(robot->restart, (RestartPolicy{5, std::chrono::milliseconds(200)}));
+  EXPECT_EQ(robot->policies, (Policies{FailurePolicy::Restart,
+                                       {5, std::chrono::milliseconds(200)},
+                                       std::chrono::milliseconds(500)}));
+  EXPECT_EQ(robot->look_ahead, (LookAhead{3, 512'000'000}));
   EXPECT_EQ(robot->folder, "/robots/artemis");
   EXPECT_EQ(robot->fallback, NetworkName("safe_stop"));
+}
+
+TEST(RobotFileTest, whatIsNotGivenIsModest) {
+  Diagnostics diagnostics;
+  const auto robot = read_robot("robot: r\npolicies: {}\nlook_ahead: {}\n", "r.yaml", diagnostics);
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  EXPECT_EQ(robot->policies, Policies{});
+  EXPECT_EQ(robot->policies.on_failure, FailurePolicy::Report);
+  EXPECT_EQ(robot->look_ahead, LookAhead{});
 }
 
 TEST(RobotFileTest, librariesAreNamesNeverPaths) {

@@ -17,18 +17,6 @@ constexpr std::uint64_t kLeastMemory = std::uint64_t{16} << 20;
 constexpr std::uint64_t kLeastFiles = 64;
 constexpr std::uint64_t kMostFiles = std::numeric_limits<std::int32_t>::max();
 
-std::optional<std::uint64_t> read_size(Fields& fields, std::string_view key, const Source& source) {
-  const Value* value = fields.find(key);
-  if (value == nullptr) return std::nullopt;
-  auto size = parse_size(scalar_text(*value).value_or(""));
-  if (size) return *size;
-  source.error("bad-limit",
-               fields.what() + ": " + quote(key) + " must be a size with a unit such as '512MB', got " +
-                   type::describe(*value),
-               *value);
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::optional<std::string> problem_of(const ResourceLimits& limits) {
@@ -50,12 +38,12 @@ std::optional<std::string> problem_of(const ResourceLimits& limits) {
 ResourceLimits read_limits(const Value& value, const std::string& what, const Source& source) {
   Fields fields(value, what, source);
   ResourceLimits limits;
-  limits.memory = read_size(fields, "memory", source);
+  limits.memory = fields.size("memory", "bad-limit");
   const auto files = fields.integer("open_files", static_cast<std::int64_t>(kLeastFiles),
                                     static_cast<std::int64_t>(kMostFiles), "bad-limit");
   if (files) limits.open_files = static_cast<std::uint64_t>(*files);
   limits.cpu_time = fields.duration("cpu_time");
-  limits.core = read_size(fields, "core", source);
+  limits.core = fields.size("core", "bad-limit");
   fields.finish();
   if (auto problem = problem_of(limits)) {
     source.error("bad-limit", fields.what() + ": " + *problem, value);

@@ -8,7 +8,7 @@ namespace segue::model {
 
 bool operator==(const Task& a, const Task& b) {
   return a.id == b.id && a.component == b.component && a.state == b.state && a.same_configuration(b) &&
-         a.takes_over == b.takes_over;
+         a.takes_over == b.takes_over && a.on_failure == b.on_failure;
 }
 
 bool Task::same_configuration(const Task& other) const {
@@ -25,7 +25,7 @@ bool Deployment::same_process(const Deployment& other) const {
 }
 
 bool operator==(const Deployment& a, const Deployment& b) {
-  return a.same_process(b) && a.tasks == b.tasks;
+  return a.same_process(b) && a.tasks == b.tasks && a.on_failure == b.on_failure;
 }
 
 const Task* Network::find_task(const TaskId& id) const {

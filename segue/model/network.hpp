@@ -9,13 +9,28 @@
 #include <segue/model/ids.hpp>
 #include <segue/type/value.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace segue::model {
+
+/// What the runtime does when something differs from what it holds to be running.
+enum class FailurePolicy : std::uint8_t {
+  Report,   ///< tells of it
+  Recover,  ///< brings tasks back from their errors, and remakes what is missing
+  Restart,  ///< replaces the task by a new one, in a new process if its own has failed
+  Fallback  ///< switches to the robot's fallback controller
+};
+inline constexpr std::array<std::string_view, 4> kFailurePolicyNames = {"report", "recover", "restart",
+                                                                        "fallback"};
+inline std::string_view to_string(FailurePolicy policy) {
+  return kFailurePolicyNames.at(static_cast<std::size_t>(policy));
+}
 
 /// An instance of a component. `where` (its place in a file) takes no part in comparison, here and below.
 struct Task {
@@ -27,7 +42,9 @@ struct Task {
   type::Value properties{type::ValueMap{}};  ///< a map; entries override the sections
   std::optional<Activity> activity;          ///< nothing: the component's default
   std::vector<std::string> exclusive;        ///< devices that only one configured task may hold
-  std::optional<TaskId> takes_over;          ///< whose state this task continues when it replaces it
+  /// Whose state this task continues when it replaces it; its own id: when it moves to another process.
+  std::optional<TaskId> takes_over;
+  std::optional<FailurePolicy> on_failure;  ///< nothing: its deployment's
   SourceLocation where;
 
   friend bool operator==(const Task& a, const Task& b);
@@ -81,6 +98,9 @@ struct Deployment {
   bool optional = false;  ///< run as Normal where the system does not permit the scheduler
   std::vector<std::pair<std::string, std::string>> environment;
   ResourceLimits limits{};
+  /// For its tasks and for the process itself; nothing: the robot's. Says nothing about what runs, so it is
+  /// neither an attribute of the process nor a difference: who needs it asks the network that was requested.
+  std::optional<FailurePolicy> on_failure{};
   SourceLocation where;
 
   [[nodiscard]] DeploymentKey key() const { return {host, process}; }

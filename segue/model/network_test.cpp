@@ -54,6 +54,10 @@ TEST(NetworkTest, listOfTasksIsNotPartOfTheProcess) {
   other.tasks.push_back({TaskId("a"), "a"});
   EXPECT_TRUE(one.same_process(other));
   EXPECT_FALSE(one == other);
+  other = one;
+  other.on_failure = FailurePolicy::Restart;
+  EXPECT_TRUE(one.same_process(other));
+  EXPECT_FALSE(one == other);
   other.cpus = {1};
   EXPECT_FALSE(one.same_process(other));
 }

@@ -46,6 +46,8 @@ type::Value write_limits(const ResourceLimits& limits);
 
 /// From the keys host, deployer, scheduler, priority, cpu, optional, environment, limits; not process and
 /// tasks.
+/// The key `on_failure`.
+std::optional<FailurePolicy> read_failure_policy(Fields& fields);
 void read_process(Fields& fields, Deployment& deployment, const Source& source);
 void write_process(type::ValueMap& map, const Deployment& deployment);
 

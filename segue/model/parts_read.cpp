@@ -112,6 +112,11 @@ std::optional<Activity> read_activity(const Value& value, const std::string& wha
   return activity;
 }
 
+std::optional<FailurePolicy> read_failure_policy(Fields& fields) {
+  const auto choice = fields.choice("on_failure", kFailurePolicyNames, "bad-on-failure");
+  return choice ? std::optional(static_cast<FailurePolicy>(*choice)) : std::nullopt;
+}
+
 Task read_task(const std::string& id, const Value& value, const Source& source) {
   Fields fields(value, "task " + quote(id), source);
   check_name(id, "task " + quote(id), value, source);
@@ -131,6 +136,7 @@ Task read_task(const std::string& id, const Value& value, const Source& source) 
   }
   task.exclusive = fields.texts("exclusive");
   if (const std::string old = fields.name("takes_over"); !old.empty()) task.takes_over = TaskId(old);
+  task.on_failure = read_failure_policy(fields);
   fields.finish();
   return task;
 }
@@ -237,6 +243,7 @@ void read_process(Fields& fields, Deployment& deployment, const Source& source) 
   if (const Value* limits = fields.find("limits")) {
     deployment.limits = read_limits(*limits, "the limits of " + fields.what(), source);
   }
+  deployment.on_failure = read_failure_policy(fields);
   const Value* environment = fields.find("environment", Value::Kind::Map);
   if (environment == nullptr) return;
   for (const auto& [key, value] : environment->as_map()) {

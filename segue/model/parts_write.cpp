@@ -42,6 +42,7 @@ Value write_task(const Task& task) {
   if (task.activity) map.append("activity", write_activity(*task.activity));
   if (!task.exclusive.empty()) map.append("exclusive", text_list(task.exclusive));
   if (task.takes_over) map.append("takes_over", task.takes_over->str());
+  if (task.on_failure) map.append("on_failure", to_string(*task.on_failure));
   return map;
 }
 
@@ -73,6 +74,7 @@ void write_process(ValueMap& map, const Deployment& deployment) {
   write_scheduling(map, deployment.scheduler, deployment.priority, deployment.cpus);
   if (deployment.optional) map.append("optional", true);
   if (!deployment.limits.empty()) map.append("limits", write_limits(deployment.limits));
+  if (deployment.on_failure) map.append("on_failure", to_string(*deployment.on_failure));
   if (deployment.environment.empty()) return;
   ValueMap environment;
   for (const auto& [key, text] : deployment.environment)

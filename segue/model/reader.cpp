@@ -144,6 +144,18 @@ std::optional<Duration> Fields::duration(std::string_view key) {
   return std::nullopt;
 }
 
+std::optional<std::uint64_t> Fields::size(std::string_view key, std::string_view code) {
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  auto parsed = parse_size(scalar_text(*value).value_or(""));
+  if (parsed) return *parsed;
+  source_.error(std::string(code),
+                what_ + ": " + quote(key) + " must be a size with a unit such as '512MB', got " +
+                    type::describe(*value),
+                *value);
+  return std::nullopt;
+}
+
 std::vector<std::string> Fields::texts(std::string_view key) {
   const Value* value = find(key);
   std::vector<std::string> result;

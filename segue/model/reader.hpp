@@ -64,6 +64,8 @@ class Fields {
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most,
                                       std::string_view code);
   std::optional<Duration> duration(std::string_view key);
+  /// Bytes: "512MB".
+  std::optional<std::uint64_t> size(std::string_view key, std::string_view code);
   /// A list of texts, or one text as a list of one.
   std::vector<std::string> texts(std::string_view key);
   std::vector<int> integers(std::string_view key, int least, int most);

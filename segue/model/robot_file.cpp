@@ -69,9 +69,30 @@ void read_policies(Fields& robot, Robot& result, const Source& source) {
   const Value* policies = robot.find("policies", Value::Kind::Map);
   if (policies == nullptr) return;
   Fields fields(*policies, "the policies", source);
+  if (const auto policy = detail::read_failure_policy(fields)) result.policies.on_failure = *policy;
   if (const Value* restart = fields.find("restart", Value::Kind::Map)) {
-    result.restart = read_restart(*restart, source);
+    result.policies.restart = read_restart(*restart, source);
   }
+  result.policies.watch = fields.duration("watch").value_or(result.policies.watch);
+  if (result.policies.watch <= Duration::zero()) {
+    source.error("bad-duration", "the policies: 'watch' must be longer than nothing", *fields.find("watch"));
+  }
+  if (result.policies.on_failure == FailurePolicy::Fallback && !result.fallback) {
+    source.error("no-fallback",
+                 "the policies: 'on_failure: fallback' needs the robot's 'fallback' controller",
+                 *fields.find("on_failure"));
+  }
+  fields.finish();
+}
+
+void read_look_ahead(Fields& robot, Robot& result, const Source& source) {
+  const Value* look_ahead = robot.find("look_ahead", Value::Kind::Map);
+  if (look_ahead == nullptr) return;
+  Fields fields(*look_ahead, "the look-ahead", source);
+  LookAhead& budget = result.look_ahead;
+  budget.processes =
+      static_cast<int>(fields.integer("processes", 0, 10'000, "bad-value").value_or(budget.processes));
+  budget.memory = fields.size("memory", "bad-value").value_or(budget.memory);
   fields.finish();
 }
 
@@ -101,6 +122,7 @@ Robot read_body(const Value& root, const Source& source) {
     robot.fallback = NetworkName(fallback);
   }
   read_policies(fields, robot, source);
+  read_look_ahead(fields, robot, source);
   fields.finish();
   return robot;
 }

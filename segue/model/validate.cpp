@@ -56,6 +56,22 @@ void check_network_hosts(const Robot& robot, const Network& network, Diagnostics
   }
 }
 
+/// Who wants the fallback must have one.
+void check_fallback_users(const Robot& robot, const Network& network, Diagnostics& diagnostics) {
+  if (robot.fallback) return;
+  const auto check = [&](const auto& user, const std::string& what) {
+    if (user.on_failure != FailurePolicy::Fallback) return;
+    diagnostics.error("no-fallback",
+                      what + ": 'on_failure: fallback' needs the robot's 'fallback' controller, which " +
+                          quote(robot.name) + " does not name",
+                      detail::place(user.where, network));
+  };
+  for (const Task& task : network.tasks)
+    check(task, "task " + quote(task.id.str()));
+  for (const Deployment& deployment : network.deployments)
+    check(deployment, "process " + to_string(deployment.key()));
+}
+
 }  // namespace
 
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, Depth depth) {
@@ -81,6 +97,7 @@ Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
                         {network.file, 0, 0});
     }
     check_network_hosts(robot, network, diagnostics);
+    check_fallback_users(robot, network, diagnostics);
   }
   diagnostics.sort();
   return diagnostics;

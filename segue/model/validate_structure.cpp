@@ -67,14 +67,11 @@ class StructureCheck {
   void check_heir(const Task& task, const std::string& what) {
     if (!task.takes_over) return;
     const auto [first, fresh] = heirs_.try_emplace(task.takes_over->str(), &task);
-    if (*task.takes_over == task.id) {
-      error("bad-takes-over", what + " cannot take over from itself", task.where);
-    } else if (!fresh) {
-      error("bad-takes-over",
-            what + " and task " + quote(first->second->id.str()) + " both take over from " +
-                quote(task.takes_over->str()),
-            task.where);
-    }
+    if (fresh) return;
+    error("bad-takes-over",
+          what + " and task " + quote(first->second->id.str()) + " both take over from " +
+              quote(task.takes_over->str()),
+          task.where);
   }
 
   void check_deployment(const Deployment& deployment) {

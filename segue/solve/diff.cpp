@@ -131,8 +131,10 @@ void list_silent_changes(model::Transition& transition, const Index& index, cons
     const TaskEntry& entry = index.task(number);
     if (plan.task(number).fate != TaskFate::Kept) continue;
     if (plan.task(number).steps.has(ActionKind::ApplyConfig)) continue;
-    if (entry.current().task->takes_over == entry.target().task->takes_over) continue;
-    transition.redefines.push_back(*entry.target().task);
+    const model::Task& now = *entry.current().task;
+    const model::Task& then = *entry.target().task;
+    if (now.takes_over == then.takes_over && now.on_failure == then.on_failure) continue;
+    transition.redefines.push_back(then);
   }
 }
 

@@ -152,6 +152,7 @@ inline model::Task random_task(Random& random, const NetworkShape& shape, std::s
   if (one_in(random, 3)) task.activity = random_activity(random);
   if (one_in(random, 4)) task.exclusive = {"/dev/" + task.id.str()};
   if (one_in(random, 6)) task.takes_over = model::TaskId("old_" + task.id.str());
+  if (one_in(random, 5)) task.on_failure = static_cast<model::FailurePolicy>(up_to(random, 3));
   return task;
 }
 
@@ -182,6 +183,7 @@ inline model::Deployment random_deployment(Random& random, const NetworkShape& s
   deployment.cpus = random_cpus(random);
   deployment.optional = one_in(random, 5);
   if (one_in(random, 4)) deployment.limits = random_limits(random);
+  if (one_in(random, 5)) deployment.on_failure = static_cast<model::FailurePolicy>(up_to(random, 3));
   if (one_in(random, 4)) deployment.environment.emplace_back("KEY", random_text(random, shape.awkward_text));
   return deployment;
 }

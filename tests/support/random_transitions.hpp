@@ -102,6 +102,7 @@ class PairGenerator {
     if (one_in(2)) task.properties.as_map().set("mode", up_to(1));
     if (one_in(8)) task.config_names = {"fast"};
     if (one_in(8)) task.takes_over = model::TaskId("t" + std::to_string(up_to(shape_.tasks - 1)));
+    if (one_in(6)) task.on_failure = static_cast<model::FailurePolicy>(up_to(3));
     if (shape_.devices && one_in(3)) task.exclusive = {"/dev/" + std::to_string(up_to(1))};
   }
 

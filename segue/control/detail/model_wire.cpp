@@ -45,6 +45,15 @@ model::ResourceLimits decode_limits(wire::Limits::Reader reader) {
   return limits;
 }
 
+std::uint8_t encode_policy(const std::optional<model::FailurePolicy>& policy) {
+  return policy ? static_cast<std::uint8_t>(static_cast<unsigned>(*policy) + 1U) : std::uint8_t{0};
+}
+
+std::optional<model::FailurePolicy> decode_policy(std::uint8_t number) {
+  if (number == 0) return std::nullopt;
+  return enum_from(static_cast<std::uint8_t>(number - 1U), model::FailurePolicy::Fallback);
+}
+
 void encode_what(const model::TaskAction& what, wire::Action::Builder builder) {
   builder.setTask(as_text(what.task.str()));
 }
@@ -196,6 +205,7 @@ void encode(const model::Task& task, wire::Task::Builder builder) {
   if (task.activity) encode(*task.activity, builder.initActivity());
   encode(task.exclusive, builder.initExclusive(count_of(task.exclusive)));
   if (task.takes_over) builder.setTakesOver(as_text(task.takes_over->str()));
+  builder.setOnFailure(encode_policy(task.on_failure));
 }
 
 model::Task decode(wire::Task::Reader reader) {
@@ -208,6 +218,7 @@ model::Task decode(wire::Task::Reader reader) {
   if (reader.hasActivity()) task.activity = decode(reader.getActivity());
   task.exclusive = decode(reader.getExclusive());
   if (reader.hasTakesOver()) task.takes_over = TaskId(as_string(reader.getTakesOver()));
+  task.on_failure = decode_policy(reader.getOnFailure());
   return task;
 }
 
@@ -228,6 +239,7 @@ void encode(const model::Deployment& deployment, wire::Deployment::Builder build
                 encode_pair(entry.first, entry.second, pair);
               });
   if (!deployment.limits.empty()) encode_limits(deployment.limits, builder.initLimits());
+  builder.setOnFailure(encode_policy(deployment.on_failure));
 }
 
 model::Deployment decode(wire::Deployment::Reader reader) {
@@ -247,6 +259,7 @@ model::Deployment decode(wire::Deployment::Reader reader) {
         return std::pair(as_string(pair.getFirst()), as_string(pair.getSecond()));
       });
   deployment.limits = decode_limits(reader.getLimits());
+  deployment.on_failure = decode_policy(reader.getOnFailure());
   return deployment;
 }
 
