@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/journal_test_support.hpp>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <random>
+
+extern char** environ;
+
+namespace segue::journal {
+namespace {
+
+using testing::all_of;
+using testing::Folder;
+
+/// A process that writes a journal, from a number on, and tells what is safe.
+class Writer {
+ public:
+  Writer(const std::filesystem::path& path, std::uint64_t first) {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+    std::string program = JOURNAL_TEST_PROCESS;
+    std::string file = path;
+    std::string number = std::to_string(first);
+    std::array<char*, 4> arguments = {program.data(), file.data(), number.data(), nullptr};
+    EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &files, nullptr, arguments.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&files);
+    ::close(ends[1]);
+    told_ = ::fdopen(ends[0], "r");
+  }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+  ~Writer() { std::fclose(told_); }
+
+  /// The next number that is safe; 0 at the end.
+  std::uint64_t next() {
+    std::array<char, 32> line{};
+    return std::fgets(line.data(), line.size(), told_) == nullptr ? 0
+                                                                  : std::strtoull(line.data(), nullptr, 10);
+  }
+
+  /// Ends it at once. The last number that it told.
+  std::uint64_t kill(std::uint64_t safe) {
+    ::kill(pid_, SIGKILL);
+    while (const std::uint64_t later = next())
+      safe = later;
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    return safe;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  std::FILE* told_ = nullptr;
+};
+
+TEST(JournalKill, NothingThatWasFlushedIsLostWheneverTheWriterIsKilled) {
+  const Folder folder;
+  const auto path = folder / "j";
+  std::mt19937 random(
+      1);  // NOLINT(cert-msc51-cpp): the same moments each time, as far as the computer lets us
+  std::uint64_t safe = 0;
+  for (int life = 0; life < 40; ++life) {
+    Writer writer(path, safe + 1);
+    const auto flushes = std::uniform_int_distribution<int>(0, 8)(random);
+    std::uint64_t last = safe;
+    for (int i = 0; i < flushes; ++i)
+      last = std::max(last, writer.next());
+    // Somewhere within the next writing.
+    ::usleep(std::uniform_int_distribution<useconds_t>(0, 4000)(random));
+    last = writer.kill(last);
+    if (!std::filesystem::exists(path)) continue;
+    auto reader = JournalReader::open(path);
+    if (!reader && reader.error().code == ErrorCode::NotFound && last == 0) continue;
+    ASSERT_TRUE(reader) << to_string(reader.error());
+    EXPECT_TRUE(reader->check());
+    const auto entries = all_of(path);
+    ASSERT_GE(entries.size(), last);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      ASSERT_EQ(entries[i].request, i + 1);
+      ASSERT_EQ(entries[i].actions.size(), 20U);
+    }
+    const auto times = reader->times();
+    ASSERT_TRUE(times);
+    if (!entries.empty()) {
+      EXPECT_EQ(times->actions.begin()->second.count, 20 * entries.size());
+    }
+    safe = entries.size();
+  }
+  EXPECT_GT(safe, 50U);
+}
+
+}  // namespace
+}  // namespace segue::journal

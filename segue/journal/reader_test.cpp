@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/journal_test_support.hpp>
+#include <segue/journal/schema.hpp>
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <fstream>
+
+namespace segue::journal {
+namespace {
+
+using testing::all_of;
+using testing::change;
+using testing::Folder;
+using ::testing::HasSubstr;
+using testing::soon;
+using testing::transition;
+
+void write_some(const std::filesystem::path& path) {
+  Journal journal(path);
+  for (std::uint64_t i = 1; i <= 5; ++i)
+    journal.add(transition(i));
+  ASSERT_TRUE(journal.flush(soon()));
+}
+
+ErrorCode code_of(const std::filesystem::path& path) {
+  const auto reader = JournalReader::open(path);
+  EXPECT_FALSE(reader);
+  return reader ? ErrorCode::Internal : reader.error().code;
+}
+
+TEST(JournalReader, SaysWhereThereIsNoFile) {
+  const Folder folder;
+  EXPECT_EQ(code_of(folder / "none"), ErrorCode::NotFound);
+  std::ofstream(folder / "empty").close();
+  EXPECT_EQ(code_of(folder / "empty"), ErrorCode::NotFound);
+}
+
+TEST(JournalReader, GivesTheLatestOnes) {
+  const Folder folder;
+  write_some(folder / "j");
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  const auto latest = reader->transitions(2, JournalReader::Actions::Without);
+  ASSERT_TRUE(latest);
+  ASSERT_EQ(latest->size(), 2U);
+  EXPECT_EQ(latest->at(0).request, 4U);
+  EXPECT_EQ(latest->at(1).request, 5U);
+  EXPECT_TRUE(latest->at(1).actions.empty());
+}
+
+TEST(JournalReader, RefusesWhatIsNoJournal) {
+  const Folder folder;
+  std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "
+                                 << std::string(5000, 'x');
+  EXPECT_EQ(code_of(folder / "text"), ErrorCode::ParseError);
+  change(folder / "other", "CREATE TABLE t (x); PRAGMA user_version = 1");
+  EXPECT_EQ(code_of(folder / "other"), ErrorCode::InvalidArgument);
+}
+
+TEST(JournalReader, RefusesWhatANewerSegueWrote) {
+  const Folder folder;
+  write_some(folder / "j");
+  change(folder / "j", "PRAGMA user_version = 99");
+  const auto reader = JournalReader::open(folder / "j");
+  ASSERT_FALSE(reader);
+  EXPECT_EQ(reader.error().code, ErrorCode::Unsupported);
+  EXPECT_THAT(reader.error().message, HasSubstr("version 99"));
+}
+
+TEST(JournalReader, LeavesOutRowsThatMakeNoSense) {
+  const Folder folder;
+  write_some(folder / "j");
+  change(folder / "j", R"(
+    UPDATE action SET kind = 'dance' WHERE "transition" = 1 AND number = 0;
+    UPDATE action SET phase = 7 WHERE "transition" = 2 AND number = 0;
+    UPDATE action SET id = -5 WHERE "transition" = 3 AND number = 0;
+    UPDATE "transition" SET total_low = 5, total_typical = 4, total_high = 6;
+    INSERT INTO duration VALUES ('a', 'start', 'h', 1, 5, '1 2', 0);
+    INSERT INTO duration VALUES ('b', 'start', 'h', 1, 5, 'x', 0);
+    INSERT INTO duration VALUES ('c', 'start', 'h', 1, 5, '5 ', 0);
+    INSERT INTO duration VALUES ('d', 'start', 'h', 1, -5, '5', 0);
+    INSERT INTO duration VALUES ('e', 'start', 'h', 1, 5, '-5', 0);
+    INSERT INTO duration VALUES ('f', 'start', 'h', 1, 5, '99999999999999999999', 0);
+    INSERT INTO duration VALUES ('g', 'start', 'h', 1, 5, '', 0);
+    INSERT INTO duration VALUES ('h', 'leap', 'h', 1, 5, '5', 0);)");
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  const auto entries = reader->transitions(10);
+  ASSERT_TRUE(entries);
+  EXPECT_EQ(entries->at(0).actions.size(), 1U);
+  EXPECT_EQ(entries->at(1).actions.size(), 1U);
+  EXPECT_EQ(entries->at(2).actions.size(), 1U);
+  EXPECT_EQ(entries->at(3).actions.size(), 2U);
+  EXPECT_FALSE(entries->at(3).predicted);
+  const auto times = reader->times();
+  ASSERT_TRUE(times);
+  EXPECT_EQ(times->actions.size(), 1U);
+  EXPECT_EQ(reader->invalid_rows(), 11U);
+}
+
+TEST(JournalReader, SeesWhatIsWrittenAfterItOpened) {
+  const Folder folder;
+  Journal journal(folder / "j");
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->transitions(10)->empty());
+  journal.add(transition(1));
+  ASSERT_TRUE(journal.flush(soon()));
+  EXPECT_EQ(reader->transitions(10)->size(), 1U);
+}
+
+TEST(JournalReader, ReadsANameThatIsOddInAnAddress) {
+  const Folder folder;
+  write_some(folder / "50% of? #1");
+  EXPECT_EQ(all_of(folder / "50% of? #1").size(), 5U);
+}
+
+TEST(JournalReader, FindsDamage) {
+  const Folder folder;
+  write_some(folder / "j");
+  const auto size = std::filesystem::file_size(folder / "j");
+  std::fstream file(folder / "j", std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(4096);
+  file << std::string(size - 4096, '\x5a');
+  file.close();
+  auto reader = JournalReader::open(folder / "j");
+  const auto found = reader ? reader->check() : Result<void>(reader.error());
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, ErrorCode::ParseError);
+}
+
+TEST(Schema, BringsAnOlderFileUpToDateStepByStep) {
+  const Folder folder;
+  constexpr std::array<std::string_view, 3> kSteps = {
+      "CREATE TABLE a (x)", "ALTER TABLE a ADD COLUMN y DEFAULT 7; INSERT INTO a (x) VALUES (1)",
+      "UPDATE a SET x = x + y"};
+  auto database = detail::Database::open(folder / "d", detail::Database::Mode::Write);
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(detail::bring_up_to_date(*database, std::span(kSteps).first(1)));
+  ASSERT_TRUE(detail::bring_up_to_date(*database, std::span(kSteps).first(1)));
+  ASSERT_TRUE(detail::bring_up_to_date(*database, kSteps));
+  ASSERT_TRUE(detail::bring_up_to_date(*database, kSteps));
+  EXPECT_EQ(*database->integer("SELECT x FROM a"), 8);
+  EXPECT_EQ(*database->integer("PRAGMA user_version"), 3);
+  const auto older = detail::bring_up_to_date(*database, std::span(kSteps).first(2));
+  ASSERT_FALSE(older);
+  EXPECT_EQ(older.error().code, ErrorCode::Unsupported);
+}
+
+TEST(Schema, AStepThatFailsLeavesTheFileAsItWas) {
+  const Folder folder;
+  constexpr std::array<std::string_view, 2> kSteps = {"CREATE TABLE a (x)",
+                                                      "INSERT INTO a VALUES (1); INSERT INTO b VALUES (1)"};
+  auto database = detail::Database::open(folder / "d", detail::Database::Mode::Write);
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(detail::bring_up_to_date(*database, std::span(kSteps).first(1)));
+  EXPECT_FALSE(detail::bring_up_to_date(*database, kSteps));
+  EXPECT_EQ(*database->integer("SELECT count(*) FROM a"), 0);
+  EXPECT_EQ(*database->integer("PRAGMA user_version"), 1);
+}
+
+}  // namespace
+}  // namespace segue::journal

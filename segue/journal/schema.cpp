@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/schema.hpp>
+
+#include <array>
+#include <string>
+
+namespace segue::journal::detail {
+
+namespace {
+
+constexpr std::int64_t kApplication = 0x53454755;  // "SEGU"
+
+/// Times are nanoseconds: `time` since 1970, all others as durations. Enumerations are words.
+constexpr std::string_view kFirst = R"(
+CREATE TABLE "transition" (
+  id INTEGER PRIMARY KEY, request INTEGER NOT NULL, time INTEGER NOT NULL, who TEXT NOT NULL, source TEXT NOT NULL,
+  target TEXT NOT NULL, "order" TEXT NOT NULL, outcome TEXT NOT NULL, error TEXT NOT NULL, solve INTEGER NOT NULL,
+  total INTEGER NOT NULL, prepare INTEGER NOT NULL, "commit" INTEGER NOT NULL, retire INTEGER NOT NULL,
+  total_low INTEGER, total_typical INTEGER, total_high INTEGER,
+  commit_low INTEGER, commit_typical INTEGER, commit_high INTEGER, actions INTEGER NOT NULL);
+CREATE TABLE action (
+  "transition" INTEGER NOT NULL REFERENCES "transition"(id), number INTEGER NOT NULL, id INTEGER NOT NULL,
+  kind TEXT NOT NULL, phase TEXT NOT NULL, label TEXT NOT NULL, component TEXT NOT NULL, host TEXT NOT NULL,
+  process TEXT NOT NULL, started INTEGER NOT NULL, waited INTEGER NOT NULL, duration INTEGER NOT NULL,
+  outcome TEXT NOT NULL, error TEXT NOT NULL, PRIMARY KEY ("transition", number)) WITHOUT ROWID;
+CREATE TABLE request (
+  id INTEGER PRIMARY KEY, request INTEGER NOT NULL, time INTEGER NOT NULL, who TEXT NOT NULL, what TEXT NOT NULL);
+CREATE TABLE difference (
+  id INTEGER PRIMARY KEY, time INTEGER NOT NULL, subject TEXT NOT NULL, sentence TEXT NOT NULL, done TEXT NOT NULL);
+CREATE TABLE gap (id INTEGER PRIMARY KEY, time INTEGER NOT NULL, lost INTEGER NOT NULL, reason TEXT NOT NULL);
+CREATE TABLE duration (
+  component TEXT NOT NULL, kind TEXT NOT NULL, host TEXT NOT NULL, count INTEGER NOT NULL, mean INTEGER NOT NULL,
+  recent TEXT NOT NULL, time INTEGER NOT NULL, PRIMARY KEY (component, kind, host)) WITHOUT ROWID;
+)";
+
+constexpr std::array kSteps = {kFirst};
+
+Error not_ours() {
+  return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");
+}
+
+Error newer(std::int64_t version, std::size_t known) {
+  return fail(ErrorCode::Unsupported, "a newer Segue wrote it (version " + std::to_string(version) +
+                                          " of the journal, this one knows " + std::to_string(known) +
+                                          "); update Segue, or move the file away");
+}
+
+/// The version of the file; 0 where it is empty.
+Result<std::int64_t> version_of(Database& database, std::size_t known) {
+  const auto application = database.integer("PRAGMA application_id");
+  if (!application) return application.error();
+  const auto version = database.integer("PRAGMA user_version");
+  if (!version) return version.error();
+  const auto tables = database.integer("SELECT count(*) FROM sqlite_schema");
+  if (!tables) return tables.error();
+  if (*application == 0 && *version == 0 && *tables == 0) return 0;
+  if (*application != kApplication || *version < 1) return not_ours();
+  if (*version > static_cast<std::int64_t>(known)) return newer(*version, known);
+  return version;
+}
+
+Result<void> take_steps(Database& database, std::size_t first, std::span<const std::string_view> steps) {
+  for (std::size_t i = first; i < steps.size(); ++i) {
+    if (auto done = database.execute(std::string(steps[i])); !done) return done;
+  }
+  return database.execute("PRAGMA application_id = " + std::to_string(kApplication) +
+                          "; PRAGMA user_version = " + std::to_string(steps.size()) + "; COMMIT");
+}
+
+}  // namespace
+
+std::span<const std::string_view> schema_steps() {
+  return kSteps;
+}
+
+Result<void> bring_up_to_date(Database& database, std::span<const std::string_view> steps) {
+  auto found = version_of(database, steps.size());
+  if (!found) return found.error();
+  if (*found == static_cast<std::int64_t>(steps.size())) return {};
+  // Who else opens the file just now must not take the same steps.
+  if (auto begun = database.execute("BEGIN IMMEDIATE"); !begun) return begun;
+  found = version_of(database, steps.size());
+  auto done = found ? take_steps(database, static_cast<std::size_t>(*found), steps)
+                    : Result<void>(std::move(found.error()));
+  database.roll_back();
+  return done;
+}
+
+Result<void> check_schema(Database& database) {
+  const std::size_t known = schema_steps().size();
+  const auto version = version_of(database, known);
+  if (!version) return version.error();
+  if (*version == 0) return fail(ErrorCode::NotFound, "nothing was written to it yet");
+  if (*version == static_cast<std::int64_t>(known)) return {};
+  return fail(ErrorCode::Unsupported,
+              "an older Segue wrote it; run the robot once, which brings it up to date");
+}
+
+}  // namespace segue::journal::detail

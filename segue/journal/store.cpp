@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/journal/schema.hpp>
+#include <segue/journal/statistics.hpp>
+#include <segue/journal/store.hpp>
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <system_error>
+
+namespace segue::journal::detail {
+
+namespace {
+
+/// No text of an entry is longer in the file.
+constexpr std::size_t kLongestText = 4096;
+/// Writers truncate the log of changes to this once it is taken over into the file.
+constexpr std::string_view kSetUp = R"(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = FULL;
+PRAGMA journal_size_limit = 4194304;
+PRAGMA trusted_schema = OFF;
+)";
+
+std::string_view cut(std::string_view text) {
+  return text.substr(0, kLongestText);
+}
+
+std::int64_t since_1970(std::chrono::system_clock::time_point time) {
+  return std::chrono::duration_cast<Duration>(time.time_since_epoch()).count();
+}
+
+Result<void> make_folder(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::filesystem::create_directories(path.parent_path(), failed);
+  if (!failed) return {};
+  return fail(ErrorCode::PermissionDenied,
+              "cannot make the folder " + quote(path.parent_path().native()) + ": " + failed.message());
+}
+
+Result<void> check_pages(Database& database) {
+  const auto found = database.text("PRAGMA quick_check(1)");
+  if (!found) return found.error();
+  if (*found == "ok") return {};
+  return fail(ErrorCode::ParseError, "it is damaged: " + *found);
+}
+
+Result<void> write_row(Database& database, const RequestEntry& entry) {
+  auto row = database.prepare("INSERT INTO request (request, time, who, what) VALUES (?, ?, ?, ?)");
+  if (!row) return row.error();
+  return row->run(static_cast<std::int64_t>(entry.request), since_1970(entry.time), cut(entry.who),
+                  cut(entry.what));
+}
+
+Result<void> write_row(Database& database, const DifferenceEntry& entry) {
+  auto row = database.prepare("INSERT INTO difference (time, subject, sentence, done) VALUES (?, ?, ?, ?)");
+  if (!row) return row.error();
+  return row->run(since_1970(entry.time), cut(entry.subject), cut(entry.sentence), cut(entry.done));
+}
+
+Result<void> write_row(Database& database, const GapEntry& entry) {
+  auto row = database.prepare("INSERT INTO gap (time, lost, reason) VALUES (?, ?, ?)");
+  if (!row) return row.error();
+  return row->run(since_1970(entry.time), static_cast<std::int64_t>(entry.lost), cut(entry.reason));
+}
+
+Result<void> write_head(Database& database, const TransitionEntry& entry) {
+  auto row = database.prepare(
+      R"(INSERT INTO "transition" (request, time, who, source, target, "order", outcome, error, solve, total, prepare,
+         "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high, actions)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+  if (!row) return row.error();
+  using Optional = std::optional<std::int64_t>;
+  const auto predicted = [&](model::DurationRange Prediction::*range, Duration model::DurationRange::*part) {
+    return entry.predicted ? Optional(((*entry.predicted).*range.*part).count()) : Optional();
+  };
+  using model::DurationRange;
+  return row->run(static_cast<std::int64_t>(entry.request), since_1970(entry.time), cut(entry.who),
+                  cut(entry.from), cut(entry.to), cut(entry.order), cut(entry.outcome), cut(entry.error),
+                  entry.solve.count(), entry.total.count(), entry.prepare.count(), entry.commit.count(),
+                  entry.retire.count(), predicted(&Prediction::total, &DurationRange::low),
+                  predicted(&Prediction::total, &DurationRange::typical),
+                  predicted(&Prediction::total, &DurationRange::high),
+                  predicted(&Prediction::commit, &DurationRange::low),
+                  predicted(&Prediction::commit, &DurationRange::typical),
+                  predicted(&Prediction::commit, &DurationRange::high),
+                  static_cast<std::int64_t>(entry.actions.size()));
+}
+
+Result<void> write_actions(Database& database, const TransitionEntry& entry) {
+  const auto number = database.integer("SELECT last_insert_rowid()");
+  if (!number) return number.error();
+  auto row = database.prepare(
+      R"(INSERT INTO action ("transition", number, id, kind, phase, label, component, host, process, started, waited,
+         duration, outcome, error) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+  if (!row) return row.error();
+  for (std::size_t i = 0; i < entry.actions.size(); ++i) {
+    const ActionEntry& action = entry.actions[i];
+    auto done =
+        row->run(*number, static_cast<std::int64_t>(i), static_cast<std::int64_t>(action.id),
+                 to_string(action.kind), to_string(action.phase), cut(action.label), cut(action.component),
+                 cut(action.host.str()), cut(action.process.str()), action.started.count(),
+                 action.waited.count(), action.duration.count(), cut(action.outcome), cut(action.error));
+    if (!done) return done;
+  }
+  return {};
+}
+
+}  // namespace
+
+Store::Store(Database database, std::filesystem::path path, std::size_t keep_actions)
+    : database_(std::move(database)),
+      path_(std::move(path)),
+      identity_(identify(path_)),
+      keep_actions_(keep_actions) {}
+
+Store::Identity Store::identify(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
+bool Store::is_in_place() const {
+  return identify(path_) == identity_;
+}
+
+Result<Store> Store::open(const std::filesystem::path& path, std::size_t keep_actions) {
+  if (auto made = make_folder(path); !made) return made.error();
+  auto database = Database::open(path, Database::Mode::Write);
+  if (!database) return database.error();
+  Store store(std::move(*database), path, keep_actions);
+  if (auto done = bring_up_to_date(store.database_); !done) return done.error();
+  if (auto done = store.database_.execute(std::string(kSetUp)); !done) return done.error();
+  if (auto sound = check_pages(store.database_); !sound) return sound.error();
+  if (auto done = remove_old_statistics(store.database_); !done) return done.error();
+  std::uint64_t invalid = 0;
+  auto times = read_times(store.database_, invalid);
+  if (!times) return times.error();
+  store.times_ = std::move(*times);
+  const auto kept = store.database_.integer(R"(SELECT count(*) + total(actions) FROM "transition")");
+  if (!kept) return kept.error();
+  store.kept_ = static_cast<std::size_t>(std::max<std::int64_t>(*kept, 0));
+  return store;
+}
+
+Result<void> Store::write(std::span<const Entry> entries) {
+  if (auto begun = database_.execute("BEGIN IMMEDIATE"); !begun) return begun;
+  model::ActionTimes times = times_;
+  std::size_t added = 0;
+  for (const Entry& entry : entries)
+    added += std::holds_alternative<TransitionEntry>(entry) ? weight_of(entry) : 0;
+  auto done = insert(entries, times);
+  if (done) done = remove_old(added);
+  if (done) done = database_.execute("COMMIT");
+  if (!done) {
+    database_.roll_back();
+    return done;
+  }
+  times_ = std::move(times);
+  return {};
+}
+
+Result<void> Store::insert(std::span<const Entry> entries, model::ActionTimes& times) {
+  for (const Entry& entry : entries) {
+    Result<void> done;
+    if (const auto* transition = std::get_if<TransitionEntry>(&entry)) {
+      done = insert(*transition);
+      if (done) done = learn(*transition, times);
+    } else if (const auto* request = std::get_if<RequestEntry>(&entry)) {
+      done = write_row(database_, *request);
+    } else if (const auto* difference = std::get_if<DifferenceEntry>(&entry)) {
+      done = write_row(database_, *difference);
+    } else {
+      done = write_row(database_, std::get<GapEntry>(entry));
+    }
+    if (!done) return done;
+  }
+  return {};
+}
+
+Result<void> Store::insert(const TransitionEntry& entry) {
+  if (auto done = write_head(database_, entry); !done) return done;
+  return write_actions(database_, entry);
+}
+
+Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& times) {
+  return learn_from(database_, lesson_of(entry), since_1970(entry.time), times);
+}
+
+Result<void> Store::remove_old(std::size_t added) {
+  kept_ += added;
+  const auto few = static_cast<std::int64_t>(std::max<std::size_t>(keep_actions_ / 10, 1));
+  for (const std::string table : {"request", "difference", "gap"}) {
+    auto row =
+        database_.prepare("DELETE FROM " + table + " WHERE id <= (SELECT max(id) FROM " + table + ") - ?");
+    if (!row) return row.error();
+    if (auto done = row->run(few); !done) return done;
+  }
+  return kept_ > keep_actions_ ? remove_old_transitions() : Result<void>();
+}
+
+/// Down to nine tenths, so that it is not to be done each time. The latest one stays, whatever its size.
+Result<void> Store::remove_old_transitions() {
+  auto rows = database_.prepare(R"(SELECT id, actions + 1 FROM "transition" ORDER BY id DESC)");
+  if (!rows) return rows.error();
+  rows->start();
+  std::size_t kept = 0;
+  std::int64_t last_removed = 0;
+  while (true) {
+    const auto more = rows->next();
+    if (!more) return more.error();
+    if (!*more) break;
+    const auto size = static_cast<std::size_t>(std::max<std::int64_t>(rows->integer(1), 1));
+    if (kept > 0 && kept + size > keep_actions_ / 10 * 9) {
+      last_removed = rows->integer(0);
+      break;
+    }
+    kept += size;
+  }
+  rows->start();  // so that the table is not being read any more
+  kept_ = kept;
+  for (const std::string_view removal :
+       {R"(DELETE FROM action WHERE "transition" <= ?)", R"(DELETE FROM "transition" WHERE id <= ?)"}) {
+    auto row = database_.prepare(removal);
+    if (!row) return row.error();
+    if (auto done = row->run(last_removed); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace segue::journal::detail

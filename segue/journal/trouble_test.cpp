@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/journal_test_support.hpp>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+
+/// The robot goes on whatever becomes of the file.
+namespace segue::journal {
+namespace {
+
+using testing::all_of;
+using testing::change;
+using testing::Folder;
+using testing::soon;
+using testing::transition;
+using testing::Troubles;
+using Kind = Trouble::Kind;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// No file of this process grows beyond so many bytes: what a full disk looks like from here.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit full = before_;
+    full.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+std::vector<std::uint64_t> requests_in(const std::filesystem::path& path) {
+  std::vector<std::uint64_t> requests;
+  for (const auto& entry : all_of(path))
+    requests.push_back(entry.request);
+  return requests;
+}
+
+TEST(JournalTrouble, AFullDiskIsToldAndOvercome) {
+  const Folder folder;
+  Troubles troubles;
+  Journal journal(folder / "j", {}, troubles.listener());
+  journal.add(transition(1));
+  ASSERT_TRUE(journal.flush(soon()));
+  {
+    const FullDisk full(150'000);
+    for (std::uint64_t i = 2; i <= 4; ++i)
+      journal.add(transition(i, 4000));
+    EXPECT_FALSE(journal.flush(soon()));
+    EXPECT_FALSE(journal.flush(soon()));
+    EXPECT_THAT(troubles.wait_for(Kind::Unwritable).message, HasSubstr("is not written"));
+    EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1));
+  }
+  EXPECT_TRUE(journal.flush(soon()));
+  EXPECT_EQ(troubles.wait_for(Kind::Resumed).lost, 0U);
+  EXPECT_THAT(troubles.kinds(), ElementsAre(Kind::Unwritable, Kind::Resumed));
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1, 2, 3, 4));
+  EXPECT_TRUE(JournalReader::open(folder / "j")->check());
+  EXPECT_EQ(journal.lost(), 0U);
+}
+
+TEST(JournalTrouble, WhatWaitsTooLongIsGivenUpAndCounted) {
+  const Folder folder;
+  Troubles troubles;
+  JournalOptions options;
+  options.queue = 10'000;
+  Journal journal(folder / "j", options, troubles.listener());
+  ASSERT_TRUE(journal.flush(soon()));
+  {
+    const FullDisk full(100'000);
+    for (std::uint64_t i = 1; i <= 10; ++i)
+      journal.add(transition(i, 4000));
+    EXPECT_FALSE(journal.flush(soon()));
+  }
+  ASSERT_TRUE(journal.flush(soon()));
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(9, 10));
+  EXPECT_EQ(journal.lost(), 8U);
+  const auto gaps = JournalReader::open(folder / "j")->gaps(10);
+  ASSERT_TRUE(gaps);
+  std::uint64_t lost = 0;
+  for (const GapEntry& gap : *gaps)
+    lost += gap.lost;
+  EXPECT_EQ(lost, 8U);
+}
+
+TEST(JournalTrouble, AFolderThatCannotBeMadeIsToldAndTriedAgain) {
+  const Folder folder;
+  std::ofstream(folder / "in_the_way") << "a file";
+  Troubles troubles;
+  Journal journal(folder / "in_the_way/j", {}, troubles.listener());
+  journal.add(transition(1));
+  const auto failed = journal.flush(soon());
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::PermissionDenied);
+  (void)troubles.wait_for(Kind::Unwritable);
+  std::filesystem::remove(folder / "in_the_way");
+  EXPECT_TRUE(journal.flush(soon()));
+  (void)troubles.wait_for(Kind::Resumed);
+  EXPECT_THAT(requests_in(folder / "in_the_way/j"), ElementsAre(1));
+}
+
+TEST(JournalTrouble, AFileThatWasRemovedIsBegunAnew) {
+  const Folder folder;
+  Journal journal(folder / "j");
+  journal.add(transition(1));
+  ASSERT_TRUE(journal.flush(soon()));
+  for (const char* name : {"j", "j-wal", "j-shm"})
+    std::filesystem::remove(folder / name);
+  journal.add(transition(2));
+  ASSERT_TRUE(journal.flush(soon()));
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(2));
+}
+
+TEST(JournalTrouble, ADamagedFileIsMovedAsideAndANewOneBegun) {
+  const Folder folder;
+  for (int life = 1; life <= 7; ++life) {
+    std::ofstream(folder / "j") << "damaged " << life << std::string(5000, 'x');
+    Troubles troubles;
+    Journal journal(folder / "j", {}, troubles.listener());
+    journal.add(transition(1));
+    ASSERT_TRUE(journal.flush(soon()));
+    EXPECT_THAT(troubles.wait_for(Kind::Replaced).message, HasSubstr(".broken-" + std::to_string(life)));
+  }
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1));
+  EXPECT_FALSE(std::filesystem::exists(folder / "j.broken-2"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "j.broken-3"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "j.broken-7"));
+}
+
+TEST(JournalTrouble, APageThatWasOverwrittenIsFoundWhenTheFileIsOpened) {
+  const Folder folder;
+  {
+    Journal journal(folder / "j");
+    journal.add(transition(1, 1000));
+  }
+  {
+    std::fstream file(folder / "j", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(5 * 4096);
+    file << std::string(4096, '\x5a');
+  }
+  Troubles troubles;
+  Journal journal(folder / "j", {}, troubles.listener());
+  (void)troubles.wait_for(Kind::Replaced);
+  ASSERT_TRUE(journal.flush(soon()));
+  EXPECT_TRUE(all_of(folder / "j").empty());
+}
+
+TEST(JournalTrouble, AFileOfANewerSegueIsNotTouched) {
+  const Folder folder;
+  { Journal(folder / "j").add(transition(1)); }
+  change(folder / "j", "PRAGMA user_version = 99; PRAGMA wal_checkpoint(TRUNCATE)");
+  Troubles troubles;
+  Journal journal(folder / "j", {}, troubles.listener());
+  journal.add(transition(2));
+  const auto failed = journal.flush(soon());
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::Unsupported);
+  EXPECT_THAT(troubles.wait_for(Kind::Refused).message, HasSubstr("newer Segue"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "j.broken-1"));
+  change(folder / "j", "PRAGMA user_version = 1");
+  EXPECT_TRUE(journal.flush(soon()));
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1, 2));
+}
+
+TEST(JournalTrouble, SomebodyElsesDatabaseIsNotTouched) {
+  const Folder folder;
+  change(folder / "other", "CREATE TABLE t (x)");
+  Troubles troubles;
+  Journal journal(folder / "other", {}, troubles.listener());
+  journal.add(transition(1));
+  EXPECT_FALSE(journal.flush(soon()));
+  EXPECT_THAT(troubles.wait_for(Kind::Refused).message, HasSubstr("another program"));
+  change(folder / "other", "INSERT INTO t VALUES (1)");
+}
+
+}  // namespace
+}  // namespace segue::journal
