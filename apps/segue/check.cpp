@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/mission/files.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
@@ -22,6 +23,7 @@ using model::FileKind;
 struct Options {
   std::vector<std::string> files;
   bool structure = false;
+  std::vector<std::string> libraries;
   ModelSources sources;
 };
 
@@ -66,6 +68,9 @@ class Checker {
       case FileKind::Robot:
         read_robot(file);
         return;
+      case FileKind::Mission:
+        check_mission(file);
+        return;
       case FileKind::Components:
       case FileKind::Typelib:
         model::read_components(*text, file, catalog_, diagnostics_);
@@ -84,10 +89,11 @@ class Checker {
       return item.code.find("parse") != std::string::npos;
     });
     if (broken) return diagnostics_.append(parsing);
-    diagnostics_.error("unknown-kind",
-                       "this is no network, robot, transition, component model or .tlb file; a network has "
-                       "`tasks:`, a robot file `robot:` at its top",
-                       {file, 0, 0});
+    diagnostics_.error(
+        "unknown-kind",
+        "this is no network, robot, mission, transition, component model or .tlb file; a network "
+        "has `tasks:`, a robot file `robot:`, a mission `mission:` at its top",
+        {file, 0, 0});
   }
 
   void read_robot(const std::string& file) {
@@ -103,9 +109,20 @@ class Checker {
           controllers.push_back(std::move(*network));
       }
     }
+    for (const std::string& pattern : robot->missions) {
+      for (const auto& path : files_of(*robot, pattern, diagnostics_)) {
+        ++files_;
+        check_mission(path);
+      }
+    }
     diagnostics_.append(model::validate(*robot, controllers));
     for (const auto& network : controllers)
       check(network, options_.structure ? Depth::Structure : Depth::Full);
+  }
+
+  void check_mission(const std::filesystem::path& file) {
+    const std::vector<std::filesystem::path> folders(options_.libraries.begin(), options_.libraries.end());
+    (void)mission::load_mission(file, folders, diagnostics_);
   }
 
   void check(const model::Network& network, Depth depth) {
@@ -164,7 +181,7 @@ int check(const Options& options, const Context& context) {
 void add_check(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* verb =
-      add_verb(app, context, "check", "validate networks, robots, transitions and component models",
+      add_verb(app, context, "check", "validate networks, robots, missions, transitions and component models",
                "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
                [options, &context] { return check(*options, context); });
   verb->add_option("FILE", options->files, "files of any kind; a robot file brings all that it names")
@@ -172,6 +189,8 @@ void add_check(CLI::App& app, Context& context) {
       ->type_name("");
   verb->add_flag("--structure", options->structure,
                  "only names and references, not components, ports and types");
+  verb->add_option("--libraries", options->libraries, "folders with the state machines that missions use")
+      ->type_name("DIR");
   add_model_options(*verb, options->sources);
 }
 

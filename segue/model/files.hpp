@@ -54,7 +54,7 @@ void resolve_inheritance(ComponentCatalog& catalog, Diagnostics& diagnostics);
 std::string write_components(const ComponentCatalog& catalog, const std::vector<ComponentName>& names);
 type::Value to_value(const ComponentModel& model);
 
-enum class FileKind { Network, Cnd, Transition, Robot, Components, Typelib, Unknown };
+enum class FileKind { Network, Cnd, Transition, Robot, Mission, Components, Typelib, Unknown };
 /// By its content (top-level keys), then its name.
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view text);
 

@@ -230,6 +230,8 @@ TEST(KindOfFileTest, byContentThenByName) {
   EXPECT_EQ(kind_of_file("a.yaml", "tasks: {a: {type: x}}"), FileKind::Cnd);
   EXPECT_EQ(kind_of_file("shutdown.cnd", "tasks:\ndeployments:\nconnections:\n"), FileKind::Cnd);
   EXPECT_EQ(kind_of_file("a.yaml", "robot: r"), FileKind::Robot);
+  EXPECT_EQ(kind_of_file("a.yaml", "mission: m\nstates: {}"), FileKind::Mission);
+  EXPECT_EQ(kind_of_file("a.yaml", "mission: m\nstates: [\n"), FileKind::Mission);
   EXPECT_EQ(kind_of_file("a.yaml", "transition: {}"), FileKind::Transition);
   EXPECT_EQ(kind_of_file("a.json", R"({"from": "a", "to": "b", "actions": []})"), FileKind::Transition);
   EXPECT_EQ(kind_of_file("a.yaml", "components: {}"), FileKind::Components);

@@ -24,6 +24,7 @@ FileKind kind_of_networks(const Value& root, const std::string& name) {
 FileKind kind_of_map(const Value& root, const std::string& name) {
   auto has = [&](std::string_view key) { return root.find(key) != nullptr; };
   if (has("robot")) return FileKind::Robot;
+  if (has("mission")) return FileKind::Mission;
   if (has("transition") || (has("actions") && has("from") && has("to"))) return FileKind::Transition;
   if (has("components") || has("component") || detail::is_rock_interface(root)) return FileKind::Components;
   if (has("network") || has("tasks") || has("connections") || has("deployments")) {
@@ -40,9 +41,10 @@ FileKind kind_of_map(const Value& root, const std::string& name) {
 FileKind kind_of_broken(std::string_view text, const std::string& name) {
   constexpr std::pair<std::string_view, FileKind> kKeys[] = {
       {"network:", FileKind::Network},       {"robot:", FileKind::Robot},
-      {"transition:", FileKind::Transition}, {"components:", FileKind::Components},
-      {"component:", FileKind::Components},  {"tasks:", FileKind::Network},
-      {"connections:", FileKind::Network},   {"deployments:", FileKind::Network}};
+      {"mission:", FileKind::Mission},       {"transition:", FileKind::Transition},
+      {"components:", FileKind::Components}, {"component:", FileKind::Components},
+      {"tasks:", FileKind::Network},         {"connections:", FileKind::Network},
+      {"deployments:", FileKind::Network}};
   if (kind_of_name(name) != FileKind::Unknown) return kind_of_name(name);
   for (std::size_t start = 0; start < text.size();) {
     const std::string_view line = text.substr(start, text.find('\n', start) - start);

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// What the readers of this folder share. Internal; not thread safe.
+/// What the readers of files share, here and in folders above. Not thread safe.
 namespace segue::model::detail {
 
 /// The file being read and where its problems go.

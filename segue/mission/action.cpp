@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/action.hpp>
+
+namespace segue::mission {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+bool is_argument(std::string_view text) {
+  const bool placeholder = text.size() > 2 && text.front() == '{' && text.back() == '}';
+  const std::string_view inner = placeholder ? text.substr(1, text.size() - 2) : text;
+  return !inner.empty() && trimmed(inner) == inner &&
+         inner.find_first_of(",(){}\n\r") == std::string_view::npos;
+}
+
+bool parse_arguments(std::string_view text, std::vector<std::string>& arguments) {
+  if (trimmed(text).empty()) return true;
+  while (true) {
+    const auto comma = text.find(',');
+    const std::string_view argument = trimmed(text.substr(0, comma));
+    if (!is_argument(argument)) return false;
+    arguments.emplace_back(argument);
+    if (comma == std::string_view::npos) return true;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+std::string to_string(const Fact& fact) {
+  std::string text = fact.predicate;
+  for (std::size_t i = 0; i < fact.arguments.size(); ++i)
+    text += (i == 0 ? "(" : ",") + fact.arguments[i];
+  return fact.arguments.empty() ? text : text + ")";
+}
+
+std::optional<Fact> parse_fact(std::string_view text, std::string_view signs) {
+  Fact fact;
+  text = trimmed(text);
+  if (!text.empty() && signs.find(text.front()) != std::string_view::npos) {
+    fact.positive = text.front() == '+';
+    text = trimmed(text.substr(1));
+  }
+  const auto open = text.find('(');
+  fact.predicate = trimmed(text.substr(0, open));
+  if (!is_identifier(fact.predicate)) return std::nullopt;
+  if (open == std::string_view::npos) return fact;
+  if (text.back() != ')') return std::nullopt;
+  if (!parse_arguments(text.substr(open + 1, text.size() - open - 2), fact.arguments)) return std::nullopt;
+  return fact;
+}
+
+std::vector<std::string> placeholders(std::string_view text) {
+  std::vector<std::string> names;
+  for (auto open = text.find('{'); open != std::string_view::npos; open = text.find('{', open + 1)) {
+    const auto close = text.find('}', open);
+    if (close == std::string_view::npos) break;
+    names.emplace_back(text.substr(open + 1, close - open - 1));
+  }
+  return names;
+}
+
+}  // namespace segue::mission

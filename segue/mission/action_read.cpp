@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/parts.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace segue::mission::detail {
+
+using type::Value;
+
+bool check_free_name(std::string_view name, std::string_view what, const Value& at, const Source& source) {
+  const bool fits = !name.empty() && name.size() <= 255 && std::ranges::none_of(name, [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
+  if (fits) return true;
+  source.error("bad-name",
+               std::string(what) + ": " + quote(name) + " is not a name: it must be one line of text", at);
+  return false;
+}
+
+namespace {
+
+Port read_port(const std::string& name, const Value& value, const std::string& what, const Source& source) {
+  Port port;
+  port.name = name;
+  port.where = source.at(value);
+  check_free_name(name, what, value, source);
+  if (value.is_null()) return port;
+  if (!value.is_map()) {
+    if (const auto type = model::detail::scalar_text(value)) {
+      port.type = *type;
+      return port;
+    }
+  }
+  Fields fields(value, what + " " + quote(name), source);
+  const std::string type = fields.text("type");
+  if (!type.empty()) port.type = type;
+  if (const Value* given = fields.find("default")) port.value = *given;
+  fields.finish();
+  return port;
+}
+
+void read_facts(std::vector<Fact>& facts, Fields& fields, std::string_view key, std::string_view signs,
+                const Source& source) {
+  const Value* list = fields.find(key, Value::Kind::List);
+  if (list == nullptr) return;
+  for (const Value& item : list->as_list()) {
+    auto fact = item.is_string() ? parse_fact(item.as_string(), signs) : std::nullopt;
+    if (!fact) {
+      source.error(
+          "bad-fact",
+          fields.what() + ": " + quote(key) + " must be facts such as " +
+              (signs == "!" ? "'at(robot, {place})' or '!held(cup)'" : "'+held(cup)' or '-at(cup, table)'") +
+              ", got " + type::describe(item),
+          item);
+      continue;
+    }
+    fact->where = source.at(item);
+    facts.push_back(std::move(*fact));
+  }
+}
+
+/// {block: arm} or {consume: "cup_{n}", parameters: {...}}: the operation is the key.
+void read_use(std::vector<ResourceUse>& uses, const Value& item, const std::string& what,
+              const Source& source) {
+  Fields fields(item, "a resource of " + what, source);
+  if (!item.is_map()) {
+    if (item.is_null())
+      source.error("wrong-kind", fields.what() + ": expected a map such as {block: arm}", item);
+    return;
+  }
+  ResourceUse use;
+  use.where = source.at(item);
+  int operations = 0;
+  for (std::size_t i = 0; i < kResourceOperationNames.size(); ++i) {
+    if (fields.find(kResourceOperationNames[i]) == nullptr) continue;
+    ++operations;
+    use.operation = static_cast<ResourceOperation>(i);
+    use.resource = fields.text(kResourceOperationNames[i]);
+    check_free_name(use.resource, fields.what(), item, source);
+  }
+  if (const Value* parameters = fields.find("parameters", Value::Kind::Map)) use.parameters = *parameters;
+  fields.finish();
+  if (operations != 1) {
+    const std::vector<std::string> names(kResourceOperationNames.begin(), kResourceOperationNames.end());
+    source.error("bad-resource",
+                 fields.what() + ": expected exactly one of " + listed(names) + ", as in {block: arm}", item);
+  }
+  uses.push_back(std::move(use));
+}
+
+Simulated read_simulated(const Value& value, const std::string& what, const Source& source) {
+  Fields fields(value, "the simulation of " + what, source);
+  Simulated simulated;
+  simulated.duration = fields.duration("duration").value_or(Duration::zero());
+  if (simulated.duration < Duration::zero()) {
+    source.error("bad-duration", fields.what() + ": 'duration' must not be negative", value);
+  }
+  simulated.outcomes = fields.texts("outcomes");
+  simulated.outputs = read_values(fields, "outputs", source);
+  simulated.error = fields.text("error");
+  fields.finish();
+  return simulated;
+}
+
+Script read_script(const Value& value, const std::string& what, const Source& source) {
+  Script script;
+  if (const auto file = model::detail::scalar_text(value)) {
+    script.file = *file;
+    return script;
+  }
+  Fields fields(value, "the script of " + what, source);
+  script.file = fields.text("file");
+  script.text = fields.text("text");
+  fields.finish();
+  if (script.file.empty() == script.text.empty())
+    source.error("bad-script", fields.what() + ": give either 'file' or 'text'", value);
+  return script;
+}
+
+Decision read_decision(const Value& value, const std::string& what, const Source& source) {
+  Decision decision;
+  if (!value.is_list()) {
+    source.error("wrong-kind", what + ": 'decide' must be a list of rules, got " + type::describe(value),
+                 value);
+    return decision;
+  }
+  for (const Value& item : value.as_list()) {
+    Fields fields(item, "a rule of " + what, source);
+    DecisionRule rule;
+    if (const Value* when = fields.find("when", Value::Kind::Map)) {
+      for (const auto& [state, outcome] : when->as_map())
+        rule.when.emplace_back(state, model::detail::scalar_text(outcome).value_or(""));
+    }
+    fields.require("outcome");
+    rule.outcome = fields.text("outcome");
+    fields.finish();
+    decision.rules.push_back(std::move(rule));
+  }
+  return decision;
+}
+
+Procedure read_run(Fields& action, const Source& source) {
+  const Value* value = action.find("run", Value::Kind::Map);
+  if (value == nullptr) return {};
+  Fields fields(*value, "'run' of " + action.what(), source);
+  Procedure run;
+  int ways = 0;
+  if (fields.find("callback") != nullptr) {
+    ++ways;
+    run = Callback{fields.name("callback")};
+  }
+  if (const Value* script = fields.find("python")) {
+    ++ways;
+    run = read_script(*script, action.what(), source);
+  }
+  if (const Value* simulated = fields.find("simulated")) {
+    ++ways;
+    run = read_simulated(*simulated, action.what(), source);
+  }
+  if (const Value* decision = fields.find("decide")) {
+    ++ways;
+    run = read_decision(*decision, action.what(), source);
+  }
+  fields.finish();
+  if (ways != 1) {
+    source.error("bad-run",
+                 fields.what() + ": expected exactly one of callback, python, simulated and decide", *value);
+  }
+  return run;
+}
+
+void read_expectation(Action& action, Fields& fields, const Source& source) {
+  const Value* value = fields.find("expect", Value::Kind::Map);
+  if (value == nullptr) return;
+  Fields expect(*value, "'expect' of " + fields.what(), source);
+  action.expected_duration = expect.duration("duration");
+  if (action.expected_duration.value_or(Duration::zero()) < Duration::zero())
+    source.error("bad-duration", expect.what() + ": 'duration' must not be negative", *value);
+  action.expected_outcome = expect.text("outcome");
+  expect.finish();
+}
+
+}  // namespace
+
+std::vector<Port> read_ports(Fields& fields, std::string_view key, const Source& source) {
+  std::vector<Port> ports;
+  const Value* value = fields.find(key, Value::Kind::Map);
+  if (value == nullptr) return ports;
+  for (const auto& [name, port] : value->as_map())
+    ports.push_back(read_port(name, port, fields.what() + ": " + quote(key), source));
+  return ports;
+}
+
+std::vector<PortValue> read_values(Fields& fields, std::string_view key, const Source& source) {
+  std::vector<PortValue> values;
+  const Value* value = fields.find(key, Value::Kind::Map);
+  if (value == nullptr) return values;
+  for (const auto& [name, given] : value->as_map()) {
+    check_free_name(name, fields.what() + ": " + quote(key), given, source);
+    values.push_back({name, given, source.at(given)});
+  }
+  return values;
+}
+
+std::vector<std::string> read_outcomes(Fields& fields, const Source& source) {
+  const Value* value = fields.find("outcomes");
+  if (value == nullptr) return {"success"};
+  std::vector<std::string> outcomes;
+  for (std::string& outcome : fields.texts("outcomes")) {
+    check_free_name(outcome, fields.what() + ": 'outcomes'", *value, source);
+    if (outcome == kAbortedName || outcome == kPreemptedName) {
+      source.error("bad-name", fields.what() + ": every state has the outcome " + quote(outcome) + " anyway",
+                   *value);
+    } else if (std::ranges::find(outcomes, outcome) != outcomes.end()) {
+      source.error("duplicate-outcome", fields.what() + " has the outcome " + quote(outcome) + " twice",
+                   *value);
+    }
+    outcomes.push_back(std::move(outcome));
+  }
+  return outcomes;
+}
+
+Action read_action(const std::string& name, const Value& value, const Source& source) {
+  Fields fields(value, "action " + quote(name), source);
+  model::detail::check_name(name, "an action", value, source);
+  Action action;
+  action.name = ActionName(name);
+  action.where = source.at(value);
+  action.description = fields.text("description");
+  action.inputs = read_ports(fields, "inputs", source);
+  action.outputs = read_ports(fields, "outputs", source);
+  action.outcomes = read_outcomes(fields, source);
+  read_facts(action.preconditions, fields, "preconditions", "!", source);
+  read_facts(action.effects, fields, "effects", "+-", source);
+  if (const Value* resources = fields.find("resources", Value::Kind::List)) {
+    for (const Value& item : resources->as_list())
+      read_use(action.resources, item, fields.what(), source);
+  }
+  action.pure = fields.boolean("pure", false);
+  action.sensing = fields.boolean("sensing", false);
+  read_expectation(action, fields, source);
+  action.run = read_run(fields, source);
+  fields.finish();
+  return action;
+}
+
+Resource read_resource(const std::string& name, const Value& value, const Source& source) {
+  Fields fields(value, "resource " + quote(name), source);
+  check_free_name(name, "a resource", value, source);
+  Resource resource;
+  resource.name = name;
+  resource.where = source.at(value);
+  const auto kind = fields.choice("class", kResourceClassNames, "bad-class");
+  resource.kind = static_cast<ResourceClass>(kind.value_or(0));
+  constexpr std::int64_t kMost = std::numeric_limits<int>::max();
+  resource.count = static_cast<int>(fields.integer("count", 0, kMost, "bad-count").value_or(1));
+  if (const Value* parameters = fields.find("parameters", Value::Kind::Map))
+    resource.parameters = *parameters;
+  resource.commutes = fields.boolean("commutes", false);
+  fields.finish();
+  return resource;
+}
+
+}  // namespace segue::mission::detail

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/parts.hpp>
+
+namespace segue::mission::detail {
+
+using type::Value;
+using type::ValueMap;
+
+namespace {
+
+Value text_list(const std::vector<std::string>& texts) {
+  return Value(Value::List(texts.begin(), texts.end()));
+}
+
+Value write_facts(const std::vector<Fact>& facts, std::string_view yes, std::string_view no) {
+  Value::List list;
+  for (const Fact& fact : facts)
+    list.emplace_back(std::string(fact.positive ? yes : no) + to_string(fact));
+  return list;
+}
+
+bool is_empty_map(const Value& value) {
+  return value.is_map() && value.as_map().empty();
+}
+
+Value write_use(const ResourceUse& use) {
+  ValueMap map;
+  map.append(std::string(kResourceOperationNames[static_cast<std::size_t>(use.operation)]), use.resource);
+  if (!is_empty_map(use.parameters)) map.append("parameters", use.parameters);
+  return map;
+}
+
+Value write_run(const Callback& callback) {
+  return Value::map({{"callback", callback.name}});
+}
+
+Value write_run(const Script& script) {
+  if (script.text.empty()) return Value::map({{"python", script.file}});
+  return Value::map({{"python", Value::map({{"text", script.text}})}});
+}
+
+Value write_run(const Simulated& simulated) {
+  ValueMap map;
+  if (simulated.duration != Duration::zero()) map.append("duration", format_duration(simulated.duration));
+  if (!simulated.outcomes.empty()) map.append("outcomes", text_list(simulated.outcomes));
+  write_values(map, "outputs", simulated.outputs);
+  if (!simulated.error.empty()) map.append("error", simulated.error);
+  return Value::map({{"simulated", std::move(map)}});
+}
+
+Value write_run(const Decision& decision) {
+  Value::List rules;
+  for (const DecisionRule& rule : decision.rules) {
+    ValueMap map;
+    ValueMap when;
+    for (const auto& [state, outcome] : rule.when)
+      when.append(state, outcome);
+    if (!when.empty()) map.append("when", std::move(when));
+    map.append("outcome", rule.outcome);
+    rules.emplace_back(std::move(map));
+  }
+  return Value::map({{"decide", std::move(rules)}});
+}
+
+Value write_run(std::monostate /*nothing*/) {
+  return {};
+}
+
+Value write_port(const Port& port) {
+  if (port.value.is_null()) return port.type;
+  return Value::map({{"type", port.type}, {"default", port.value}});
+}
+
+}  // namespace
+
+void write_ports(ValueMap& map, std::string_view key, const std::vector<Port>& ports) {
+  if (ports.empty()) return;
+  ValueMap entries;
+  for (const Port& port : ports)
+    entries.append(port.name, write_port(port));
+  map.append(std::string(key), std::move(entries));
+}
+
+void write_values(ValueMap& map, std::string_view key, const std::vector<PortValue>& values) {
+  if (values.empty()) return;
+  ValueMap entries;
+  for (const PortValue& value : values)
+    entries.append(value.port, value.value);
+  map.append(std::string(key), std::move(entries));
+}
+
+void write_outcomes(ValueMap& map, const std::vector<std::string>& outcomes) {
+  if (outcomes != std::vector<std::string>{"success"}) map.append("outcomes", text_list(outcomes));
+}
+
+Value write_action(const Action& action) {
+  ValueMap map;
+  if (!action.description.empty()) map.append("description", action.description);
+  write_ports(map, "inputs", action.inputs);
+  write_ports(map, "outputs", action.outputs);
+  write_outcomes(map, action.outcomes);
+  if (!action.preconditions.empty()) map.append("preconditions", write_facts(action.preconditions, "", "!"));
+  if (!action.effects.empty()) map.append("effects", write_facts(action.effects, "+", "-"));
+  if (!action.resources.empty()) {
+    Value::List uses;
+    for (const ResourceUse& use : action.resources)
+      uses.push_back(write_use(use));
+    map.append("resources", std::move(uses));
+  }
+  if (action.pure) map.append("pure", true);
+  if (action.sensing) map.append("sensing", true);
+  ValueMap expect;
+  if (action.expected_duration) expect.append("duration", format_duration(*action.expected_duration));
+  if (!action.expected_outcome.empty()) expect.append("outcome", action.expected_outcome);
+  if (!expect.empty()) map.append("expect", std::move(expect));
+  Value run = std::visit([](const auto& how) { return write_run(how); }, action.run);
+  if (!run.is_null()) map.append("run", std::move(run));
+  return map;
+}
+
+Value write_resource(const Resource& resource) {
+  ValueMap map;
+  map.append("class", kResourceClassNames[static_cast<std::size_t>(resource.kind)]);
+  if (resource.count != 1) map.append("count", resource.count);
+  if (!is_empty_map(resource.parameters)) map.append("parameters", resource.parameters);
+  if (resource.commutes) map.append("commutes", true);
+  return map;
+}
+
+}  // namespace segue::mission::detail

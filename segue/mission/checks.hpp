@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/mission/index.hpp>
+
+#include <string>
+
+/// The parts of validate(). Internal; each reports and goes on.
+namespace segue::mission::detail {
+
+/// Actions by themselves: values, outcomes and placeholders that mean something.
+void check_actions(const Mission& mission, Diagnostics& diagnostics);
+/// Resources that are needed but can never be there.
+void check_resources(const Mission& mission, Diagnostics& diagnostics);
+/// Names, transitions, reachability, deciders, recursion of libraries.
+void check_control(const MissionIndex& index, Diagnostics& diagnostics);
+/// Ports and their types, writers that can never be.
+void check_data(const MissionIndex& index, Diagnostics& diagnostics);
+
+/// The siblings that every child of a hierarchy leads to, by position among the children.
+std::vector<std::vector<std::uint32_t>> successors(const MissionIndex& index, const State& hierarchy);
+/// Which children the start of a hierarchy leads to.
+std::vector<bool> reached(const MissionIndex& index, const State& hierarchy,
+                          const std::vector<std::vector<std::uint32_t>>& successors);
+
+void check_value(const Port& declared, const type::Value& value, const std::string& what, const Place& where,
+                 const Mission& mission, Diagnostics& diagnostics);
+
+/// ", did you mean 'x'?" among ports.
+std::string suggestion(const std::vector<Port>& ports, const std::string& name);
+/// "state 'look'", "the mission" or "library 'grasp'".
+std::string told(const Mission& mission, StateIndex state);
+
+}  // namespace segue::mission::detail

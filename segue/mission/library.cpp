@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/model/reader.hpp>
+
+#include <algorithm>
+#include <map>
+#include <unordered_set>
+#include <utility>
+
+namespace segue::mission {
+namespace {
+
+using std::filesystem::path;
+
+/// Puts the state machines of other files into a mission.
+class Collector {
+ public:
+  Collector(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics)
+      : mission_(mission), folders_(folders), diagnostics_(diagnostics) {}
+
+  void run() {
+    for (const Library& library : mission_.libraries)
+      known_.insert(library.name);
+    // The list grows as libraries bring states that use further ones.
+    for (StateIndex index = 0; index < mission_.states.size(); ++index) {
+      const State& state = mission_.states[index];
+      if (state.kind == StateKind::Library && known_.insert(state.library).second)
+        add(state.library, state.where);
+    }
+  }
+
+ private:
+  void add(const std::string name, const Place user) {
+    const path file = find(name, path(user.file.empty() ? mission_.file : user.file).parent_path());
+    if (file.empty()) return;
+    const auto text = model::detail::read_text(file, diagnostics_);
+    if (!text) return;
+    if (auto library = read_mission(*text, file.string(), diagnostics_)) take(name, std::move(*library));
+  }
+
+  [[nodiscard]] path find(const std::string& name, const path& beside) const {
+    std::vector<path> folders = {beside};
+    folders.insert(folders.end(), folders_.begin(), folders_.end());
+    for (const path& folder : folders) {
+      path file = folder / (name + ".yaml");
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(file, ignored)) return file;
+    }
+    return {};
+  }
+
+  void take(const std::string& name, Mission library) {
+    take_actions(name, library);
+    take_shared(mission_.globals, library.globals, "global variable");
+    take_shared(mission_.resources, library.resources, "resource");
+    const auto offset = static_cast<StateIndex>(mission_.states.size());
+    for (State& state : library.states) {
+      if (state.parent != kNoState) state.parent += offset;
+      for (StateIndex& child : state.children)
+        child += offset;
+      mission_.states.push_back(std::move(state));
+    }
+    mission_.libraries.push_back({name, offset, mission_.states[offset].where});
+    for (Library& inner : library.libraries) {
+      if (!known_.insert(inner.name).second) {
+        diagnostics_.error("duplicate-library", "library " + quote(inner.name) + " is there twice",
+                           inner.where);
+        continue;
+      }
+      inner.root += offset;
+      mission_.libraries.push_back(std::move(inner));
+    }
+  }
+
+  /// Those of another definition get the library's name in front.
+  void take_actions(const std::string& name, Mission& library) {
+    std::string prefix = name;
+    std::ranges::replace(prefix, '/', ':');
+    std::map<ActionName, ActionName> renamed;
+    for (Action& action : library.actions) {
+      const auto same = std::ranges::find(mission_.actions, action.name, &Action::name);
+      const bool taken = same != mission_.actions.end();
+      if (taken && *same == action) continue;
+      if (taken) {
+        const ActionName fresh(prefix + ":" + action.name.str());
+        renamed.emplace(action.name, fresh);
+        action.name = fresh;
+      }
+      mission_.actions.push_back(std::move(action));
+    }
+    for (State& state : library.states) {
+      if (const auto found = renamed.find(state.action); found != renamed.end()) state.action = found->second;
+    }
+  }
+
+  template <class Item>
+  void take_shared(std::vector<Item>& ours, std::vector<Item>& theirs, const std::string& what) {
+    for (Item& item : theirs) {
+      const auto same = std::ranges::find(ours, item.name, &Item::name);
+      if (same == ours.end()) {
+        ours.push_back(std::move(item));
+      } else if (!(*same == item)) {
+        diagnostics_.error(
+            "conflicting-declaration",
+            what + " " + quote(item.name) + " is declared otherwise at " + to_string(same->where),
+            item.where);
+      }
+    }
+  }
+
+  Mission& mission_;
+  const std::vector<path>& folders_;
+  Diagnostics& diagnostics_;
+  std::unordered_set<std::string> known_;
+};
+
+}  // namespace
+
+void add_libraries(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics) {
+  Collector(mission, folders, diagnostics).run();
+}
+
+std::optional<Mission> load_mission(const path& file, const std::vector<path>& library_folders,
+                                    Diagnostics& diagnostics) {
+  const std::size_t errors_before = diagnostics.error_count();
+  const auto text = model::detail::read_text(file, diagnostics);
+  auto mission = text ? read_mission(*text, file.string(), diagnostics) : std::nullopt;
+  if (!mission) return std::nullopt;
+  add_libraries(*mission, library_folders, diagnostics);
+  diagnostics.append(validate(*mission));
+  if (diagnostics.error_count() > errors_before) return std::nullopt;
+  return mission;
+}
+
+}  // namespace segue::mission

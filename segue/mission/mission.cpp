@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/mission.hpp>
+
+namespace segue::mission {
+
+std::string to_string(const PortRef& ref) {
+  switch (ref.owner) {
+    case Owner::Child:
+      return ref.state.str() + "." + ref.port;
+    case Owner::Inputs:
+      return "inputs." + ref.port;
+    case Owner::Outputs:
+      return "outputs." + ref.port;
+    case Owner::Variables:
+      break;
+  }
+  return "variables." + ref.port;
+}
+
+StateIndex Mission::add(StateIndex parent, State state) {
+  const auto index = static_cast<StateIndex>(states.size());
+  state.parent = parent;
+  states.push_back(std::move(state));
+  if (parent != kNoState) states[parent].children.push_back(index);
+  return index;
+}
+
+std::string Mission::path(StateIndex state) const {
+  std::vector<const std::string*> ids;
+  for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
+    ids.push_back(&states[state].id.str());
+  std::string text;
+  for (auto id = ids.rbegin(); id != ids.rend(); ++id)
+    text += (text.empty() ? "" : "/") + **id;
+  return text;
+}
+
+}  // namespace segue::mission

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/action.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::mission {
+
+using StateId = Id<struct StateTag>;  ///< unique among the children of a state
+
+/// Position in Mission::states.
+using StateIndex = std::uint32_t;
+inline constexpr StateIndex kNoState = static_cast<StateIndex>(-1);
+
+enum class StateKind : std::uint8_t { Execution, Hierarchy, Barrier, Preemptive, Library, Decider };
+inline constexpr std::array<std::string_view, 6> kStateKindNames = {"execution",  "hierarchy", "barrier",
+                                                                    "preemptive", "library",   "decider"};
+inline bool is_container(StateKind kind) {
+  return kind == StateKind::Hierarchy || kind == StateKind::Barrier || kind == StateKind::Preemptive;
+}
+inline bool is_concurrency(StateKind kind) {
+  return kind == StateKind::Barrier || kind == StateKind::Preemptive;
+}
+
+/// The outcomes that every state has beside its own.
+inline constexpr std::string_view kAbortedName = "aborted";
+inline constexpr std::string_view kPreemptedName = "preempted";
+
+/// Where a transition leads: to a sibling, or out of the parent with an outcome of the parent.
+struct Target {
+  StateId state;  ///< empty: out
+  std::string outcome;
+  [[nodiscard]] bool leaves() const { return state.empty(); }
+  friend bool operator==(const Target&, const Target&) = default;
+};
+
+struct Transition {
+  std::string outcome;
+  Target to;
+  Place where;
+  friend bool operator==(const Transition&, const Transition&) = default;
+};
+
+/// Whose ports a data flow touches: those of a child, or those of the state that holds the flow.
+enum class Owner : std::uint8_t { Child, Inputs, Outputs, Variables };
+struct PortRef {
+  Owner owner = Owner::Child;
+  StateId state;  ///< the child
+  std::string port;
+  friend bool operator==(const PortRef&, const PortRef&) = default;
+};
+std::string to_string(const PortRef& ref);  ///< "grasp.pose", "variables.count"
+
+/// Data only flows when the receiver begins (or, into variables, when the writer ends): it is no control
+/// flow.
+struct DataFlow {
+  PortRef from;
+  PortRef to;
+  Place where;
+  friend bool operator==(const DataFlow&, const DataFlow&) = default;
+};
+
+/// One state. Which members mean something depends on the kind.
+struct State {
+  StateId id;
+  std::string title;  ///< as people call it; may be empty
+  std::string description;
+  StateKind kind = StateKind::Execution;
+  StateIndex parent = kNoState;
+  std::vector<Transition> transitions;  ///< of its own outcomes
+
+  ActionName action;                     ///< Execution, Decider
+  std::string library;                   ///< Library: "folder/name"
+  std::vector<PortValue> input_values;   ///< of the action or library
+  std::vector<PortValue> output_values;  ///< likewise
+
+  std::vector<Port> inputs;  ///< containers, from here on
+  std::vector<Port> outputs;
+  std::vector<std::string> outcomes;
+  std::vector<Port> variables;
+  std::vector<StateIndex> children;  ///< in their order; program order for concurrency
+  std::optional<Target> start;       ///< Hierarchy
+  std::vector<DataFlow> flows;
+
+  type::Value notes{type::ValueMap{}};  ///< whatever tools keep with it (RAFCON's semantic data)
+  Place where;
+  friend bool operator==(const State&, const State&) = default;
+};
+
+/// A state machine that library states use; its tree hangs at `root`.
+struct Library {
+  std::string name;
+  StateIndex root = kNoState;
+  Place where;
+  friend bool operator==(const Library&, const Library&) = default;
+};
+
+/// A mission as it is written. All states stand in one list, parents before their children, so that no depth
+/// of nesting is a problem; references are names, which validate() checks. Not thread safe.
+struct Mission {
+  std::string name;
+  std::vector<Port> globals;
+  std::vector<Resource> resources;
+  std::vector<Action> actions;
+  std::vector<State> states;  ///< states[0] is the root
+  std::vector<Library> libraries;
+  std::string file;
+  friend bool operator==(const Mission& a, const Mission& b) {
+    return a.name == b.name && a.globals == b.globals && a.resources == b.resources &&
+           a.actions == b.actions && a.states == b.states && a.libraries == b.libraries;
+  }
+
+  [[nodiscard]] const State& root() const { return states.front(); }
+  /// Appends a state under `parent` (kNoState: a root).
+  StateIndex add(StateIndex parent, State state);
+  /// "fetch/grasp": the ids from below the root; "" for a root.
+  [[nodiscard]] std::string path(StateIndex state) const;
+};
+
+}  // namespace segue::mission

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+#include <segue/mission/files.hpp>
+
+#include <algorithm>
+
+namespace segue::mission {
+
+using type::Value;
+
+bool accepts(std::string_view type, const Value& value) {
+  if (value.is_null()) return true;
+  if (type == "bool") return value.is_bool();
+  if (type == "int") return value.is_integer();
+  if (type == "float") return value.is_number();
+  if (type == "text") return value.is_string();
+  if (type == "list") return value.is_list();
+  if (type == "map") return value.is_map();
+  return true;
+}
+
+bool connects(std::string_view from, std::string_view to) {
+  return from == to || from == "any" || to == "any" || (from == "int" && to == "float");
+}
+
+Diagnostics validate(const Mission& mission) {
+  Diagnostics diagnostics;
+  const MissionIndex index(mission);
+  detail::check_actions(mission, diagnostics);
+  detail::check_resources(mission, diagnostics);
+  detail::check_control(index, diagnostics);
+  detail::check_data(index, diagnostics);
+  diagnostics.sort();
+  return diagnostics;
+}
+
+namespace detail {
+
+std::string told(const Mission& mission, StateIndex index) {
+  if (index == 0) return "the mission";
+  const State& state = mission.states[index];
+  return (state.parent == kNoState ? "library " : "state ") + quote(state.id.str());
+}
+
+std::string suggestion(const std::vector<Port>& ports, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Port& port : ports)
+    names.push_back(port.name);
+  return did_you_mean(name, names);
+}
+
+void check_value(const Port& declared, const Value& value, const std::string& what, const Place& where,
+                 const Mission& mission, Diagnostics& diagnostics) {
+  const bool global =
+      value.is_string() && value.as_string().starts_with('$') && !value.as_string().starts_with("$$");
+  if (!global) {
+    if (accepts(declared.type, value)) return;
+    diagnostics.error("type-mismatch",
+                      what + ": " + quote(declared.name) + " is of type " + declared.type +
+                          ", but its value is " + type::describe(value),
+                      where);
+    return;
+  }
+  const std::string name = value.as_string().substr(1);
+  const auto found = position(mission.globals, name);
+  if (!found) {
+    diagnostics.warning("unknown-global",
+                        what + ": " + quote(declared.name) + " takes the global variable " + quote(name) +
+                            ", which is not declared under 'globals'" + suggestion(mission.globals, name),
+                        where);
+  } else if (!connects(mission.globals[*found].type, declared.type)) {
+    diagnostics.error("type-mismatch",
+                      what + ": " + quote(declared.name) + " is of type " + declared.type +
+                          ", but the global variable " + quote(name) + " of type " +
+                          mission.globals[*found].type,
+                      where);
+  }
+}
+
+namespace {
+
+class ActionCheck {
+ public:
+  ActionCheck(const Mission& mission, const Action& action, Diagnostics& diagnostics)
+      : mission_(mission),
+        action_(action),
+        diagnostics_(diagnostics),
+        what_("action " + quote(action.name.str())) {}
+
+  void run() {
+    for (const auto* ports : {&action_.inputs, &action_.outputs}) {
+      for (const Port& port : *ports)
+        check_value(port, port.value, what_, port.where, mission_, diagnostics_);
+    }
+    for (const auto* facts : {&action_.preconditions, &action_.effects}) {
+      for (const Fact& fact : *facts)
+        check_placeholders(to_string(fact), fact.where);
+    }
+    for (const ResourceUse& use : action_.resources)
+      check_placeholders(use.resource, use.where);
+    if (!action_.expected_outcome.empty()) check_outcome(action_.expected_outcome);
+    if (const auto* simulated = std::get_if<Simulated>(&action_.run)) check(*simulated);
+    if (const auto* decision = std::get_if<Decision>(&action_.run)) {
+      for (const DecisionRule& rule : decision->rules)
+        check_outcome(rule.outcome);
+    }
+  }
+
+ private:
+  void check_placeholders(const std::string& text, const Place& where) {
+    for (const std::string& name : placeholders(text)) {
+      if (position(action_.inputs, name)) continue;
+      diagnostics_.error("unknown-port",
+                         what_ + ": " + quote(text) + " uses the input " + quote(name) + ", which it lacks" +
+                             suggestion(action_.inputs, name),
+                         where);
+    }
+  }
+
+  void check_outcome(const std::string& outcome) {
+    if (outcome == kAbortedName || outcome == kPreemptedName) return;
+    if (std::ranges::find(action_.outcomes, outcome) != action_.outcomes.end()) return;
+    diagnostics_.error("unknown-outcome",
+                       what_ + " has no outcome " + quote(outcome) + did_you_mean(outcome, action_.outcomes),
+                       action_.where);
+  }
+
+  void check(const Simulated& simulated) {
+    for (const std::string& outcome : simulated.outcomes)
+      check_outcome(outcome);
+    for (const PortValue& value : simulated.outputs) {
+      const auto port = position(action_.outputs, value.port);
+      if (port) {
+        check_value(action_.outputs[*port], value.value, what_, value.where, mission_, diagnostics_);
+      } else {
+        diagnostics_.error(
+            "unknown-port",
+            what_ + " has no output " + quote(value.port) + suggestion(action_.outputs, value.port),
+            value.where);
+      }
+    }
+    if (simulated.outcomes.empty() && action_.outcomes.empty()) {
+      diagnostics_.error("unknown-outcome", what_ + " has no outcome that its simulation could end with",
+                         action_.where);
+    }
+  }
+
+  const Mission& mission_;
+  const Action& action_;
+  Diagnostics& diagnostics_;
+  std::string what_;
+};
+
+}  // namespace
+
+void check_actions(const Mission& mission, Diagnostics& diagnostics) {
+  for (const Port& global : mission.globals) {
+    if (accepts(global.type, global.value)) continue;
+    diagnostics.error("type-mismatch",
+                      "the global variable " + quote(global.name) + " is of type " + global.type +
+                          ", but its value is " + type::describe(global.value),
+                      global.where);
+  }
+  for (const Action& action : mission.actions)
+    ActionCheck(mission, action, diagnostics).run();
+}
+
+}  // namespace detail
+}  // namespace segue::mission

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+#include <segue/mission/files.hpp>
+
+#include <map>
+#include <unordered_map>
+
+namespace segue::mission::detail {
+namespace {
+
+/// A port at one end of a data flow.
+struct End {
+  const Port* port = nullptr;
+  std::uint32_t child = 0;  ///< position among the children, where it is one's
+};
+
+/// The data flows of one container.
+class FlowCheck {
+ public:
+  FlowCheck(const MissionIndex& index, StateIndex container, Diagnostics& diagnostics)
+      : index_(index),
+        mission_(index.mission()),
+        state_(mission_.states[container]),
+        container_(container),
+        diagnostics_(diagnostics) {}
+
+  void run() {
+    for (std::uint32_t i = 0; i < state_.children.size(); ++i)
+      positions_.try_emplace(mission_.states[state_.children[i]].id.str(), i);
+    for (const DataFlow& flow : state_.flows)
+      check(flow);
+    check_writers();
+  }
+
+ private:
+  struct Writer {
+    const DataFlow* flow = nullptr;
+    End from;
+    End to;
+  };
+
+  void check(const DataFlow& flow) {
+    const auto from = end(flow.from, true, flow);
+    const auto to = end(flow.to, false, flow);
+    if (!from || !to) return;
+    if (!connects(from->port->type, to->port->type)) {
+      diagnostics_.error("type-mismatch",
+                         told(flow) + ": " + from->port->type + " does not fit into " + to->port->type,
+                         flow.where);
+    }
+    writers_[to_string(flow.to)].push_back({&flow, *from, *to});
+  }
+
+  std::string told(const DataFlow& flow) const {
+    return "data flow " + to_string(flow.from) + " -> " + to_string(flow.to);
+  }
+
+  std::optional<End> end(const PortRef& ref, bool source, const DataFlow& flow) {
+    switch (ref.owner) {
+      case Owner::Inputs:
+        if (!source) return misused(ref, flow, "only its outputs and variables can be written from inside");
+        return port_of(state_.inputs, ref, flow);
+      case Owner::Outputs:
+        if (source) return misused(ref, flow, "only its inputs and variables can be read from inside");
+        return port_of(state_.outputs, ref, flow);
+      case Owner::Variables:
+        return port_of(state_.variables, ref, flow);
+      case Owner::Child:
+        break;
+    }
+    const auto found = positions_.find(ref.state.str());
+    if (found == positions_.end()) {
+      diagnostics_.error(
+          "unknown-state",
+          told(flow) + ": " + detail::told(mission_, container_) + " has no state " + quote(ref.state.str()),
+          flow.where);
+      return std::nullopt;
+    }
+    const auto interface = index_.interface(state_.children[found->second]);
+    if (!interface) return std::nullopt;
+    auto result = port_of(source ? *interface->outputs : *interface->inputs, ref, flow);
+    if (result) result->child = found->second;
+    return result;
+  }
+
+  std::optional<End> misused(const PortRef& ref, const DataFlow& flow, const std::string& why) {
+    diagnostics_.error("bad-flow",
+                       told(flow) + ": " + quote(to_string(ref)) + " is of " +
+                           detail::told(mission_, container_) + " itself; " + why,
+                       flow.where);
+    return std::nullopt;
+  }
+
+  std::optional<End> port_of(const std::vector<Port>& ports, const PortRef& ref, const DataFlow& flow) {
+    const auto found = position(ports, ref.port);
+    if (found) return End{&ports[*found], 0};
+    diagnostics_.error("unknown-port",
+                       told(flow) + ": there is no " + quote(to_string(ref)) + suggestion(ports, ref.port),
+                       flow.where);
+    return std::nullopt;
+  }
+
+  /// Reports what is connected, but to writers only that can never be before it is read.
+  void check_writers() {
+    if (writers_.empty()) return;
+    if (state_.kind == StateKind::Hierarchy) {
+      next_ = successors(index_, state_);
+      reached_ = reached(index_, state_, next_);
+    }
+    for (const auto& [port, writers] : writers_) {
+      const DataFlow& first = *writers.front().flow;
+      if (first.to.owner == Owner::Variables || !writers.front().to.port->value.is_null()) continue;
+      if (first.to.owner == Owner::Child && is_given(first)) continue;
+      bool possible = false;
+      for (const Writer& writer : writers)
+        possible = possible || can_write(writer);
+      if (possible) continue;
+      diagnostics_.error("never-written",
+                         quote(port) +
+                             " has no default, and nothing that is connected to it can have been written "
+                             "when it is read",
+                         first.where);
+    }
+  }
+
+  /// Whether the child gives the input a value of its own.
+  [[nodiscard]] bool is_given(const DataFlow& flow) const {
+    const State& child = mission_.states[state_.children[positions_.at(flow.to.state.str())]];
+    for (const PortValue& value : child.input_values) {
+      if (value.port == flow.to.port) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool can_write(const Writer& writer) {
+    const PortRef& from = writer.flow->from;
+    if (from.owner == Owner::Inputs) return true;
+    if (from.owner == Owner::Variables)
+      return !writer.from.port->value.is_null() || writers_.contains(to_string(from));
+    if (writer.flow->to.owner == Owner::Outputs)
+      return state_.kind != StateKind::Hierarchy || reached_[writer.from.child];
+    if (state_.kind != StateKind::Hierarchy) {
+      // States side by side do not see each other's outputs; the decider comes after all others.
+      const StateIndex reader = state_.children[writer.to.child];
+      return mission_.states[reader].kind == StateKind::Decider && writer.from.child != writer.to.child;
+    }
+    return reached_[writer.from.child] && leads(writer.from.child, writer.to.child);
+  }
+
+  /// Whether a way leads from one state to the other. The search is bounded; beyond that a way is assumed.
+  bool leads(std::uint32_t from, std::uint32_t to) {
+    visited_.assign(next_.size(), false);
+    std::vector<std::uint32_t> open = {from};
+    while (!open.empty()) {
+      const std::uint32_t here = open.back();
+      open.pop_back();
+      for (const std::uint32_t there : next_[here]) {
+        if (there == to || budget_ == 0) return true;
+        --budget_;
+        if (!visited_[there]) open.push_back(there);
+        visited_[there] = true;
+      }
+    }
+    return false;
+  }
+
+  const MissionIndex& index_;
+  const Mission& mission_;
+  const State& state_;
+  StateIndex container_;
+  Diagnostics& diagnostics_;
+  std::unordered_map<std::string_view, std::uint32_t> positions_;
+  std::map<std::string, std::vector<Writer>> writers_;  ///< by what they write
+  std::vector<std::vector<std::uint32_t>> next_;
+  std::vector<bool> reached_;
+  std::vector<bool> visited_;
+  std::size_t budget_ = 10'000'000;
+};
+
+void check_ports(const MissionIndex& index, StateIndex i, Diagnostics& diagnostics) {
+  const Mission& mission = index.mission();
+  const State& state = mission.states[i];
+  for (const auto* ports : {&state.inputs, &state.outputs, &state.variables}) {
+    for (const Port& port : *ports)
+      check_value(port, port.value, told(mission, i), port.where, mission, diagnostics);
+  }
+}
+
+void check_given(const MissionIndex& index, StateIndex i, const std::vector<PortValue>& values,
+                 const std::vector<Port>& ports, std::string_view kind, Diagnostics& diagnostics) {
+  const Mission& mission = index.mission();
+  for (const PortValue& value : values) {
+    if (const auto port = position(ports, value.port)) {
+      check_value(ports[*port], value.value, told(mission, i), value.where, mission, diagnostics);
+      continue;
+    }
+    diagnostics.error("unknown-port",
+                      told(mission, i) + " has no " + std::string(kind) + " " + quote(value.port) +
+                          suggestion(ports, value.port),
+                      value.where);
+  }
+}
+
+}  // namespace
+
+void check_data(const MissionIndex& index, Diagnostics& diagnostics) {
+  const Mission& mission = index.mission();
+  for (StateIndex i = 0; i < mission.states.size(); ++i) {
+    const State& state = mission.states[i];
+    if (is_container(state.kind)) {
+      check_ports(index, i, diagnostics);
+      FlowCheck(index, i, diagnostics).run();
+    } else if (const auto interface = index.interface(i)) {
+      check_given(index, i, state.input_values, *interface->inputs, "input", diagnostics);
+      check_given(index, i, state.output_values, *interface->outputs, "output", diagnostics);
+    }
+  }
+}
+
+}  // namespace segue::mission::detail

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+
+#include <algorithm>
+
+namespace segue::mission::detail {
+namespace {
+
+/// "cup_{n}" as "cup_*".
+std::string pattern_of(const std::string& resource) {
+  std::string pattern;
+  for (std::size_t i = 0; i < resource.size(); ++i) {
+    const auto close = resource[i] == '{' ? resource.find('}', i) : std::string::npos;
+    pattern += close == std::string::npos ? resource[i] : '*';
+    if (close != std::string::npos) i = close;
+  }
+  return pattern;
+}
+
+/// What exists at the beginning, and what actions whose needs can be met add to it, until nothing more comes.
+class Creation {
+ public:
+  Creation(const Mission& mission, Diagnostics& diagnostics) : mission_(mission), diagnostics_(diagnostics) {
+    for (const Resource& resource : mission.resources) {
+      if (resource.count > 0) there_.push_back(resource.name);
+    }
+  }
+
+  void run() {
+    std::vector<const Action*> waiting;
+    for (const Action& action : mission_.actions) {
+      if (!action.resources.empty()) waiting.push_back(&action);
+    }
+    for (std::size_t before = waiting.size() + 1; waiting.size() < before;) {
+      before = waiting.size();
+      std::erase_if(waiting, [this](const Action* action) { return goes(*action); });
+    }
+    for (const Action* action : waiting)
+      report(*action);
+  }
+
+ private:
+  bool goes(const Action& action) {
+    if (std::ranges::any_of(action.resources, [this](const ResourceUse& use) { return lacks(use); }))
+      return false;
+    for (const ResourceUse& use : action.resources) {
+      if (use.operation == ResourceOperation::Create) there_.push_back(pattern_of(use.resource));
+    }
+    return true;
+  }
+
+  /// Only what somebody creates, or is declared with none, can be missing; all else is taken to exist once.
+  [[nodiscard]] bool lacks(const ResourceUse& use) const {
+    if (use.operation == ResourceOperation::Create || use.operation == ResourceOperation::Release)
+      return false;
+    const std::string pattern = pattern_of(use.resource);
+    const bool there =
+        std::ranges::any_of(there_, [&](const std::string& known) { return meet(known, pattern); });
+    return !there && is_made(use.resource, pattern);
+  }
+
+  [[nodiscard]] bool is_made(const std::string& resource, const std::string& pattern) const {
+    for (const Resource& known : mission_.resources) {
+      if (known.name == resource) return known.count == 0;
+    }
+    return !creators(pattern).empty();
+  }
+
+  [[nodiscard]] std::vector<std::string> creators(const std::string& pattern) const {
+    std::vector<std::string> names;
+    for (const Action& action : mission_.actions) {
+      const bool creates = std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
+        return use.operation == ResourceOperation::Create && meet(pattern_of(use.resource), pattern);
+      });
+      if (creates) names.push_back(action.name.str());
+    }
+    return names;
+  }
+
+  static bool meet(const std::string& a, const std::string& b) {
+    return matches_glob(a, b) || matches_glob(b, a);
+  }
+
+  void report(const Action& action) {
+    for (const ResourceUse& use : action.resources) {
+      if (!lacks(use)) continue;
+      const auto makers = creators(pattern_of(use.resource));
+      const std::string why = makers.empty() ? "no action creates one, and none exists at the beginning"
+                                             : "it is created only by " + listed(makers) +
+                                                   ", which can itself only run once it is there";
+      diagnostics_.error("never-created",
+                         "action " + quote(action.name.str()) + " needs the resource " + quote(use.resource) +
+                             ", but " + why,
+                         use.where);
+    }
+  }
+
+  const Mission& mission_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string> there_;
+};
+
+}  // namespace
+
+void check_resources(const Mission& mission, Diagnostics& diagnostics) {
+  Creation(mission, diagnostics).run();
+}
+
+}  // namespace segue::mission::detail
