@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The box-fetching plans of Brunner et al. 2019 (section V), as reconstructed in shared data.
+#include <segue/cdtn/critical_path.hpp>
+#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/sequential.hpp>
+#include <support/shared_data.hpp>
+
+#include <gmock/gmock.h>
+
+#include <array>
+
+namespace segue::cdtn {
+namespace {
+
+constexpr double kTolerance = 0.05;  // seconds; the figures are rounded to a tenth
+
+class Boxes : public testing::TestWithParam<int> {
+ protected:
+  void SetUp() override {
+    const auto file = shared_data("cdtn") / ("model_" + std::to_string(GetParam()) + "_boxes.json");
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "without " << file;
+    Diagnostics diagnostics;
+    flat_ = load_flat_network(file, diagnostics);
+    ASSERT_TRUE(flat_) << to_string(diagnostics);
+  }
+
+  double run(std::uint32_t planners, std::uint32_t copies, EngineOptions options = {}) {
+    for (const char* name : {"process:path_planner", "worldmodel:projected"})
+      flat_->network.resources[flat_->network.resources.intern(name)].count = planners;
+    const Order order = derive_order(flat_->network);
+    SimulatedEnvironment environment(flat_->network, flat_->trials);
+    options.world_copies = copies;
+    Engine engine(flat_->network, order, environment, options);
+    const RunResult result = engine.run();
+    EXPECT_TRUE(result.done()) << to_string(*result.error);
+    return std::chrono::duration<double>(result.makespan).count();
+  }
+
+  std::size_t row() const { return static_cast<std::size_t>(GetParam()) - 1; }
+  std::optional<FlatNetwork> flat_;
+};
+
+TEST_P(Boxes, TakeAsLongAsThePaperSaysSequentially) {
+  SimulatedEnvironment environment(flat_->network, flat_->trials);
+  const RunResult result = run_sequential(flat_->network, environment);
+  EXPECT_NEAR(std::chrono::duration<double>(result.makespan).count(), (std::array{81.6, 123.1, 164.5})[row()],
+              kTolerance);
+}
+
+TEST_P(Boxes, ReachTheCriticalPathWithOnePlanner) {
+  const double expected = (std::array{72.9, 95.2, 117.5})[row()];
+  EXPECT_NEAR(run(1, 0), expected, kTolerance);
+  const auto path = critical_path(flat_->network, derive_order(flat_->network));
+  EXPECT_NEAR(std::chrono::duration<double>(path.length).count(), expected, kTolerance);
+}
+
+TEST_P(Boxes, Explore) {
+  for (std::uint32_t planners : {1U, 2U})
+    for (std::uint32_t copies : {0U, 1U, 2U, 3U, 4U})
+      std::printf("planners %u copies %u: %.2f\n", planners, copies, run(planners, copies));
+}
+
+INSTANTIATE_TEST_SUITE_P(Paper, Boxes, testing::Values(1, 2, 3));
+
+}  // namespace
+}  // namespace segue::cdtn

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "critical_path.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+namespace {
+
+/// When a node can start, end, and count at the earliest, and because of whom.
+struct Times {
+  Duration start{};
+  Duration end{};
+  Duration commit{};
+  std::uint32_t cause = kNone;
+};
+
+class LongestPath {
+ public:
+  LongestPath(const Network& network, const Order& order, const RunResult* result)
+      : network_(network), order_(order), result_(result), times_(network.size()) {
+    for (std::uint32_t i = 0; i < network.size(); ++i)
+      visit(NodeId{i});
+  }
+
+  [[nodiscard]] CriticalPath path() const {
+    CriticalPath path;
+    const auto last = std::ranges::max_element(times_, {}, &Times::commit);
+    if (last == times_.end()) return path;
+    path.length = last->commit;
+    for (auto i = static_cast<std::uint32_t>(last - times_.begin()); i != kNone; i = times_[i].cause)
+      path.nodes.push_back(NodeId{i});
+    std::ranges::reverse(path.nodes);
+    return path;
+  }
+
+ private:
+  [[nodiscard]] bool skipped(NodeId node) const {
+    return result_ != nullptr && result_->nodes[index(node)].status != NodeStatus::Done;
+  }
+  [[nodiscard]] Duration duration(NodeId node) const {
+    if (skipped(node)) return {};
+    if (result_ == nullptr) return network_[node].duration;
+    return result_->nodes[index(node)].ended - result_->nodes[index(node)].started;
+  }
+
+  /// Whether the dependency holds back the start, or only what comes of it.
+  [[nodiscard]] bool holds_start(const Dependency& dependency) const {
+    const NodeClass kind = network_[dependency.to].kind;
+    if (kind == NodeClass::Irreversible || skipped(dependency.to)) return true;
+    switch (dependency.reason()) {
+      case Reason::Fact:
+        return kind == NodeClass::Sensing;
+      case Reason::Condition:
+        return false;
+      default:
+        return true;
+    }
+  }
+
+  void visit(NodeId node) {
+    Times& own = times_[index(node)];
+    Duration gate{};
+    std::uint32_t gate_cause = kNone;
+    const auto later = [](Duration& time, std::uint32_t& cause, Duration other, NodeId from) {
+      if (other <= time) return;
+      time = other;
+      cause = index(from);
+    };
+    const bool firm = network_[node].kind == NodeClass::Irreversible;
+    for (const Dependency& dependency : order_.before(node)) {
+      const Times& from = times_[index(dependency.from)];
+      const bool ahead = dependency.reason() == Reason::Data && !firm;
+      if (dependency.reason() == Reason::Resource) {
+        later(own.start, own.cause, from.start, dependency.from);
+        continue;
+      }
+      if (holds_start(dependency)) later(own.start, own.cause, ahead ? from.end : from.commit, dependency.from);
+      later(gate, gate_cause, from.commit, dependency.from);
+    }
+    own.end = own.commit = own.start + duration(node);
+    later(own.commit, own.cause, gate, NodeId{gate_cause});
+  }
+
+  const Network& network_;
+  const Order& order_;
+  const RunResult* result_;
+  std::vector<Times> times_;
+};
+
+}  // namespace
+
+CriticalPath critical_path(const Network& network, const Order& order) {
+  return LongestPath(network, order, nullptr).path();
+}
+
+CriticalPath critical_path(const Network& network, const Order& order, const RunResult& result) {
+  return LongestPath(network, order, &result).path();
+}
+
+std::vector<std::uint64_t> critical_path_priorities(const Network& network, const Order& order) {
+  std::vector<Duration::rep> to_end(network.size(), 0);
+  Duration::rep longest = 0;
+  for (std::uint32_t i = network.size(); i-- > 0;) {
+    to_end[i] += network[NodeId{i}].duration.count();
+    longest = std::max(longest, to_end[i]);
+    for (const Dependency& dependency : order.before(NodeId{i})) {
+      const std::uint32_t from = index(dependency.from);
+      if (dependency.reason() != Reason::Resource) to_end[from] = std::max(to_end[from], to_end[i]);
+    }
+  }
+  std::vector<std::uint64_t> priorities;
+  for (const Duration::rep length : to_end)
+    priorities.push_back(static_cast<std::uint64_t>(longest - length));
+  return priorities;
+}
+
+}  // namespace segue::cdtn

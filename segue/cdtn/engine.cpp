@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+Engine::Engine(const Network& network, const Order& order, Environment& environment, EngineOptions options)
+    : implementation_(std::make_unique<Implementation>(network, order, environment, std::move(options))) {}
+Engine::Engine(Network& network, Expansion& expansion, Environment& environment, EngineOptions options)
+    : implementation_(std::make_unique<Implementation>(network, expansion, environment, std::move(options))) {
+}
+Engine::~Engine() = default;
+RunResult Engine::run() {
+  return implementation_->run();
+}
+void Engine::stop() {
+  implementation_->stop();
+}
+std::size_t Engine::bytes() const {
+  return implementation_->bytes();
+}
+
+Engine::Implementation::Implementation(const Network& network, const Order& order, Environment& environment,
+                                       EngineOptions options)
+    : network_(network),
+      order_(order),
+      environment_(environment),
+      options_(std::move(options)),
+      events_(options_.clock),
+      pool_(network.resources),
+      world_(network.initial_world),
+      prefix_world_(network.initial_world) {}
+
+Engine::Implementation::Implementation(Network& network, Expansion& expansion, Environment& environment,
+                                       EngineOptions options)
+    : Implementation(network, own_order_, environment, std::move(options)) {
+  growing_ = &network;
+  expansion_ = &expansion;
+  builder_ = std::make_unique<OrderBuilder>(network, own_order_);
+}
+
+Rank Engine::Implementation::rank(NodeId node) const {
+  return {index(node) < options_.priorities.size() ? options_.priorities[index(node)] : 0, node};
+}
+
+void Engine::Implementation::log(NodeId node, LogKind kind) {
+  if (options_.log) log_.push_back({events_.now(), node, at(node).attempt, kind});
+}
+
+/// Takes in the nodes that were appended since.
+void Engine::Implementation::adopt() {
+  const auto first = static_cast<std::uint32_t>(states_.size());
+  const std::uint32_t size = network_.size();
+  states_.resize(size);
+  reports_.resize(size);
+  reads_.resize(network_.access_count());
+  writes_.resize(network_.access_count());
+  versions_.resize(network_.input_count());
+  pool_.grow();
+  pool_.take_groups(network_.groups());
+  for (std::uint32_t i = first; i < size; ++i)
+    adopt_node(NodeId{i});
+}
+
+void Engine::Implementation::adopt_node(NodeId node) {
+  State& state = at(node);
+  for (const Dependency& dependency : order_.before(node))
+    count(state, dependency);
+  if (state.gate == 0 || (!irreversible(node) && state.ahead == 0)) work_.push_back(node);
+}
+
+/// Whether running ahead waits for it too: reality must be as it is meant to be, and nothing is known of what
+/// an opaque node will do.
+bool Engine::Implementation::ahead_matters(const Dependency& dependency) const {
+  const NodeClass kind = network_[dependency.to].kind;
+  return kind == NodeClass::Sensing || (kind == NodeClass::Pure && dependency.reason() == Reason::Place);
+}
+
+/// Always, but for planted faults.
+bool Engine::Implementation::counts(const Dependency& dependency) const {
+  switch (dependency.reason()) {
+    case Reason::Fact:
+      return !planted(Fault::ForgetsFactOrder) || index(dependency.to) % 7 != 3;
+    case Reason::Resource:
+      return !planted(Fault::ForgetsResourceOrder);
+    case Reason::Condition:
+      return !planted(Fault::IgnoresConditions) || !irreversible(dependency.to);
+    default:
+      return true;
+  }
+}
+
+void Engine::Implementation::count(State& state, const Dependency& dependency) {
+  const State& from = at(dependency.from);
+  if (!counts(dependency)) return;
+  if (dependency.reason() == Reason::Resource) {
+    if (!from.began) ++(irreversible(dependency.to) ? state.gate : state.ahead);
+    return;
+  }
+  if (dependency.reason() == Reason::Data && !irreversible(dependency.to) && !from.announced) ++state.ahead;
+  if (from.passed) {
+    meet(dependency);
+    return;
+  }
+  ++state.gate;
+  if (ahead_matters(dependency)) ++state.ahead;
+}
+
+void Engine::Implementation::expand() {
+  if (expansion_ == nullptr || limit_ != kNone) return;
+  while (!expansion_->finished()) {
+    const std::size_t unfinished = network_.size() - passed_count_;
+    if (unfinished >= options_.horizon) return;
+    const std::uint32_t before = network_.size();
+    expansion_->expand(*growing_, options_.horizon - unfinished);
+    if (network_.size() == before) return;
+    builder_->extend();
+    adopt();
+  }
+}
+
+/// Looks at the nodes that something happened to, in program order.
+void Engine::Implementation::work_off() {
+  for (;;) {
+    take_granted();
+    take_waiting();
+    if (work_.empty()) return;
+    batch_.swap(work_);
+    if (batch_.size() > 1) std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });
+    for (const NodeId node : batch_)
+      check(node);
+    batch_.clear();
+  }
+}
+
+bool Engine::Implementation::complete() const {
+  if (!running_.empty()) return false;
+  if (limit_ != kNone) return prefix_ >= limit_;
+  return passed_count_ == network_.size() && (expansion_ == nullptr || expansion_->finished());
+}
+
+/// All ends at the next moment; false where none will come.
+bool Engine::Implementation::take_ends() {
+  const auto counts = [this](const auto& end) {
+    if (index(end.node) == kNone) return true;  // `stop` wants to be heard
+    return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
+  };
+  auto end = events_.next(!running_.empty(), patience_, counts);
+  if (!end) return false;
+  while (end) {
+    if (stop_asked_.exchange(false)) ask_to_stop();
+    if (index(end->node) != kNone) end_run(std::move(*end));
+    end = events_.next_now(counts);
+  }
+  return true;
+}
+
+void Engine::Implementation::loop() {
+  adopt();
+  for (;;) {
+    expand();
+    work_off();
+    if (complete()) return;
+    if (!take_ends()) break;
+  }
+  const Error error = stall_error();
+  failed_ = running_.empty() ? NodeId{prefix_} : running_.front();
+  error_ = error;
+}
+
+void Engine::Implementation::stop() {
+  stop_asked_ = true;
+  events_.finish(NodeId{kNone}, 0, nullptr);
+}
+
+void Engine::Implementation::ask_to_stop() {
+  stopped_ = true;
+  truncate(NodeId{0});
+}
+
+RunResult Engine::Implementation::run() {
+  loop();
+  return result();
+}
+
+RunResult Engine::Implementation::result() {
+  RunResult result;
+  result.failed = failed_;
+  result.error = error_;
+  result.stopped = stopped_;
+  result.world = world_;
+  for (std::uint32_t i = 0; i < network_.resources.size(); ++i)
+    result.units.push_back(pool_.total(ResourceId{i}));
+  result.nodes.resize(states_.size());
+  result.outputs.resize(states_.size());
+  TimePoint last{};
+  for (std::uint32_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    NodeResult& node = result.nodes[i];
+    node = {NodeStatus::NotReached, state.outcome, state.attempt,
+            state.started,          state.ended,   state.committed};
+    if (state.phase == Phase::Skipped) node.status = NodeStatus::Skipped;
+    if (state.phase != Phase::Done) continue;
+    node.status = !state.failed                 ? NodeStatus::Done
+                  : state.outcome == kPreempted ? NodeStatus::Preempted
+                                                : NodeStatus::Failed;
+    last = std::max(last, state.committed);
+    if (reports_[i]) result.outputs[i] = reports_[i]->outputs;
+  }
+  result.makespan = last.time_since_epoch();
+  result.wasted = std::move(wasted_);
+  result.statistics = statistics_;
+  result.log = std::move(log_);
+  return result;
+}
+
+std::size_t Engine::Implementation::bytes() const {
+  return states_.capacity() * sizeof(State) + reports_.capacity() * sizeof(ReportPtr) + reads_.capacity() +
+         writes_.capacity() + versions_.capacity() * sizeof(std::uint32_t);
+}
+
+}  // namespace segue::cdtn

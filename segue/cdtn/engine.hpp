@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/cdtn/environment.hpp>
+#include <segue/cdtn/event_queue.hpp>
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/order.hpp>
+#include <segue/cdtn/run_result.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// Who appends nodes while a network runs: loops are unrolled a horizon of unfinished nodes ahead.
+class Expansion {
+ public:
+  virtual ~Expansion() = default;
+  /// Appends what is known to come next, about `wanted` nodes. Called on the engine's thread when fewer nodes
+  /// than the horizon are unfinished, and again after every end while that is so.
+  virtual void expand(Network& network, std::size_t wanted) = 0;
+  /// `node` has ended for good, with that outcome. Not called for nodes that were skipped.
+  virtual void ended(NodeId node, OutcomeId outcome) = 0;
+  /// Nothing will be appended any more.
+  [[nodiscard]] virtual bool finished() const = 0;
+};
+
+struct EngineOptions {
+  ClockKind clock = ClockKind::Virtual;
+  bool strict = false;             ///< irreversible nodes wait for every earlier node that may fail
+  bool speculate = true;           ///< pure nodes run ahead
+  std::uint32_t workers = 0;       ///< nodes that run at the same time; 0: any number
+  std::uint32_t world_copies = 0;  ///< projections that exist at the same time, from the start of a run until
+                                   ///< nobody needs its result any more; 0: any number
+  bool log = false;
+  std::size_t horizon = 1000;               ///< unfinished nodes that an Expansion is asked for
+  std::vector<std::uint64_t> priorities{};  ///< by node, the least first; empty: program order
+};
+
+/// Runs a network as parallel and as far ahead as its order, its resources and what is known of the world
+/// allow, with the outcome of the sequential execution: the same values read, the same final world, the same
+/// resources consumed, the same order of irreversible nodes for each fact and resource. One thread decides,
+/// the one that calls `run`.
+class Engine {
+ public:
+  /// All three must outlive the engine; `order` must cover the network.
+  Engine(const Network& network, const Order& order, Environment& environment, EngineOptions options = {});
+  /// A network that grows: the engine derives the order itself, by the epoch rule.
+  Engine(Network& network, Expansion& expansion, Environment& environment, EngineOptions options = {});
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// Runs it to its end. A failure of the mission is part of the result. Blocks; call it once.
+  RunResult run();
+
+  /// Ends the run soon: what runs is preempted, nothing new starts. On any thread.
+  void stop();
+
+  /// Bytes that the engine itself keeps, the network and its order aside.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::cdtn

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+namespace {
+
+bool same_outputs(const ReportPtr& a, const ReportPtr& b) {
+  const auto* first = a ? a->outputs.get() : nullptr;
+  const auto* second = b ? b->outputs.get() : nullptr;
+  return first == second || (first != nullptr && second != nullptr && *first == *second);
+}
+
+bool succeeded(const Network& network, NodeId node, const ReportPtr& report) {
+  return (report ? report->outcome : kSuccess) == network[node].expected;
+}
+
+}  // namespace
+
+void Engine::Implementation::end_run(EventQueue::End end) {
+  const NodeId node = end.node;
+  State& state = at(node);
+  state.active = false;
+  state.ended = end.when;
+  at(running_.back()).run_place = state.run_place;
+  running_[state.run_place] = running_.back();
+  running_.pop_back();
+  log(node, LogKind::End);
+  if (const auto claims = network_.claims(node); !claims.empty())
+    pool_.release(claims, succeeded(network_, node, end.report));
+  if (irreversible(node)) {
+    reports_[index(node)] = std::move(end.report);
+    return commit(node);
+  }
+  if (!state.cancelled) return park(node, std::move(end.report));
+  discard(node);
+  if (state.phase == Phase::Skipped) return;
+  state.phase = Phase::Waiting;
+  work_.push_back(node);
+}
+
+void Engine::Implementation::discard(NodeId node) {
+  const State& state = at(node);
+  wasted_.push_back({node, state.started, state.ended});
+  ++statistics_.wasted;
+  log(node, LogKind::Discard);
+  return_copy(node);
+}
+
+/// Keeps a result until it may count.
+void Engine::Implementation::park(NodeId node, ReportPtr report) {
+  State& state = at(node);
+  state.phase = Phase::Parked;
+  ReportPtr& kept = reports_[index(node)];
+  const bool changed = state.version == 0 || !same_outputs(kept, report);
+  kept = std::move(report);
+  if (changed) ++state.version;
+  if (at(node).asked_world && !network_[node].reads_world) {
+    kept = std::make_unique<Report>();
+    kept->outcome = kAborted;
+    kept->error = "looked at the world without declaring reads_world";
+  }
+  if (changed && state.announced) outputs_changed(node);
+  if (!kept || kept->outcome != kAborted) announce_outputs(node);
+  work_.push_back(node);
+}
+
+void Engine::Implementation::try_commit(NodeId node) {
+  if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix comes back to it
+  if (reads_are_valid(node) && inputs_are_valid(node) && world_is_valid(node)) return commit(node);
+  invalidate(node);
+}
+
+/// What the node did counts from now on.
+void Engine::Implementation::commit(NodeId node) {
+  State& state = at(node);
+  NodeOutcome outcome = judge(network_, node, reports_[index(node)].get());
+  state.outcome = outcome.outcome;
+  state.phase = Phase::Done;
+  state.committed = events_.now();
+  if (state.version == 0) state.version = 1;
+  log(node, LogKind::Commit);
+  apply_effects(node, outcome);
+  if (outcome.failure) return fail_node(node, std::move(*outcome.failure));
+  pass(node);
+}
+
+/// A node that cannot start ends as if it had aborted at once.
+void Engine::Implementation::refuse(NodeId node, const Error& error) {
+  auto report = std::make_unique<Report>();
+  report->outcome = kAborted;
+  report->error = error.message;
+  State& state = at(node);
+  state.started = state.ended = events_.now();
+  reports_[index(node)] = std::move(report);
+  announce_start(node);
+  commit(node);
+}
+
+void Engine::Implementation::fail_node(NodeId node, Error error) {
+  State& state = at(node);
+  state.failed = true;
+  if (beyond(node)) return;  // it was preempted
+  failed_ = node;
+  error_ = std::move(error);
+  if (planted(Fault::GoesOnAfterFailure)) return pass(node);
+  truncate(node);
+}
+
+void Engine::Implementation::apply_effects(NodeId node, const NodeOutcome& outcome) {
+  const std::uint32_t first = network_[node].first_access;
+  const auto accesses = network_.accesses(node);
+  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+    const Access& access = accesses[i];
+    if (!access.writes) continue;
+    std::uint8_t written = outcome.as_declared ? (access.value ? 3 : 2) : 1;
+    for (const Literal& literal : outcome.effects) {
+      if (literal.fact == access.fact) written = literal.value ? 3 : 2;
+    }
+    writes_[first + i] = written;
+    if (written != 1) world_.set({access.fact, written == 3});
+    if (written != (access.value ? 3 : 2)) facts_changed(first + i);
+  }
+  for (const Literal& literal : outcome.effects)
+    apply_undeclared(node, literal);
+}
+
+void Engine::Implementation::apply_undeclared(NodeId node, const Literal& literal) {
+  const auto accesses = network_.accesses(node);
+  if (std::ranges::any_of(accesses,
+                          [&](const Access& one) { return one.writes && one.fact == literal.fact; }))
+    return;
+  undeclared_[index(literal.fact)].emplace_back(node, literal.value);
+  world_.set(literal);
+}
+
+/// Everything that comes after it may take it as settled.
+void Engine::Implementation::pass(NodeId node) {
+  State& state = at(node);
+  state.passed = true;
+  ++passed_count_;
+  if (!planted(Fault::PassesAtStart) || state.attempt == 0) notify(node);
+  state.announced = state.began = true;
+  settle(node);
+  if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
+  if (expansion_ != nullptr && state.phase == Phase::Done) expansion_->ended(node, state.outcome);
+}
+
+/// It needs nothing any more.
+void Engine::Implementation::settle(NodeId node) {
+  leave_groups(node);
+  return_copies_of_producers(node);
+  if (!at(node).has_copy) return;
+  const auto taken = [&](std::uint32_t i) { return order_[i].reason() == Reason::Data; };
+  std::uint32_t i = order_.first_out(node);
+  while (i != kNone && !taken(i))
+    i = order_[i].next_out;
+  if (i == kNone) return_copy(node);
+}
+
+void Engine::Implementation::notify(NodeId node) {
+  const State& state = at(node);
+  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
+    const Dependency& dependency = order_[i];
+    if (dependency.reason() == Reason::Resource && state.began) continue;
+    arrive(dependency);
+  }
+}
+
+/// `from` has passed, or for a resource, started.
+void Engine::Implementation::arrive(const Dependency& dependency) {
+  if (index(dependency.to) >= states_.size() || !counts(dependency)) return;
+  State& to = at(dependency.to);
+  const bool firm = irreversible(dependency.to);
+  if (dependency.reason() == Reason::Resource) {
+    --(firm ? to.gate : to.ahead);
+  } else {
+    --to.gate;
+    const bool news = dependency.reason() == Reason::Data && !firm && !at(dependency.from).announced;
+    if (news || ahead_matters(dependency)) --to.ahead;
+    meet(dependency);
+  }
+  if (to.gate == 0 || (!firm && to.ahead == 0)) work_.push_back(dependency.to);
+}
+
+/// A condition that is not met takes the node off the path.
+void Engine::Implementation::meet(const Dependency& dependency) {
+  if (dependency.reason() != Reason::Condition || planted(Fault::SkippedStillActs)) return;
+  const State& from = at(dependency.from);
+  if (from.phase == Phase::Skipped || static_cast<std::uint32_t>(from.outcome) != dependency.subject)
+    skip(dependency.to);
+}
+
+/// There are outputs, if only speculative ones.
+void Engine::Implementation::announce_outputs(NodeId node) {
+  if (at(node).announced) return;
+  at(node).announced = true;
+  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
+    const Dependency& dependency = order_[i];
+    if (dependency.reason() != Reason::Data || irreversible(dependency.to)) continue;
+    if (--at(dependency.to).ahead == 0) work_.push_back(dependency.to);
+  }
+}
+
+void Engine::Implementation::announce_start(NodeId node) {
+  if (at(node).began || network_.claims(node).empty()) return;
+  at(node).began = true;
+  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
+    if (order_[i].reason() == Reason::Resource) arrive(order_[i]);
+  }
+}
+
+void Engine::Implementation::leave_groups(NodeId node) {
+  for (const Claim& claim : network_.claims(node)) {
+    if (claim.group != kNone) pool_.leave_group(claim.group);
+  }
+}
+
+void Engine::Implementation::advance_prefix() {
+  const auto size = static_cast<std::uint32_t>(states_.size());
+  while (prefix_ < size && states_[prefix_].passed)
+    ++prefix_;
+  if (prefix_ < size && states_[prefix_].phase == Phase::Parked) work_.push_back(NodeId{prefix_});
+  while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
+    ++safe_;
+  while (!strict_.empty() && *strict_.begin() <= safe_) {
+    work_.push_back(NodeId{*strict_.begin()});
+    strict_.erase(strict_.begin());
+  }
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+/// What a node sees of the engine while it starts.
+class Engine::Implementation::NodeLaunch final : public Launch {
+ public:
+  NodeLaunch(Implementation& engine, NodeId node) : engine_(engine), node_(node) {}
+  [[nodiscard]] NodeId node() const override { return node_; }
+  [[nodiscard]] std::uint32_t attempt() const override { return engine_.at(node_).attempt; }
+  [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
+    const auto inputs = engine_.network_.inputs(node_);
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (inputs[i].input != name || engine_.input_version(node_, i) == 0) continue;
+      const ReportPtr& report = engine_.reports_[index(inputs[i].producer)];
+      if (!report || !report->outputs) return nullptr;
+      return report->outputs->find(engine_.network_.names.name(inputs[i].output));
+    }
+    return nullptr;
+  }
+  [[nodiscard]] bool holds(FactId fact) const override {
+    for (const Access& access : engine_.network_.accesses(node_)) {
+      if (access.fact != fact) continue;
+      return engine_.network_[node_].kind == NodeClass::Pure ? engine_.projected(access)
+                                                             : engine_.world_.holds(fact);
+    }
+    return false;
+  }
+  [[nodiscard]] World world() override {
+    engine_.at(node_).asked_world = true;
+    return engine_.network_[node_].kind == NodeClass::Pure ? engine_.projected_world(node_) : engine_.world_;
+  }
+
+ private:
+  Implementation& engine_;
+  NodeId node_;
+};
+
+/// Something that the node waits for may have come.
+void Engine::Implementation::check(NodeId node) {
+  State& state = at(node);
+  if (state.passed || beyond(node)) return;
+  if (state.phase == Phase::Skipped) {
+    if (state.gate == 0) pass(node);
+    return;
+  }
+  const bool open = state.gate == 0;
+  if (state.phase == Phase::Parked && (open || planted(Fault::CommitsSpeculation))) return try_commit(node);
+  if (state.phase == Phase::Copying && open) {
+    copying_.erase(rank(node));
+    state.phase = Phase::Waiting;
+  }
+  if (state.phase != Phase::Waiting || state.active) return;
+  if (irreversible(node) ? open : state.ahead == 0 && (open || options_.speculate)) try_start(node);
+}
+
+void Engine::Implementation::try_start(NodeId node) {
+  if (options_.strict && irreversible(node) && index(node) > safe_ && !planted(Fault::StrictIsNot)) {
+    strict_.insert(index(node));
+    return;
+  }
+  if (const Access* access = false_precondition(node)) {
+    // Ahead of its turn, the world may still become what it needs; facts_changed or the gate will tell.
+    if (at(node).gate == 0) refuse(node, precondition_error(network_, node, {access->fact, access->needed}));
+    return;
+  }
+  if (admit(node)) claim(node);
+}
+
+/// Whether there is a copy of the world for a node that runs ahead. Nodes whose turn it is need none, so that
+/// whoever keeps a copy until somebody takes its result is waited for by nobody in vain.
+bool Engine::Implementation::admit(NodeId node) {
+  State& state = at(node);
+  if (options_.world_copies == 0 || state.gate == 0 || network_[node].kind != NodeClass::Pure) return true;
+  if (copies_ >= options_.world_copies) {
+    copying_.insert(rank(node));
+    state.phase = Phase::Copying;
+    return false;
+  }
+  ++copies_;
+  state.has_copy = true;
+  return true;
+}
+
+void Engine::Implementation::claim(NodeId node) {
+  const auto claims = network_.claims(node);
+  if (claims.empty() || pool_.request(rank(node), claims)) return dispatch(node);
+  at(node).phase = Phase::Queued;
+}
+
+void Engine::Implementation::dispatch(NodeId node) {
+  if (options_.workers == 0 || running_.size() < options_.workers) return launch(node);
+  at(node).phase = Phase::Ready;
+  ready_.insert(rank(node));
+}
+
+void Engine::Implementation::take_granted() {
+  for (;;) {
+    pool_.granted(granted_);
+    if (granted_.empty()) return;
+    const std::vector<NodeId> granted = granted_;
+    for (const NodeId node : granted)
+      dispatch(node);
+  }
+}
+
+/// Free workers and copies of the world go to the first who wait for them.
+void Engine::Implementation::take_waiting() {
+  while (!ready_.empty() && running_.size() < options_.workers) {
+    const NodeId node = ready_.begin()->node;
+    ready_.erase(ready_.begin());
+    launch(node);
+  }
+  for (std::uint32_t copies = copies_; !copying_.empty() && copies < options_.world_copies; ++copies) {
+    const NodeId node = copying_.begin()->node;
+    copying_.erase(copying_.begin());
+    at(node).phase = Phase::Waiting;
+    work_.push_back(node);
+  }
+}
+
+/// In reality, or as projected for a pure node.
+const Access* Engine::Implementation::false_precondition(NodeId node) const {
+  const bool pure = network_[node].kind == NodeClass::Pure;
+  for (const Access& access : network_.accesses(node)) {
+    if (!access.reads) continue;
+    if ((pure ? projected(access) : world_.holds(access.fact)) != access.needed) return &access;
+  }
+  return nullptr;
+}
+
+void Engine::Implementation::note_what_is_read(NodeId node) {
+  const auto accesses = network_.accesses(node);
+  const bool pure = network_[node].kind == NodeClass::Pure;
+  for (std::size_t i = 0; i < accesses.size(); ++i) {
+    if (!accesses[i].reads) continue;
+    const bool value = pure ? projected(accesses[i]) : world_.holds(accesses[i].fact);
+    reads_[network_[node].first_access + i] = value ? 3 : 2;
+  }
+  const std::size_t inputs = network_.inputs(node).size();
+  for (std::size_t i = 0; i < inputs; ++i)
+    versions_[network_[node].first_input + i] = input_version(node, i);
+}
+
+void Engine::Implementation::launch(NodeId node) {
+  State& state = at(node);
+  if (network_[node].kind == NodeClass::Pure &&
+      false_precondition(node) != nullptr) {  // it changed meanwhile
+    pool_.release(network_.claims(node), false);
+    return_copy(node);
+    state.phase = Phase::Waiting;
+    if (state.gate == 0) work_.push_back(node);
+    return;
+  }
+  state.phase = Phase::Running;
+  state.active = true;
+  state.cancelled = false;
+  state.ran_ahead = state.gate > 0;
+  state.started = events_.now();
+  state.run_place = static_cast<std::uint32_t>(running_.size());
+  running_.push_back(node);
+  ++state.attempt;
+  ++statistics_.starts;
+  if (state.ran_ahead) ++statistics_.ahead;
+  if (state.attempt > 1) ++statistics_.repeated;
+  note_what_is_read(node);
+  log(node, LogKind::Start);
+  announce_start(node);
+  NodeLaunch launched(*this, node);
+  environment_.start(launched, events_);
+  if (planted(Fault::PassesAtStart)) notify(node);
+}
+
+void Engine::Implementation::return_copy(NodeId node) {
+  State& state = at(node);
+  if (!state.has_copy) return;
+  state.has_copy = false;
+  --copies_;
+}
+
+/// The projection behind a result goes when everybody who takes the result has ended.
+void Engine::Implementation::return_copies_of_producers(NodeId node) {
+  if (options_.world_copies == 0) return;
+  for (const DataInput& input : network_.inputs(node)) {
+    if (!at(input.producer).has_copy) continue;
+    bool needed = false;
+    for (std::uint32_t i = order_.first_out(input.producer); i != kNone && !needed; i = order_[i].next_out) {
+      const Phase phase = at(order_[i].to).phase;
+      needed = order_[i].reason() == Reason::Data && phase != Phase::Done && phase != Phase::Skipped;
+    }
+    if (!needed) return_copy(input.producer);
+  }
+}
+
+}  // namespace segue::cdtn

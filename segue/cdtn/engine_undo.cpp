@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+/// Takes the node off the path, and whoever is there only because of it.
+void Engine::Implementation::skip(NodeId node) {
+  to_skip_.push_back(node);
+  if (to_skip_.size() > 1) return;  // further up the stack somebody is at it
+  for (std::size_t i = 0; i < to_skip_.size(); ++i)
+    skip_one(to_skip_[i]);
+  to_skip_.clear();
+}
+
+void Engine::Implementation::skip_one(NodeId node) {
+  State& state = at(node);
+  if (state.phase == Phase::Done || state.phase == Phase::Skipped) return;
+  abandon(node);
+  state.phase = Phase::Skipped;
+  log(node, LogKind::Skip);
+  const auto accesses = network_.accesses(node);
+  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+    if (!accesses[i].writes) continue;
+    writes_[network_[node].first_access + i] = 1;
+    facts_changed(network_[node].first_access + i);
+  }
+  outputs_changed(node);
+  announce_outputs(node);
+  return_copies_of_producers(node);
+  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
+    if (order_[i].reason() == Reason::Condition && index(order_[i].to) < states_.size())
+      to_skip_.push_back(order_[i].to);
+  }
+  if (state.gate == 0) work_.push_back(node);
+}
+
+/// Out of whatever it waits for or does.
+void Engine::Implementation::abandon(NodeId node) {
+  const State& state = at(node);
+  switch (state.phase) {
+    case Phase::Copying:
+      copying_.erase(rank(node));
+      break;
+    case Phase::Queued:
+      pool_.withdraw(rank(node), network_.claims(node));
+      return_copy(node);
+      break;
+    case Phase::Ready:
+      ready_.erase(rank(node));
+      pool_.release(network_.claims(node), false);
+      return_copy(node);
+      break;
+    case Phase::Running:
+      cancel_run(node);
+      break;
+    case Phase::Parked:
+      discard(node);
+      break;
+    default:
+      break;
+  }
+}
+
+void Engine::Implementation::cancel_run(NodeId node) {
+  State& state = at(node);
+  if (!state.active || state.cancelled) return;
+  state.cancelled = true;
+  log(node, LogKind::Cancel);
+  environment_.cancel(node, state.attempt, events_);
+}
+
+/// Its result was based on what turned out otherwise: it is run again.
+void Engine::Implementation::invalidate(NodeId node) {
+  State& state = at(node);
+  if (state.phase == Phase::Running) return cancel_run(node);
+  if (state.phase != Phase::Parked) return;
+  if (planted(Fault::AppliesEffectsTwice))
+    apply_effects(node, judge(network_, node, reports_[index(node)].get()));
+  discard(node);
+  state.phase = Phase::Waiting;
+  work_.push_back(node);
+}
+
+/// Nothing from here on in program order is reached any more.
+void Engine::Implementation::truncate(NodeId node) {
+  limit_ = std::min(limit_, index(node));
+  patience_ = events_.elapsed() + environment_.patience();
+  for (std::uint32_t i = limit_; i < states_.size(); ++i) {
+    const NodeId later{i};
+    State& state = at(later);
+    const bool runs = state.phase == Phase::Running;
+    abandon(later);
+    if (!runs && state.phase != Phase::Done && state.phase != Phase::Skipped) state.phase = Phase::Waiting;
+  }
+  strict_.erase(strict_.lower_bound(limit_), strict_.end());
+}
+
+/// Other outputs than its consumers may have used.
+void Engine::Implementation::outputs_changed(NodeId node) {
+  if (planted(Fault::KeepsStaleInputs)) return;
+  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
+    const Dependency& dependency = order_[i];
+    if (dependency.reason() != Reason::Data || index(dependency.to) >= states_.size()) continue;
+    const Phase phase = at(dependency.to).phase;
+    const bool used = phase == Phase::Running || phase == Phase::Parked;
+    if (used && !irreversible(dependency.to) && !inputs_are_valid(dependency.to)) invalidate(dependency.to);
+  }
+}
+
+/// A write turned out otherwise than predicted: whoever relied on it, up to the next write that is certain.
+void Engine::Implementation::facts_changed(std::uint32_t place) {
+  if (planted(Fault::NeverValidates)) return;
+  for (std::uint32_t i = network_.access(place).next; i != kNone; i = network_.access(i).next) {
+    const Access& access = network_.access(i);
+    if (index(access.node) >= states_.size()) return;
+    const State& state = at(access.node);
+    if (access.reads && network_[access.node].kind == NodeClass::Pure) {
+      const bool read = state.phase == Phase::Running || state.phase == Phase::Parked;
+      if (read && projected(access) != (reads_[i] == 3)) invalidate(access.node);
+      if (state.phase == Phase::Waiting && state.ahead == 0) work_.push_back(access.node);
+    }
+    const Node& node = network_[access.node];
+    const bool certain = !node.uncertain && !node.branches && network_.conditions(access.node).empty();
+    if (access.writes && certain) return;
+  }
+}
+
+}  // namespace segue::cdtn

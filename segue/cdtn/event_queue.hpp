@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/environment.hpp>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace segue::cdtn {
+
+enum class ClockKind : std::uint8_t { Virtual, Real };
+
+/// The ends of nodes in the order of their time. Virtual time jumps to the next one; real time waits. What
+/// was told first comes first at equal times, so the same calls give the same order.
+class EventQueue final : public Completions {
+ public:
+  struct End {
+    TimePoint when;
+    NodeId node{};
+    std::uint32_t attempt = 0;
+    ReportPtr report;
+  };
+
+  explicit EventQueue(ClockKind clock);
+
+  void finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) override;
+  void finish(NodeId node, std::uint32_t attempt, ReportPtr report) override;
+  [[nodiscard]] TimePoint now() const override { return now_; }
+  /// Real time since this began, whatever the clock.
+  [[nodiscard]] TimePoint elapsed() const;
+
+  /// Another end at the present time, if it is known already.
+  template <class Counts>
+  std::optional<End> next_now(Counts&& counts) {
+    drop_unless(counts);
+    if (due_.empty() && (later_.empty() || later_.front().when > now_)) return std::nullopt;
+    return take_due();
+  }
+
+  /// The next end that `counts`, which takes an End; others are dropped without time passing. Nothing where
+  /// none is scheduled and, with `awaited`, none arrives from another thread until `elapsed` is `deadline`.
+  /// Blocks while `awaited`.
+  template <class Counts>
+  std::optional<End> next(bool awaited, TimePoint deadline, Counts&& counts) {
+    for (;;) {
+      drop_unless(counts);
+      if (auto end = take_due()) return end;
+      if (!awaited || !wait(deadline)) return std::nullopt;
+    }
+  }
+
+ private:
+  struct Scheduled {
+    TimePoint when;
+    std::uint64_t number = 0;
+    NodeId node{};
+    std::uint32_t attempt = 0;
+    ReportPtr report;
+    friend bool operator<(const Scheduled& a, const Scheduled& b) {  // the earliest is the heap's greatest
+      return a.when != b.when ? a.when > b.when : a.number > b.number;
+    }
+  };
+  template <class Counts>
+  void drop_unless(Counts& counts) {
+    while (!due_.empty() && !counts(due_.front()))
+      due_.pop_front();
+    while (!later_.empty() && !counts(later_.front()))
+      take_later();
+  }
+  Scheduled take_later();
+  std::optional<End> take_due();
+  bool wait(TimePoint deadline);
+  void fetch_posted();
+
+  const ClockKind clock_;
+  const TimePoint began_ = RealClock::instance().now();
+  TimePoint now_{};
+  std::uint64_t number_ = 0;
+  std::deque<End> due_;           ///< at the present time
+  std::vector<Scheduled> later_;  ///< a heap
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<End> posted_;  ///< guarded by mutex_
+};
+
+}  // namespace segue::cdtn

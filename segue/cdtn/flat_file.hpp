@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/simulation.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// A task network with what its nodes do in a trial.
+struct FlatNetwork {
+  Network network;
+  std::vector<Trial> trials;  ///< by node
+};
+
+/// Reads the JSON of a flat task network. Nodes are ordered by `seq`, else as they are written. Every problem
+/// becomes a diagnostic with its place; where there are errors, nothing is returned. Keys that mean nothing
+/// are warned of. Nodes that are given neither facts nor resources are opaque.
+std::optional<FlatNetwork> read_flat_network(std::string_view text, const std::string& file,
+                                             Diagnostics& diagnostics);
+/// Likewise; a file that cannot be read is the diagnostic `unreadable-file`. Blocks.
+std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, Diagnostics& diagnostics);
+
+/// JSON that reads as the same network.
+std::string write_flat_network(const FlatNetwork& flat);
+
+/// What can be known to go wrong before a run: claims of units that no node before can have left or made
+/// (`missing-resource`).
+void check_resources(const Network& network, const std::string& file, Diagnostics& diagnostics);
+
+}  // namespace segue::cdtn

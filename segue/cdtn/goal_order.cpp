@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "goal_order.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+GoalOrder::GoalOrder(const Network& network, Order& order) : network_(network), builder_(network, order) {
+  collect_facts();
+}
+
+void GoalOrder::collect_facts() {
+  fact_begin_.assign(network_.facts.size() + 1, 0);
+  for (std::uint32_t i = 0; i < network_.access_count(); ++i)
+    ++fact_begin_[index(network_.access(i).fact) + 1];
+  for (std::size_t i = 1; i < fact_begin_.size(); ++i)
+    fact_begin_[i] += fact_begin_[i - 1];
+  by_fact_.resize(network_.access_count());
+  std::vector<std::uint32_t> next(fact_begin_.begin(), fact_begin_.end());
+  for (std::uint32_t i = 0; i < network_.access_count(); ++i)
+    by_fact_[next[index(network_.access(i).fact)]++] = i;
+}
+
+/// Whether every value of the fact is known beforehand, so that causal links can be told.
+bool GoalOrder::foreseeable(FactId fact) const {
+  for (std::uint32_t i = fact_begin_[index(fact)]; i < fact_begin_[index(fact) + 1]; ++i) {
+    const Access& access = network_.access(by_fact_[i]);
+    const Node& node = network_[access.node];
+    if (access.writes && (node.uncertain || node.branches || !network_.conditions(access.node).empty()))
+      return false;
+  }
+  return true;
+}
+
+void GoalOrder::link(NodeId from, NodeId to, FactId fact) {
+  if (from != to) links_.push_back({from, to, fact});
+}
+
+/// Causal links and threats of "the fact has this value": `readers` are those of the last interval in which
+/// somebody needs it, `clobberers` end it and come before the next producer that is needed.
+void GoalOrder::add_links(const Literal& literal) {
+  Interval now;
+  now.has_producer = network_.initial_world.holds(literal);
+  readers_.clear();
+  clobberers_.clear();
+  for (std::uint32_t i = fact_begin_[index(literal.fact)]; i < fact_begin_[index(literal.fact) + 1]; ++i) {
+    const Access& access = network_.access(by_fact_[i]);
+    if (access.reads && access.needed == literal.value && now.has_producer) {
+      need(now, literal.fact);
+      if (index(now.producer) != kNone) link(now.producer, access.node, literal.fact);
+      if (access.writes || network_[access.node].kind != NodeClass::Pure) readers_.push_back(access.node);
+    }
+    if (!access.writes) continue;
+    if (access.value != literal.value) {
+      for (const NodeId reader : readers_)
+        link(reader, access.node, literal.fact);
+      clobberers_.push_back(access.node);
+      now = {};
+    } else if (!now.has_producer) {
+      now = {true, false, access.node};
+    }
+  }
+  if (now.has_producer && std::ranges::find(goal_, literal) != goal_.end()) need(now, literal.fact);
+}
+
+void GoalOrder::need(Interval& interval, FactId fact) {
+  if (interval.needed) return;
+  interval.needed = true;
+  if (index(interval.producer) != kNone) {
+    for (const NodeId clobberer : clobberers_)
+      link(clobberer, interval.producer, fact);
+  }
+  // What was initially true and is needed in the end has no clobberers; then nothing is left to order.
+  readers_.clear();
+  clobberers_.clear();
+  if (index(interval.producer) != kNone) readers_.push_back(interval.producer);
+}
+
+/// The network's goal, or every fact with the value it has in the end.
+std::vector<Literal> GoalOrder::wanted() const {
+  if (!network_.goal.empty()) return network_.goal;
+  World world = network_.initial_world;
+  for (std::uint32_t i = 0; i < network_.access_count(); ++i) {
+    const Access& access = network_.access(i);
+    if (access.writes) world.set({access.fact, access.value});
+  }
+  std::vector<Literal> all;
+  for (std::uint32_t i = 0; i < network_.facts.size(); ++i)
+    all.push_back({FactId{i}, world.holds(FactId{i})});
+  return all;
+}
+
+void GoalOrder::derive() {
+  const auto by_fact = [](const Literal& a, const Literal& b) { return a.fact < b.fact; };
+  const std::vector<Literal> goal = [&] {
+    auto all = wanted();
+    std::ranges::sort(all, by_fact);
+    return all;
+  }();
+  std::vector<bool> foreseen(network_.facts.size());
+  for (std::uint32_t i = 0; i < network_.facts.size(); ++i) {
+    foreseen[i] = foreseeable(FactId{i});
+    if (!foreseen[i]) continue;
+    const auto [first, last] = std::equal_range(goal.begin(), goal.end(), Literal{FactId{i}, true}, by_fact);
+    goal_.assign(first, last);
+    add_links({FactId{i}, true});
+    add_links({FactId{i}, false});
+  }
+  std::ranges::stable_sort(links_, {}, &Link::to);
+  builder_.prepare();
+  auto link = links_.begin();
+  for (std::uint32_t i = 0; i < network_.size(); ++i) {
+    const NodeId node{i};
+    builder_.begin_node(node);
+    for (const Access& access : network_.accesses(node)) {
+      if (!foreseen[index(access.fact)]) builder_.add_access(node, access);
+    }
+    for (; link != links_.end() && link->to == node; ++link)
+      builder_.add(link->from, Reason::Fact, index(link->fact));
+    builder_.add_resources(node, false);
+    builder_.end_node();
+  }
+}
+
+Order derive_order(const Network& network, OrderRule rule) {
+  Order order;
+  order.reserve(network.size(), std::size_t{network.access_count()} * 2);
+  if (rule == OrderRule::Goal)
+    GoalOrder(network, order).derive();
+  else
+    OrderBuilder(network, order).extend();
+  return order;
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/order.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// OrderRule::Goal: of each fact only what somebody needs is kept, a precondition or the goal. Internal to
+/// derive_order.
+class GoalOrder {
+ public:
+  /// Both must outlive this.
+  GoalOrder(const Network& network, Order& order);
+  void derive();
+
+ private:
+  struct Link {
+    NodeId from{};
+    NodeId to{};
+    FactId fact{};
+  };
+  /// A stretch of the program in which the fact has the value: who made it so (none: it was so initially),
+  /// and whether anybody needs it.
+  struct Interval {
+    bool has_producer = false;
+    bool needed = false;
+    NodeId producer{kNone};
+  };
+  void collect_facts();
+  [[nodiscard]] bool foreseeable(FactId fact) const;
+  void add_links(const Literal& literal);
+  void need(Interval& interval, FactId fact);
+  void link(NodeId from, NodeId to, FactId fact);
+  [[nodiscard]] std::vector<Literal> wanted() const;
+
+  const Network& network_;
+  OrderBuilder builder_;
+  std::vector<std::uint32_t> fact_begin_;
+  std::vector<std::uint32_t> by_fact_;  ///< accesses, by fact and program order
+  std::vector<NodeId> readers_;
+  std::vector<NodeId> clobberers_;
+  std::vector<Literal> goal_;  ///< what is wanted of the fact at hand
+  std::vector<Link> links_;
+};
+
+}  // namespace segue::cdtn

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace segue::cdtn {
+
+Network::Network() {
+  for (const std::string_view known : {"success", "aborted", "preempted"})
+    outcomes.intern(known);
+  nodes_.emplace_back();
+}
+
+std::string Network::label(NodeId node) const {
+  const std::uint32_t iteration = (*this)[node].iteration;
+  return iteration == 0 ? name_of(node) : name_of(node) + '#' + std::to_string(iteration);
+}
+
+std::uint32_t Network::add_group(ResourceId resource, std::uint32_t count) {
+  resources[resource].grouped = true;
+  groups_.push_back({resource, count, 0});
+  return static_cast<std::uint32_t>(groups_.size()) - 1;
+}
+
+NodeId Network::append(const NodeSpec& spec) {
+  const NodeId node{size()};
+  Node& entry = nodes_.back();
+  entry.duration = spec.duration;
+  entry.name = names.intern(spec.name);
+  entry.iteration = spec.iteration;
+  entry.expected = spec.expected;
+  entry.kind = spec.kind;
+  entry.branches = spec.branches;
+  entry.handles_abort = spec.handles_abort;
+  entry.routine = spec.routine;
+  entry.opaque = spec.opaque;
+  entry.reads_world = spec.reads_world;
+  entry.uncertain = spec.uncertain;
+  entry.cannot_fail = spec.cannot_fail;
+  append_accesses(spec, node);
+  append_claims(spec);
+  inputs_.insert(inputs_.end(), spec.inputs.begin(), spec.inputs.end());
+  std::stable_sort(inputs_.begin() + entry.first_input, inputs_.end(),
+                   [](const DataInput& a, const DataInput& b) { return a.producer < b.producer; });
+  conditions_.insert(conditions_.end(), spec.conditions.begin(), spec.conditions.end());
+  const auto conditions = conditions_.begin() + entry.first_condition;
+  std::sort(conditions, conditions_.end());
+  conditions_.erase(std::unique(conditions, conditions_.end()), conditions_.end());
+  Node next;
+  close(next);
+  nodes_.push_back(next);
+  return node;
+}
+
+void Network::close(Node& next) const {
+  next.first_access = access_count();
+  next.first_claim = static_cast<std::uint32_t>(claims_.size());
+  next.first_input = static_cast<std::uint32_t>(inputs_.size());
+  next.first_condition = static_cast<std::uint32_t>(conditions_.size());
+}
+
+void Network::append_accesses(const NodeSpec& spec, NodeId node) {
+  const auto access_to = [&](FactId fact) -> Access& {
+    const auto known = std::ranges::find(scratch_, fact, &Access::fact);
+    if (known != scratch_.end()) return *known;
+    Access& access = scratch_.emplace_back();
+    access.fact = fact;
+    access.node = node;
+    return access;
+  };
+  scratch_.clear();
+  for (const Literal& literal : spec.preconditions) {
+    Access& access = access_to(literal.fact);
+    access.reads = true;
+    access.needed = literal.value;
+  }
+  for (const Literal& literal : spec.effects) {
+    Access& access = access_to(literal.fact);
+    access.value = literal.value || (access.writes && access.value);
+    access.writes = true;
+  }
+  for (Access& access : scratch_) {
+    if (index(access.fact) >= chains_.size()) chains_.resize(facts.size());
+    FactChain& chain = chains_[index(access.fact)];
+    access.previous_write = chain.last_write;
+    if (chain.last != kNone) accesses_[chain.last].next = access_count();
+    chain.last = access_count();
+    if (access.writes) chain.last_write = access_count();
+    accesses_.push_back(access);
+  }
+}
+
+void Network::append_claims(const NodeSpec& spec) {
+  const std::size_t first = claims_.size();
+  for (const Claim& claim : spec.claims) {
+    Resource& resource = resources[claim.resource];
+    const bool changes =
+        claim.op == ResourceOp::Create || claim.op == ResourceOp::Consume || claim.op == ResourceOp::Delete;
+    resource.varies = resource.varies || changes;
+    if (changes) nodes_.back().kind = NodeClass::Irreversible;
+    const auto same = std::find_if(
+        claims_.begin() + static_cast<std::ptrdiff_t>(first), claims_.end(), [&](const Claim& other) {
+          return other.resource == claim.resource && other.op == claim.op && other.group == claim.group;
+        });
+    if (same != claims_.end()) {
+      same->count += claim.count;
+      continue;
+    }
+    claims_.push_back(claim);
+    if (claim.group != kNone) ++groups_[claim.group].members;
+  }
+}
+
+std::size_t Network::bytes() const {
+  return nodes_.size() * sizeof(Node) + accesses_.size() * sizeof(Access) + claims_.size() * sizeof(Claim) +
+         inputs_.size() * sizeof(DataInput) + conditions_.size() * sizeof(Condition);
+}
+
+}  // namespace segue::cdtn

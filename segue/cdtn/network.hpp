@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/cdtn/fact.hpp>
+#include <segue/cdtn/ids.hpp>
+#include <segue/cdtn/name_table.hpp>
+#include <segue/cdtn/resource.hpp>
+#include <segue/cdtn/world.hpp>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// Irreversible: what it does cannot be taken back; it waits until it is certain to be wanted. Pure: changes
+/// nothing but what the plan knows; it may run ahead on a projected world, be repeated, and be thrown away.
+/// Sensing: a pure node that reads reality, never a projection.
+enum class NodeClass : std::uint8_t { Irreversible, Pure, Sensing };
+
+/// One input of a node. Several for one input are candidates: the last in program order that is not skipped
+/// counts.
+struct DataInput {
+  NodeId producer{};
+  std::uint32_t output = 0;  ///< of Network::names
+  std::uint32_t input = 0;   ///< of Network::names
+};
+
+/// The node is on the path only if `node` ends with `outcome`.
+struct Condition {
+  NodeId node{};
+  OutcomeId outcome = kSuccess;
+  friend auto operator<=>(const Condition&, const Condition&) = default;
+};
+
+/// A node in the words of whoever makes it. All references are to nodes that were appended before.
+struct NodeSpec {
+  std::string name;
+  std::uint32_t iteration = 0;
+  NodeClass kind = NodeClass::Irreversible;
+  Duration duration{};            ///< expected
+  OutcomeId expected = kSuccess;  ///< its effects belong to this outcome
+  bool branches = false;          ///< conditions of later nodes tell its outcomes apart
+  bool handles_abort = false;     ///< `aborted` is an outcome like others; requires `branches`
+  bool routine = false;           ///< a part of the plan that runs sequentially within
+  bool opaque = false;            ///< may touch facts and resources that it does not declare
+  bool reads_world = false;       ///< may look at facts that it does not declare
+  bool uncertain = false;         ///< its effects may turn out to be others, on the same facts
+  bool cannot_fail = false;
+  std::vector<Literal> preconditions;
+  std::vector<Literal> effects;  ///< of contradicting ones, that which makes the fact true counts
+  std::vector<Claim> claims;
+  std::vector<DataInput> inputs;
+  std::vector<Condition> conditions;
+};
+
+/// How a node touches one fact.
+struct Access {
+  FactId fact{};
+  NodeId node{};
+  std::uint32_t previous_write = kNone;  ///< the access that writes this fact before, in program order
+  std::uint32_t next = kNone;            ///< the next access to this fact
+  bool reads : 1 = false;
+  bool needed : 1 = false;  ///< the value that the precondition asks for
+  bool writes : 1 = false;
+  bool value : 1 = false;  ///< the value that is predicted
+};
+
+/// A node as stored: everything of variable length lies in arrays of the network.
+struct Node {
+  Duration duration{};
+  std::uint32_t name = 0;
+  std::uint32_t iteration = 0;
+  std::uint32_t first_access = 0;
+  std::uint32_t first_claim = 0;
+  std::uint32_t first_input = 0;
+  std::uint32_t first_condition = 0;
+  OutcomeId expected = kSuccess;
+  NodeClass kind = NodeClass::Irreversible;
+  bool branches : 1 = false;
+  bool handles_abort : 1 = false;
+  bool routine : 1 = false;
+  bool opaque : 1 = false;
+  bool reads_world : 1 = false;
+  bool uncertain : 1 = false;
+  bool cannot_fail : 1 = false;
+};
+
+/// Nodes in program order, in flat arrays, with the facts and resources that they are about. Nodes are only
+/// ever appended, which may go on while an engine runs the network (on the engine's thread). Not thread safe.
+class Network {
+ public:
+  Network();
+
+  std::string name;
+  FactTable facts;
+  ResourceTable resources;
+  NameTable names;     ///< of nodes, inputs and outputs
+  NameTable outcomes;  ///< as OutcomeId; begins with success, aborted, preempted
+  World initial_world;
+  std::vector<Literal> goal;  ///< what matters in the end, for the order `goal`; empty: the whole world
+
+  /// Appends to the end of the program order. Requires what NodeSpec says of references.
+  NodeId append(const NodeSpec& spec);
+  /// A lock that members name in their claims (Claim::group).
+  std::uint32_t add_group(ResourceId resource, std::uint32_t count = 1);
+  OutcomeId outcome(std::string_view text) { return OutcomeId(outcomes.intern(text)); }
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()) - 1; }
+  [[nodiscard]] const Node& operator[](NodeId node) const { return nodes_[index(node)]; }
+  [[nodiscard]] const std::string& name_of(NodeId node) const { return names.name((*this)[node].name); }
+  /// The name, with the iteration where it is not the first: "dig#2".
+  [[nodiscard]] std::string label(NodeId node) const;
+
+  [[nodiscard]] std::span<const Access> accesses(NodeId node) const {
+    return part(accesses_, node, &Node::first_access);
+  }
+  [[nodiscard]] std::span<const Claim> claims(NodeId node) const {
+    return part(claims_, node, &Node::first_claim);
+  }
+  [[nodiscard]] std::span<const DataInput> inputs(NodeId node) const {
+    return part(inputs_, node, &Node::first_input);
+  }
+  [[nodiscard]] std::span<const Condition> conditions(NodeId node) const {
+    return part(conditions_, node, &Node::first_condition);
+  }
+  [[nodiscard]] const Access& access(std::uint32_t place) const { return accesses_[place]; }
+  [[nodiscard]] std::uint32_t access_count() const { return static_cast<std::uint32_t>(accesses_.size()); }
+  [[nodiscard]] std::uint32_t input_count() const { return static_cast<std::uint32_t>(inputs_.size()); }
+  [[nodiscard]] std::span<const GroupLock> groups() const { return groups_; }
+  /// Bytes that nodes and what belongs to them occupy; names and facts aside.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct FactChain {
+    std::uint32_t last = kNone;
+    std::uint32_t last_write = kNone;
+  };
+  template <class T>
+  [[nodiscard]] std::span<const T> part(const std::vector<T>& all, NodeId node,
+                                        std::uint32_t Node::*first) const {
+    const Node* entry = &nodes_[index(node)];
+    return {all.data() + entry->*first, all.data() + (entry + 1)->*first};
+  }
+  void append_accesses(const NodeSpec& spec, NodeId node);
+  void append_claims(const NodeSpec& spec);
+  void close(Node& next) const;
+
+  std::vector<Node> nodes_;  ///< and one beyond the last, where the next one begins
+  std::vector<Access> accesses_;
+  std::vector<Claim> claims_;
+  std::vector<DataInput> inputs_;
+  std::vector<Condition> conditions_;
+  std::vector<GroupLock> groups_;
+  std::vector<FactChain> chains_;  ///< by fact
+  std::vector<Access> scratch_;
+};
+
+}  // namespace segue::cdtn

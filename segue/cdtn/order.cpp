@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "order.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace segue::cdtn {
+
+std::string_view to_string(Reason reason) {
+  static constexpr std::array<std::string_view, 5> kNames{"fact", "resource", "data", "condition", "place"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+std::string subject_text(const Network& network, const Dependency& dependency) {
+  switch (dependency.reason()) {
+    case Reason::Fact:
+      return network.facts.text(FactId{dependency.subject});
+    case Reason::Resource:
+      return network.resources.name(ResourceId{dependency.subject});
+    case Reason::Data:
+      return network.names.name(dependency.subject);
+    case Reason::Condition:
+      return network.outcomes.name(dependency.subject);
+    case Reason::Place:
+      break;
+  }
+  return "its place in the program";
+}
+
+void Order::open_node() {
+  first_out_.push_back(kNone);
+}
+
+void Order::add(NodeId from, Reason reason, std::uint32_t subject) {
+  Dependency& added = dependencies_.emplace_back();
+  added.from = from;
+  added.to = NodeId{size() - 1};
+  added.subject = subject & ((1U << 29) - 1);
+  added.reason_bits = static_cast<std::uint32_t>(reason) & 7U;
+  added.next_out = first_out_[index(from)];
+  first_out_[index(from)] = static_cast<std::uint32_t>(dependencies_.size()) - 1;
+}
+
+void Order::close_node() {
+  begin_.push_back(static_cast<std::uint32_t>(dependencies_.size()));
+}
+
+void Order::reserve(std::size_t nodes, std::size_t dependencies) {
+  dependencies_.reserve(dependencies);
+  begin_.reserve(nodes + 1);
+  first_out_.reserve(nodes);
+}
+
+std::size_t Order::bytes() const {
+  return dependencies_.size() * sizeof(Dependency) +
+         (begin_.size() + first_out_.size()) * sizeof(std::uint32_t);
+}
+
+void OrderBuilder::prepare() {
+  states_.resize(network_.facts.size());
+  last_claim_.resize(network_.resources.size(), NodeId{kNone});
+  waited_for_.resize(network_.size(), kNone);
+}
+
+void OrderBuilder::extend() {
+  prepare();
+  for (std::uint32_t i = order_.size(); i < network_.size(); ++i) {
+    const NodeId node{i};
+    begin_node(node);
+    for (const Access& access : network_.accesses(node))
+      add_access(node, access);
+    add_resources(node, true);
+    end_node();
+  }
+}
+
+/// What every rule has in common.
+void OrderBuilder::begin_node(NodeId node) {
+  order_.open_node();
+  add_data_and_conditions(node);
+  add_place(node);
+}
+
+void OrderBuilder::add_data_and_conditions(NodeId node) {
+  for (const DataInput& input : network_.inputs(node))
+    order_.add(input.producer, Reason::Data, input.input);
+  for (const Condition& condition : network_.conditions(node))
+    order_.add(condition.node, Reason::Condition, static_cast<std::uint32_t>(condition.outcome));
+}
+
+/// One dependency for two nodes is enough, whatever the number of facts.
+void OrderBuilder::add(NodeId from, Reason reason, std::uint32_t subject) {
+  const std::uint32_t to = order_.size() - 1;
+  if (waited_for_[index(from)] == to) return;
+  waited_for_[index(from)] = to;
+  order_.add(from, reason, subject);
+}
+
+void OrderBuilder::touch(std::uint32_t& list, NodeId node) {
+  touchers_.push_back({node, list});
+  list = static_cast<std::uint32_t>(touchers_.size()) - 1;
+}
+
+void OrderBuilder::wait_for(std::uint32_t list, NodeId flip, NodeId node, Reason reason,
+                            std::uint32_t subject) {
+  if (list == kNone && index(flip) != kNone && flip != node) add(flip, reason, subject);
+  for (; list != kNone; list = touchers_[list].next) {
+    if (touchers_[list].node != node) add(touchers_[list].node, reason, subject);
+  }
+}
+
+/// Whether a node that runs can rely on what the last flip left: not where that may have been skipped, or may
+/// have turned out otherwise, without the node being skipped too.
+bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
+  if (state.uncertain) return false;
+  if (index(state.flip) == kNone) return true;
+  const auto own = network_.conditions(node);
+  const auto others = network_.conditions(state.flip);
+  if (!std::includes(own.begin(), own.end(), others.begin(), others.end())) return false;
+  const Node& flip = network_[state.flip];
+  return !flip.branches || std::binary_search(own.begin(), own.end(), Condition{state.flip, flip.expected});
+}
+
+/// Pure nodes that only read need not be waited for: what they read is known whenever they run.
+void OrderBuilder::add_access(NodeId node, const Access& access) {
+  FactState& state = states_[index(access.fact)];
+  if (!state.seen) {
+    state.seen = true;
+    state.value = network_.initial_world.holds(access.fact) ? 1 : 0;
+  }
+  const Node& entry = network_[node];
+  const bool flips =
+      access.writes && (entry.uncertain || state.value != (access.value ? 1 : 0) || !known_to(state, node));
+  if (!flips) {
+    if (index(state.flip) != kNone) add(state.flip, Reason::Fact, index(access.fact));
+    if (access.writes || entry.kind != NodeClass::Pure) touch(state.touchers, node);
+    return;
+  }
+  wait_for(state.touchers, state.flip, node, Reason::Fact, index(access.fact));
+  state = {node, kNone, static_cast<std::uint8_t>(access.value ? 1 : 0), entry.uncertain, true};
+}
+
+void OrderBuilder::add_place(NodeId node) {
+  const Node& entry = network_[node];
+  if (entry.opaque) {
+    wait_for(place_touchers_, place_, node, Reason::Place, 0);
+    place_touchers_ = kNone;
+    place_ = node;
+    return;
+  }
+  if (index(place_) != kNone) add(place_, Reason::Place, 0);
+  const auto writes = [](const Access& access) { return access.writes; };
+  if (entry.kind != NodeClass::Pure || std::ranges::any_of(network_.accesses(node), writes))
+    touch(place_touchers_, node);
+}
+
+void OrderBuilder::add_resources(NodeId node, bool blocks_in_order) {
+  for (const Claim& claim : network_.claims(node)) {
+    const Resource& resource = network_.resources[claim.resource];
+    const bool irreversible =
+        network_[node].kind == NodeClass::Irreversible && claim.op != ResourceOp::Exists;
+    if (!resource.varies && !resource.grouped && !(blocks_in_order && irreversible && !resource.commutes))
+      continue;
+    NodeId& last = last_claim_[index(claim.resource)];
+    if (index(last) != kNone && last != node) order_.add(last, Reason::Resource, index(claim.resource));
+    last = node;
+  }
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/ids.hpp>
+#include <segue/cdtn/network.hpp>
+
+#include <cstdint>
+#include <ranges>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// Why a node comes after another.
+enum class Reason : std::uint8_t {
+  Fact,       ///< one of them changes a fact that the other relies on or changes
+  Resource,   ///< both use a resource whose order matters: after the other's *start*; units are a matter of
+              ///< dispatch
+  Data,       ///< it takes an output of the other
+  Condition,  ///< the other's outcome decides whether it is on the path
+  Place       ///< one of them does not say what it touches
+};
+std::string_view to_string(Reason reason);
+
+/// `to` comes after `from` because of `subject`: a fact, a resource, an input's name or an outcome.
+struct Dependency {
+  NodeId from{};
+  NodeId to{};
+  std::uint32_t next_out = kNone;  ///< the next dependency on `from`
+  std::uint32_t subject : 29 = 0;
+  std::uint32_t reason_bits : 3 = 0;
+  [[nodiscard]] Reason reason() const { return static_cast<Reason>(reason_bits); }
+};
+
+/// What comes after what, with reasons, in flat arrays: the dependencies of a node lie side by side, those on
+/// a node are linked. Only ever grows.
+class Order {
+ public:
+  [[nodiscard]] std::span<const Dependency> before(NodeId node) const {
+    return {dependencies_.data() + begin_[index(node)], dependencies_.data() + begin_[index(node) + 1]};
+  }
+  /// The first dependency on `node`, to be followed by `next_out`; kNone where there is none.
+  [[nodiscard]] std::uint32_t first_out(NodeId node) const { return first_out_[index(node)]; }
+  [[nodiscard]] const Dependency& operator[](std::uint32_t place) const { return dependencies_[place]; }
+  /// How many nodes it covers.
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(first_out_.size()); }
+  [[nodiscard]] std::size_t dependency_count() const { return dependencies_.size(); }
+  [[nodiscard]] std::size_t bytes() const;
+
+  /// For builders, in program order: a node, then what it depends on.
+  void open_node();
+  void add(NodeId from, Reason reason, std::uint32_t subject);
+  void close_node();
+  void reserve(std::size_t nodes, std::size_t dependencies);
+
+ private:
+  std::vector<Dependency> dependencies_;
+  std::vector<std::uint32_t> begin_{0};
+  std::vector<std::uint32_t> first_out_;
+};
+
+/// Epoch: every linear extension reads the same values and ends in the same world as the sequential
+/// execution; found in one walk, linear in the accesses. Goal: only preconditions and the network's goal are
+/// kept (causal links from the earliest producer, threats), facts under conditions as in Epoch; it needs the
+/// whole network, and resources that are only blocked keep no order.
+enum class OrderRule : std::uint8_t { Epoch, Goal };
+
+/// The order of a whole network.
+Order derive_order(const Network& network, OrderRule rule = OrderRule::Epoch);
+
+/// "arm_at(home)", "process:planner" ...: what a dependency is about.
+std::string subject_text(const Network& network, const Dependency& dependency);
+
+/// Derives the order by the epoch rule for a network that grows. Each fact's sequence of accesses is cut
+/// where its value flips: the flipping node comes after every node that touched the fact since the last flip,
+/// and those came after that one. Flips of a fact are so totally ordered and whoever touches it stays between
+/// the same two.
+class OrderBuilder {
+ public:
+  /// Both must outlive the builder.
+  OrderBuilder(const Network& network, Order& order) : network_(network), order_(order) {}
+  /// Takes in all nodes that were appended since.
+  void extend();
+
+ private:
+  friend class GoalOrder;
+  struct FactState {
+    NodeId flip{kNone};              ///< who changed it last; none: the initial world
+    std::uint32_t touchers = kNone;  ///< who touched it since
+    std::uint8_t value = 0;
+    bool uncertain = false;
+    bool seen = false;
+  };
+  struct Toucher {
+    NodeId node{};
+    std::uint32_t next = kNone;
+  };
+  void add(NodeId from, Reason reason, std::uint32_t subject);
+  void add_access(NodeId node, const Access& access);
+  void add_place(NodeId node);
+  void add_resources(NodeId node, bool blocks_in_order);
+  void add_data_and_conditions(NodeId node);
+  void touch(std::uint32_t& list, NodeId node);
+  void wait_for(std::uint32_t list, NodeId flip, NodeId node, Reason reason, std::uint32_t subject);
+  [[nodiscard]] bool known_to(const FactState& state, NodeId node) const;
+  void prepare();
+  void begin_node(NodeId node);
+  void end_node() { order_.close_node(); }
+
+  const Network& network_;
+  Order& order_;
+  std::vector<FactState> states_;  ///< by fact
+  std::vector<Toucher> touchers_;
+  std::vector<NodeId> last_claim_;         ///< by resource
+  std::vector<std::uint32_t> waited_for_;  ///< by node: the last node that was told to wait for it
+  NodeId place_{kNone};                    ///< the last opaque node
+  std::uint32_t place_touchers_ = kNone;
+};
+
+}  // namespace segue::cdtn

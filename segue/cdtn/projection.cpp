@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+/// Whether a node that has not ended is taken to be on the path, seen from `at`: conditions that both have
+/// are met, others end as expected.
+bool Engine::Implementation::assumed_on_path(NodeId writer, NodeId at) const {
+  const auto own = network_.conditions(at);
+  for (const Condition& condition : network_.conditions(writer)) {
+    const auto mine = std::ranges::find(own, condition.node, &Condition::node);
+    const OutcomeId outcome = mine != own.end() ? mine->outcome : network_[condition.node].expected;
+    if (!this->at(condition.node).passed && outcome != condition.outcome) return false;
+  }
+  const auto self = std::ranges::find(own, writer, &Condition::node);
+  return self == own.end() || self->outcome == network_[writer].expected;
+}
+
+/// The value of the fact where the access stands in program order: what the last writer before it wrote, or
+/// is predicted to write.
+bool Engine::Implementation::projected(const Access& access) const {
+  std::uint32_t place = access.previous_write;
+  for (; place != kNone; place = network_.access(place).previous_write) {
+    const Access& write = network_.access(place);
+    if (writes_[place] >= 2) break;
+    if (writes_[place] == 0 && assumed_on_path(write.node, access.node)) break;
+  }
+  if (const auto others = undeclared_.find(index(access.fact)); others != undeclared_.end()) {
+    const NodeId after = place == kNone ? NodeId{0} : network_.access(place).node;
+    const std::pair<NodeId, bool>* last = nullptr;
+    for (const auto& write : others->second) {
+      const bool between = write.first < access.node && (place == kNone || write.first > after);
+      if (between && (last == nullptr || write.first > last->first)) last = &write;
+    }
+    if (last != nullptr) return last->second;
+  }
+  if (place == kNone) return network_.initial_world.holds(access.fact);
+  return writes_[place] == 0 ? network_.access(place).value : writes_[place] == 3;
+}
+
+void Engine::Implementation::catch_up_prefix_world() {
+  for (; prefix_world_at_ < prefix_; ++prefix_world_at_) {
+    const NodeId node{prefix_world_at_};
+    const auto accesses = network_.accesses(node);
+    for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+      const std::uint8_t written = writes_[network_[node].first_access + i];
+      if (written >= 2) prefix_world_.set({accesses[i].fact, written == 3});
+    }
+    for (const auto& [fact, writes] : undeclared_) {
+      for (const auto& [writer, value] : writes) {
+        if (writer == node) prefix_world_.set({FactId{fact}, value});
+      }
+    }
+  }
+}
+
+/// The world where the node stands in program order: as it was after everything that has passed, then what
+/// the nodes between did, or are predicted to do. What of it may turn out otherwise is remembered as a guess.
+World Engine::Implementation::projected_world(NodeId node) {
+  catch_up_prefix_world();
+  World world = prefix_world_;
+  std::vector<Literal>& guesses = guesses_[index(node)];
+  guesses.clear();
+  for (NodeId before{prefix_}; before < node; before = NodeId{index(before) + 1}) {
+    const auto accesses = network_.accesses(before);
+    for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+      const std::uint8_t written = writes_[network_[before].first_access + i];
+      if (!accesses[i].writes) continue;
+      if (written >= 2) world.set({accesses[i].fact, written == 3});
+      if (written == 0 && assumed_on_path(before, node)) world.set({accesses[i].fact, accesses[i].value});
+      guesses.push_back({accesses[i].fact, false});
+    }
+  }
+  for (Literal& guess : guesses)
+    guess.value = world.holds(guess.fact);
+  return world;
+}
+
+bool Engine::Implementation::reads_are_valid(NodeId node) const {
+  if (network_[node].kind != NodeClass::Pure || planted(Fault::NeverValidates)) return true;
+  const auto accesses = network_.accesses(node);
+  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+    if (accesses[i].reads && projected(accesses[i]) != (reads_[network_[node].first_access + i] == 3))
+      return false;
+  }
+  return true;
+}
+
+/// The version of the producer's outputs that this entry gives; 0 where another entry for the same input
+/// counts, or its producer is skipped.
+std::uint32_t Engine::Implementation::input_version(NodeId node, std::size_t place) const {
+  const auto inputs = network_.inputs(node);
+  const auto skipped = [&](const DataInput& input) { return at(input.producer).phase == Phase::Skipped; };
+  if (skipped(inputs[place])) return 0;
+  for (std::size_t later = place + 1; later < inputs.size(); ++later) {
+    if (inputs[later].input == inputs[place].input && !skipped(inputs[later])) return 0;
+  }
+  return at(inputs[place].producer).version;
+}
+
+bool Engine::Implementation::inputs_are_valid(NodeId node) const {
+  if (planted(Fault::KeepsStaleInputs)) return true;
+  const std::size_t inputs = network_.inputs(node).size();
+  for (std::size_t i = 0; i < inputs; ++i) {
+    if (versions_[network_[node].first_input + i] != input_version(node, i)) return false;
+  }
+  return true;
+}
+
+/// Requires that everything before has passed.
+bool Engine::Implementation::world_is_valid(NodeId node) {
+  const auto found = guesses_.find(index(node));
+  if (found == guesses_.end() || planted(Fault::NeverValidates)) return true;
+  if (prefix_ != index(node)) return true;  // it does not read the world as a whole
+  catch_up_prefix_world();
+  return std::ranges::all_of(found->second, [&](const Literal& guess) { return prefix_world_.holds(guess); });
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/cdtn/ids.hpp>
+#include <segue/cdtn/name_table.hpp>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// System: hardware of the robot. Process: programs. Module: software within them. World: what lies around,
+/// and copies of its model. Task: what only the plan knows.
+enum class ResourceClass : std::uint8_t { System, Process, Module, World, Task };
+inline constexpr std::array<std::string_view, 5> kResourceClasses{"system", "process", "module", "world",
+                                                                  "task"};
+
+/// Create: more units when the node ends. Consume: units that are gone once the node starts. Delete: units
+/// that the node holds and that are gone once it ends. Block: units that the node holds while it runs.
+/// Release: ends what an earlier node's block holds, see GroupLock. Exists: at least that many units, which
+/// nobody may take away meanwhile.
+enum class ResourceOp : std::uint8_t { Create, Consume, Delete, Block, Release, Exists };
+inline constexpr std::array<std::string_view, 6> kResourceOps{"create", "consume", "delete",
+                                                              "block",  "release", "exists"};
+
+/// What a node does with a resource.
+struct Claim {
+  ResourceId resource{};
+  ResourceOp op = ResourceOp::Block;
+  std::uint32_t count = 1;
+  std::uint32_t group = kNone;  ///< the group lock that the node is a member of, if any
+  friend bool operator==(const Claim&, const Claim&) = default;
+};
+
+/// Units of one resource that are held from the first start to the last end of several nodes: a block on a
+/// hierarchy, or from a `block` to its `release`. What the members block they take from these units.
+struct GroupLock {
+  ResourceId resource{};
+  std::uint32_t count = 1;
+  std::uint32_t members = 0;
+};
+
+/// A resource as declared. Its name may carry parameters: "process:planner(fast)".
+struct Resource {
+  ResourceClass kind = ResourceClass::Task;
+  std::uint32_t count = 1;  ///< units at the beginning
+  bool commutes = false;    ///< the order in which nodes use it means nothing
+  bool varies = false;      ///< some node creates, consumes or deletes units
+  bool grouped = false;     ///< some group lock holds it
+};
+
+/// Resources, interned by name. Not thread safe; reading is, while nobody adds.
+class ResourceTable {
+ public:
+  /// The resource of that name; a new one exists once, of the class that its prefix names
+  /// ("process:planner").
+  ResourceId intern(std::string_view name);
+  [[nodiscard]] std::optional<ResourceId> find(std::string_view name) const;
+  [[nodiscard]] const std::string& name(ResourceId id) const { return names_.name(index(id)); }
+  [[nodiscard]] const Resource& operator[](ResourceId id) const { return resources_[index(id)]; }
+  [[nodiscard]] Resource& operator[](ResourceId id) { return resources_[index(id)]; }
+  [[nodiscard]] std::size_t size() const { return resources_.size(); }
+
+ private:
+  NameTable names_;
+  std::vector<Resource> resources_;
+};
+
+}  // namespace segue::cdtn

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "resource_pool.hpp"
+
+#include <segue/cdtn/fault.hpp>
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+void ResourcePool::grow() {
+  for (std::size_t i = units_.size(); i < table_.size(); ++i) {
+    Units& units = units_.emplace_back();
+    units.total = units.free = table_[ResourceId{static_cast<std::uint32_t>(i)}].count;
+  }
+}
+
+void ResourcePool::take_groups(std::span<const GroupLock> locks) {
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    if (i == groups_.size())
+      groups_.push_back({locks[i], 0, locks[i].count, false});
+    else
+      groups_[i].lock.members = locks[i].members;
+  }
+}
+
+std::uint32_t ResourcePool::need(const Claim& claim) const {
+  if (claim.op == ResourceOp::Create) return 0;
+  if (claim.group != kNone) return groups_[claim.group].held ? 0 : groups_[claim.group].lock.count;
+  return claim.op == ResourceOp::Exists || claim.op == ResourceOp::Release ? 0 : claim.count;
+}
+
+bool ResourcePool::fits(const Claim& claim) const {
+  const Units& units = units_[index(claim.resource)];
+  if (need(claim) > units.free) return false;
+  if (claim.group != kNone)
+    return claim.op != ResourceOp::Block || groups_[claim.group].inside >= claim.count;
+  switch (claim.op) {
+    case ResourceOp::Exists:
+      return units.total >= claim.count;
+    case ResourceOp::Consume:
+    case ResourceOp::Delete:
+      return units.total - claim.count >= units.pinned;
+    default:
+      return true;
+  }
+}
+
+bool ResourcePool::turn(const Claim& claim, const Rank& rank) const {
+  const Units& units = units_[index(claim.resource)];
+  const std::uint64_t own = need(claim);
+  if (own == 0 || units.wanted + own <= units.free) return true;
+  std::uint64_t ahead = own;
+  for (const Waiting& waiting : units.queue) {
+    if (!(waiting.rank < rank)) break;
+    ahead += waiting.need;
+    if (ahead > units.free) return false;
+  }
+  return true;
+}
+
+bool ResourcePool::grantable(const Rank& rank, std::span<const Claim> claims) const {
+  return std::ranges::all_of(claims, [&](const Claim& claim) { return fits(claim); }) &&
+         std::ranges::all_of(claims, [&](const Claim& claim) { return turn(claim, rank); });
+}
+
+const Claim* ResourcePool::obstacle(std::span<const Claim> claims) const {
+  const auto found = std::ranges::find_if(claims, [&](const Claim& claim) { return !fits(claim); });
+  return found == claims.end() ? nullptr : &*found;
+}
+
+void ResourcePool::take(const Claim& claim) {
+  Units& units = units_[index(claim.resource)];
+  if (!planted(Fault::GrantsTwice)) units.free -= need(claim);
+  if (claim.group != kNone) {
+    groups_[claim.group].held = true;
+    if (claim.op == ResourceOp::Block) groups_[claim.group].inside -= claim.count;
+    return;
+  }
+  if (claim.op == ResourceOp::Consume) units.total -= claim.count;
+  if (claim.op == ResourceOp::Exists) {
+    ++units.pins;
+    units.pinned = std::max(units.pinned, claim.count);
+  }
+}
+
+void ResourcePool::give_back(const Claim& claim, bool done) {
+  Units& units = units_[index(claim.resource)];
+  if (claim.group != kNone) {
+    if (claim.op == ResourceOp::Block) groups_[claim.group].inside += claim.count;
+    return;
+  }
+  switch (claim.op) {
+    case ResourceOp::Create:
+      if (done) {
+        units.total += claim.count;
+        units.free += claim.count;
+      }
+      break;
+    case ResourceOp::Delete:
+      if (done)
+        units.total -= claim.count;
+      else
+        units.free += claim.count;
+      break;
+    case ResourceOp::Block:
+      if (!planted(Fault::GrantsTwice)) units.free += claim.count;
+      break;
+    case ResourceOp::Exists:
+      if (--units.pins == 0) units.pinned = 0;
+      break;
+    case ResourceOp::Consume:
+      if (planted(Fault::ReturnsConsumed)) units.total += claim.count;
+      break;
+    case ResourceOp::Release:
+      break;
+  }
+}
+
+/// Whether a claim can stand in a node's way: only then it waits in that resource's queue.
+bool ResourcePool::can_wait(const Claim& claim) const {
+  if (claim.op == ResourceOp::Create) return false;
+  if (claim.group != kNone) return true;
+  return claim.op != ResourceOp::Release && (claim.op != ResourceOp::Exists || table_[claim.resource].varies);
+}
+
+void ResourcePool::enqueue(const Rank& rank, std::span<const Claim> claims) {
+  for (const Claim& claim : claims) {
+    if (!can_wait(claim)) continue;
+    Units& units = units_[index(claim.resource)];
+    const auto place = units.queue.insert({rank, claims, 0}).first;
+    const std::uint32_t more = need(claim);
+    place->need += more;
+    units.wanted += more;
+  }
+}
+
+void ResourcePool::dequeue(const Rank& rank, std::span<const Claim> claims) {
+  for (const Claim& claim : claims) {
+    Units& units = units_[index(claim.resource)];
+    const auto found = units.queue.find({rank, {}, 0});
+    if (found == units.queue.end()) continue;
+    units.wanted -= found->need;
+    units.queue.erase(found);
+  }
+}
+
+bool ResourcePool::request(Rank rank, std::span<const Claim> claims) {
+  if (!grantable(rank, claims)) {
+    enqueue(rank, claims);
+    return false;
+  }
+  for (const Claim& claim : claims)
+    take(claim);
+  return true;
+}
+
+void ResourcePool::withdraw(Rank rank, std::span<const Claim> claims) {
+  dequeue(rank, claims);
+  for (const Claim& claim : claims)
+    look(claim.resource);
+}
+
+void ResourcePool::release(std::span<const Claim> claims, bool done) {
+  for (const Claim& claim : claims)
+    give_back(claim, done);
+  for (const Claim& claim : claims)
+    look(claim.resource);
+}
+
+void ResourcePool::leave_group(std::uint32_t group) {
+  Group& left = groups_[group];
+  ++left.left;
+  const bool early = planted(Fault::LeavesGroupEarly);
+  if (!left.held || (left.left < left.lock.members && !early)) return;
+  left.held = false;
+  units_[index(left.lock.resource)].free += left.lock.count;
+  look(left.lock.resource);
+}
+
+/// Grants whoever can go now because of this resource. Others that wait for it are out of reach once those
+/// ahead of them want all that is free.
+void ResourcePool::look(ResourceId id) {
+  Units& units = units_[index(id)];
+  std::uint64_t ahead = 0;
+  for (auto next = units.queue.begin(); next != units.queue.end() && ahead <= units.free;) {
+    const Waiting waiting = *next++;
+    if (grantable(waiting.rank, waiting.claims)) {
+      dequeue(waiting.rank, waiting.claims);
+      for (const Claim& claim : waiting.claims)
+        take(claim);
+      granted_.push_back(waiting.rank.node);
+    } else {
+      ahead += waiting.need;
+    }
+  }
+}
+
+void ResourcePool::granted(std::vector<NodeId>& nodes) {
+  nodes.clear();
+  nodes.swap(granted_);
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sequential.hpp"
+
+#include <segue/cdtn/node_outcome.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace segue::cdtn {
+
+namespace {
+
+class SequentialRun {
+ public:
+  SequentialRun(const Network& network, Environment& environment, ClockKind clock)
+      : network_(network), environment_(environment), events_(clock) {
+    result_.world = network.initial_world;
+    result_.nodes.resize(network.size());
+    result_.outputs.resize(network.size());
+    for (std::uint32_t i = 0; i < network.resources.size(); ++i) {
+      result_.units.push_back(network.resources[ResourceId{i}].count);
+      held_.push_back(0);
+    }
+    for (const GroupLock& group : network.groups())
+      members_left_.push_back(group.members);
+  }
+
+  RunResult run() {
+    for (std::uint32_t i = 0; i < network_.size() && !result_.failed; ++i)
+      step(NodeId{i});
+    result_.makespan = events_.now().time_since_epoch();
+    return std::move(result_);
+  }
+
+ private:
+  class NodeLaunch;
+
+  [[nodiscard]] bool on_path(NodeId node) const {
+    return std::ranges::all_of(network_.conditions(node), [&](const Condition& condition) {
+      const NodeResult& other = result_.nodes[index(condition.node)];
+      return other.status == NodeStatus::Done && other.outcome == condition.outcome;
+    });
+  }
+
+  void step(NodeId node) {
+    NodeResult& entry = result_.nodes[index(node)];
+    if (!on_path(node)) {
+      entry.status = NodeStatus::Skipped;
+      leave_groups(node);
+      return;
+    }
+    entry.started = events_.now();
+    if (const auto missing = take(node)) return fail_with(node, *missing);
+    const ReportPtr report = execute(node);
+    entry.ended = entry.committed = events_.now();
+    const NodeOutcome outcome = judge(network_, node, report.get());
+    give_back(node, outcome.outcome == network_[node].expected);
+    entry.outcome = outcome.outcome;
+    if (report) result_.outputs[index(node)] = report->outputs;
+    apply(node, outcome);
+    leave_groups(node);
+    if (outcome.failure) return fail_with(node, *outcome.failure);
+    entry.status = NodeStatus::Done;
+  }
+
+  void fail_with(NodeId node, const Error& error) {
+    result_.nodes[index(node)].status =
+        result_.nodes[index(node)].outcome == kPreempted ? NodeStatus::Preempted : NodeStatus::Failed;
+    result_.failed = node;
+    result_.error = error;
+  }
+
+  ReportPtr execute(NodeId node);
+
+  void apply(NodeId node, const NodeOutcome& outcome) {
+    for (const Access& access : network_.accesses(node)) {
+      if (access.writes && outcome.as_declared) result_.world.set({access.fact, access.value});
+    }
+    for (const Literal& literal : outcome.effects)
+      result_.world.set(literal);
+  }
+
+  /// Units that a claim takes now. Those of a group are taken by its first member, for all.
+  [[nodiscard]] std::uint32_t wanted(const Claim& claim) const {
+    if (claim.group != kNone)
+      return groups_held_.contains(claim.group) ? 0 : network_.groups()[claim.group].count;
+    return claim.op == ResourceOp::Create || claim.op == ResourceOp::Release ? 0 : claim.count;
+  }
+
+  std::optional<Error> take(NodeId node) {
+    for (const Claim& claim : network_.claims(node)) {
+      const std::uint32_t place = index(claim.resource);
+      const bool exists = claim.group == kNone && claim.op == ResourceOp::Exists;
+      if (wanted(claim) > result_.units[place] - (exists ? 0 : held_[place])) {
+        return fail(
+            ErrorCode::ResourceExhausted,
+            fmt::format("there are not {} of '{}'", claim.count, network_.resources.name(claim.resource)),
+            network_.label(node));
+      }
+    }
+    for (const Claim& claim : network_.claims(node)) {
+      const std::uint32_t place = index(claim.resource);
+      if (claim.group != kNone) {
+        held_[place] += wanted(claim);
+        groups_held_.insert(claim.group);
+      }
+      if (claim.group == kNone && claim.op == ResourceOp::Consume) result_.units[place] -= claim.count;
+    }
+    return std::nullopt;
+  }
+
+  void give_back(NodeId node, bool done) {
+    for (const Claim& claim : network_.claims(node)) {
+      if (claim.group != kNone || !done) continue;
+      if (claim.op == ResourceOp::Create) result_.units[index(claim.resource)] += claim.count;
+      if (claim.op == ResourceOp::Delete) result_.units[index(claim.resource)] -= claim.count;
+    }
+  }
+
+  void leave_groups(NodeId node) {
+    for (const Claim& claim : network_.claims(node)) {
+      if (claim.group == kNone || --members_left_[claim.group] > 0) continue;
+      if (groups_held_.erase(claim.group) > 0)
+        held_[index(claim.resource)] -= network_.groups()[claim.group].count;
+    }
+  }
+
+  const Network& network_;
+  Environment& environment_;
+  EventQueue events_;
+  RunResult result_;
+  std::vector<std::uint32_t> held_;  ///< units, by resource: by groups
+  std::vector<std::uint32_t> members_left_;
+  std::set<std::uint32_t> groups_held_;
+};
+
+class SequentialRun::NodeLaunch final : public Launch {
+ public:
+  NodeLaunch(const SequentialRun& run, NodeId node) : run_(run), node_(node) {}
+  [[nodiscard]] NodeId node() const override { return node_; }
+  [[nodiscard]] std::uint32_t attempt() const override { return 1; }
+  [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
+    const auto inputs = run_.network_.inputs(node_);
+    for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
+      if (input->input != name) continue;
+      if (run_.result_.nodes[index(input->producer)].status == NodeStatus::Skipped) continue;
+      const auto& outputs = run_.result_.outputs[index(input->producer)];
+      return outputs ? outputs->find(run_.network_.names.name(input->output)) : nullptr;
+    }
+    return nullptr;
+  }
+  [[nodiscard]] bool holds(FactId fact) const override { return run_.result_.world.holds(fact); }
+  [[nodiscard]] World world() override {
+    asked_world_ = true;
+    return run_.result_.world;
+  }
+  [[nodiscard]] bool asked_world() const { return asked_world_; }
+
+ private:
+  const SequentialRun& run_;
+  NodeId node_;
+  bool asked_world_ = false;
+};
+
+ReportPtr SequentialRun::execute(NodeId node) {
+  const auto aborted = [](std::string why) {
+    auto report = std::make_unique<Report>();
+    report->outcome = kAborted;
+    report->error = std::move(why);
+    return report;
+  };
+  for (const Access& access : network_.accesses(node)) {
+    if (access.reads && result_.world.holds(access.fact) != access.needed)
+      return aborted(precondition_error(network_, node, {access.fact, access.needed}).message);
+  }
+  NodeLaunch launch(*this, node);
+  result_.nodes[index(node)].attempts = 1;
+  ++result_.statistics.starts;
+  environment_.start(launch, events_);
+  auto end = events_.next(true, TimePoint::max(), [&](const auto& one) { return one.node == node; });
+  if (launch.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
+    return aborted("looked at the world without declaring reads_world");
+  return std::move(end->report);
+}
+
+}  // namespace
+
+RunResult run_sequential(const Network& network, Environment& environment, ClockKind clock) {
+  return SequentialRun(network, environment, clock).run();
+}
+
+}  // namespace segue::cdtn

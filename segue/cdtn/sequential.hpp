@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/environment.hpp>
+#include <segue/cdtn/event_queue.hpp>
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/run_result.hpp>
+
+namespace segue::cdtn {
+
+/// The reference: one node after the other in program order, each in reality. It shares nothing with the
+/// engine but the clock and what the end of a node means, so that each can be tested by the other. Ends at
+/// the first failure. Blocks.
+RunResult run_sequential(const Network& network, Environment& environment,
+                         ClockKind clock = ClockKind::Virtual);
+
+}  // namespace segue::cdtn

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+namespace segue::cdtn {
+
+/// What `Shared` counts the owners of. A copy has no owners yet.
+class SharedObject {
+ public:
+  SharedObject() = default;
+  SharedObject(const SharedObject&) {}
+  SharedObject& operator=(const SharedObject&) { return *this; }
+  virtual ~SharedObject() = default;
+
+ private:
+  template <class>
+  friend class Shared;
+  mutable std::atomic<std::uint32_t> owners_{0};
+};
+
+/// Shared ownership that can tell whether it is the only one: unlike shared_ptr's use_count, `unique`
+/// synchronises with owners that have let go on other threads, so that a unique object may be changed in
+/// place.
+template <class T>
+class Shared {
+ public:
+  Shared() = default;
+  explicit Shared(T* object) : object_(object) { acquire(); }
+  Shared(const Shared& other) : object_(other.object_) { acquire(); }
+  Shared(Shared&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  template <class U>
+  Shared(Shared<U> other)
+      : object_(std::exchange(other.object_, nullptr)) {}  // NOLINT(google-explicit-constructor)
+  Shared& operator=(Shared other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Shared() {
+    if (object_ != nullptr && object_->owners_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete object_;
+  }
+
+  [[nodiscard]] bool unique() const { return object_->owners_.load(std::memory_order_acquire) == 1; }
+  [[nodiscard]] T* get() const { return object_; }
+  T* operator->() const { return object_; }
+  T& operator*() const { return *object_; }
+  explicit operator bool() const { return object_ != nullptr; }
+
+ private:
+  template <class>
+  friend class Shared;
+  void acquire() const {
+    if (object_ != nullptr) object_->owners_.fetch_add(1, std::memory_order_relaxed);
+  }
+  T* object_ = nullptr;
+};
+
+template <class T, class... Arguments>
+Shared<T> make_shared_object(Arguments&&... arguments) {
+  return Shared<T>(new T(std::forward<Arguments>(arguments)...));
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine_implementation.hpp"
+
+#include <fmt/format.h>
+
+namespace segue::cdtn {
+
+namespace {
+
+std::string amount(const Network& network, const Claim& claim, const ResourcePool& pool) {
+  return fmt::format("{} of '{}' ({} there, {} free)", claim.count, network.resources.name(claim.resource),
+                     pool.total(claim.resource), pool.free(claim.resource));
+}
+
+}  // namespace
+
+std::string Engine::Implementation::waits_for(NodeId node) const {
+  const State& state = at(node);
+  const std::string name = fmt::format("'{}'", network_.label(node));
+  if (state.active) return name + " was cancelled and has not ended";
+  if (state.phase == Phase::Queued) {
+    const Claim* claim = pool_.obstacle(network_.claims(node));
+    if (claim != nullptr) return fmt::format("{} waits for {}", name, amount(network_, *claim, pool_));
+    return name + " waits for its turn at a resource";
+  }
+  for (const Dependency& dependency : order_.before(node)) {
+    const State& from = at(dependency.from);
+    const bool resource = dependency.reason() == Reason::Resource;
+    if (resource ? from.began : from.passed) continue;
+    return fmt::format("{} waits for '{}' ({}: {})", name, network_.label(dependency.from),
+                       to_string(dependency.reason()), subject_text(network_, dependency));
+  }
+  return name + " waits";
+}
+
+/// Names the lowest nodes that cannot go on, and for whom they wait.
+Error Engine::Implementation::stall_error() const {
+  constexpr int kNamed = 5;
+  std::string text;
+  int named = 0;
+  if (!running_.empty()) {
+    return fail(ErrorCode::DeadlineExceeded, waits_for(running_.front()), network_.label(running_.front()));
+  }
+  for (std::uint32_t i = prefix_; i < states_.size() && named < kNamed; ++i) {
+    if (states_[i].passed) continue;
+    text += (named++ == 0 ? "" : "; ") + waits_for(NodeId{i});
+  }
+  return fail(ErrorCode::ResourceExhausted, "nobody can go on: " + text,
+              prefix_ < states_.size() ? network_.label(NodeId{prefix_}) : "");
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/fact.hpp>
+#include <segue/cdtn/ids.hpp>
+#include <segue/cdtn/shared.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// What a user attaches to a world, such as a geometric model. It follows the facts: every change of one is
+/// told to `changed`, on a copy of its own where others share it.
+class UserData : public SharedObject {
+ public:
+  /// A copy that can change without this one being touched.
+  [[nodiscard]] virtual Shared<UserData> clone() const = 0;
+  /// `literal` has come true. Called on the thread that changes the world.
+  virtual void changed(const Literal& literal) = 0;
+};
+
+/// Which facts hold, with the version of the world at which each changed last. A copy is a snapshot, costs
+/// the same whatever the size, and shares what neither has changed since (a persistent tree); changing costs
+/// the depth of that tree, at most 7. Snapshots may be read on several threads; one object belongs to one
+/// thread.
+class World {
+ public:
+  /// False until it was set.
+  [[nodiscard]] bool holds(FactId fact) const { return (cell(fact) & 1U) != 0; }
+  [[nodiscard]] bool holds(const Literal& literal) const { return holds(literal.fact) == literal.value; }
+  /// Counts the changes of all facts.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+  /// The version at which the fact got its present value; 0 if it never changed.
+  [[nodiscard]] std::uint64_t version_of(FactId fact) const { return cell(fact) >> 1; }
+
+  /// Changes nothing, the version neither, where the fact has that value already. Returns whether it changed.
+  bool set(const Literal& literal);
+
+  /// Attaches data under a name, in the place of what had that name.
+  void attach(std::string name, Shared<UserData> data);
+  /// Null where nothing has that name. Valid until this world changes.
+  [[nodiscard]] const UserData* attached(std::string_view name) const;
+
+  /// The facts that hold, in the order of their ids. Linear in the largest id.
+  [[nodiscard]] std::vector<FactId> facts() const;
+  /// As texts, sorted.
+  [[nodiscard]] std::vector<std::string> texts(const FactTable& table) const;
+
+  /// Whether the same facts hold; versions and user data aside. Does not look at what both share.
+  friend bool operator==(const World& a, const World& b);
+
+ private:
+  static constexpr unsigned kBits = 5;
+  static constexpr std::size_t kWidth = std::size_t{1} << kBits;
+  struct Page : SharedObject {};
+  struct Leaf final : Page {
+    std::uint64_t cells[kWidth] = {};  ///< version * 2 + value
+  };
+  struct Inner final : Page {
+    Shared<Page> children[kWidth];
+  };
+  struct Attachment {
+    std::string name;
+    Shared<UserData> data;
+  };
+
+  [[nodiscard]] std::uint64_t cell(FactId fact) const;
+  std::uint64_t& writable_cell(FactId fact);
+  static bool same(const Page* a, const Page* b, unsigned depth);
+  static void collect(const Page* page, unsigned depth, std::uint32_t first, std::vector<FactId>& facts);
+  [[nodiscard]] bool reaches(std::uint32_t number) const;
+
+  Shared<Page> root_;
+  unsigned depth_ = 0;  ///< inner levels above the leaves
+  std::uint64_t version_ = 0;
+  std::vector<Attachment> attachments_;
+};
+
+}  // namespace segue::cdtn
