@@ -75,7 +75,8 @@ class LongestPath {
         later(own.start, own.cause, from.start, dependency.from);
         continue;
       }
-      if (holds_start(dependency)) later(own.start, own.cause, ahead ? from.end : from.commit, dependency.from);
+      if (holds_start(dependency))
+        later(own.start, own.cause, ahead ? from.end : from.commit, dependency.from);
       later(gate, gate_cause, from.commit, dependency.from);
     }
     own.end = own.commit = own.start + duration(node);

@@ -11,7 +11,8 @@
 
 namespace segue::cdtn {
 
-/// The longest chain of nodes that the order allows no way around: no run is shorter, whatever the resources. Linear.
+/// The longest chain of nodes that the order allows no way around: no run is shorter, whatever the resources.
+/// Linear.
 struct CriticalPath {
   Duration length{};
   std::vector<NodeId> nodes;  ///< in program order

@@ -74,7 +74,14 @@ void Engine::Implementation::adopt_node(NodeId node) {
 /// an opaque node will do.
 bool Engine::Implementation::ahead_matters(const Dependency& dependency) const {
   const NodeClass kind = network_[dependency.to].kind;
-  return kind == NodeClass::Sensing || (kind == NodeClass::Pure && dependency.reason() == Reason::Place);
+  switch (dependency.reason()) {
+    case Reason::Fact:
+      return kind == NodeClass::Sensing;
+    case Reason::Place:
+      return kind != NodeClass::Irreversible;
+    default:
+      return false;
+  }
 }
 
 /// Always, but for planted faults.

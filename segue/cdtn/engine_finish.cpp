@@ -69,6 +69,10 @@ void Engine::Implementation::park(NodeId node, ReportPtr report) {
 
 void Engine::Implementation::try_commit(NodeId node) {
   if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix comes back to it
+  if (must_be_safe(node) && has_effects(node)) {
+    strict_.insert(index(node));
+    return;
+  }
   if (reads_are_valid(node) && inputs_are_valid(node) && world_is_valid(node)) return commit(node);
   invalidate(node);
 }
@@ -95,6 +99,8 @@ void Engine::Implementation::refuse(NodeId node, const Error& error) {
   State& state = at(node);
   state.started = state.ended = events_.now();
   reports_[index(node)] = std::move(report);
+  ++state.version;  // an earlier run ahead may have given outputs, which somebody has used
+  outputs_changed(node);
   announce_start(node);
   commit(node);
 }

@@ -80,6 +80,9 @@ class Engine::Implementation {
   // Starting (engine_start.cpp).
   void check(NodeId node);
   void try_start(NodeId node);
+  [[nodiscard]] bool may_run_ahead(NodeId node) const;
+  [[nodiscard]] bool must_be_safe(NodeId node) const;
+  [[nodiscard]] bool has_effects(NodeId node) const;
   bool admit(NodeId node);
   void claim(NodeId node);
   void dispatch(NodeId node);
@@ -124,6 +127,7 @@ class Engine::Implementation {
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
   World projected_world(NodeId at);
   void catch_up_prefix_world();
+  void add_effects(World& world, NodeId node) const;
   [[nodiscard]] std::uint32_t input_version(NodeId node, std::size_t place) const;
   [[nodiscard]] bool reads_are_valid(NodeId node) const;
   [[nodiscard]] bool inputs_are_valid(NodeId node) const;

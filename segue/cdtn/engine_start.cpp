@@ -44,7 +44,7 @@ void Engine::Implementation::check(NodeId node) {
   State& state = at(node);
   if (state.passed || beyond(node)) return;
   if (state.phase == Phase::Skipped) {
-    if (state.gate == 0) pass(node);
+    if (state.gate == 0 && state.ahead == 0) pass(node);
     return;
   }
   const bool open = state.gate == 0;
@@ -54,11 +54,28 @@ void Engine::Implementation::check(NodeId node) {
     state.phase = Phase::Waiting;
   }
   if (state.phase != Phase::Waiting || state.active) return;
-  if (irreversible(node) ? open : state.ahead == 0 && (open || options_.speculate)) try_start(node);
+  if (irreversible(node) ? open : state.ahead == 0 && (open || may_run_ahead(node))) try_start(node);
+}
+
+/// Not where units are taken in program order: a node that is repeated would come too late for its own.
+bool Engine::Implementation::may_run_ahead(NodeId node) const {
+  return options_.speculate && std::ranges::none_of(network_.claims(node), [this](const Claim& claim) {
+           const Resource& resource = network_.resources[claim.resource];
+           return resource.varies || resource.grouped;
+         });
+}
+
+/// In strict mode nothing may come about behind a node that may still fail.
+bool Engine::Implementation::must_be_safe(NodeId node) const {
+  return options_.strict && index(node) > safe_ && !planted(Fault::StrictIsNot);
+}
+
+bool Engine::Implementation::has_effects(NodeId node) const {
+  return std::ranges::any_of(network_.accesses(node), [](const Access& access) { return access.writes; });
 }
 
 void Engine::Implementation::try_start(NodeId node) {
-  if (options_.strict && irreversible(node) && index(node) > safe_ && !planted(Fault::StrictIsNot)) {
+  if (irreversible(node) && must_be_safe(node)) {
     strict_.insert(index(node));
     return;
   }
@@ -102,8 +119,12 @@ void Engine::Implementation::take_granted() {
     pool_.granted(granted_);
     if (granted_.empty()) return;
     const std::vector<NodeId> granted = granted_;
-    for (const NodeId node : granted)
-      dispatch(node);
+    for (const NodeId node : granted) {
+      if (at(node).phase == Phase::Queued)
+        dispatch(node);
+      else  // it was given up in the same moment
+        pool_.release(network_.claims(node), false);
+    }
   }
 }
 

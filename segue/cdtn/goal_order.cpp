@@ -6,6 +6,8 @@
 namespace segue::cdtn {
 
 GoalOrder::GoalOrder(const Network& network, Order& order) : network_(network), builder_(network, order) {
+  for (std::uint32_t i = 0; i < network.size(); ++i)
+    opaque_ = opaque_ || network[NodeId{i}].opaque;
   collect_facts();
 }
 
@@ -26,7 +28,8 @@ bool GoalOrder::foreseeable(FactId fact) const {
   for (std::uint32_t i = fact_begin_[index(fact)]; i < fact_begin_[index(fact) + 1]; ++i) {
     const Access& access = network_.access(by_fact_[i]);
     const Node& node = network_[access.node];
-    if (access.writes && (node.uncertain || node.branches || !network_.conditions(access.node).empty()))
+    if (access.writes &&
+        (node.uncertain || opaque_ || node.branches || !network_.conditions(access.node).empty()))
       return false;
   }
   return true;

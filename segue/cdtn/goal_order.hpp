@@ -38,6 +38,7 @@ class GoalOrder {
 
   const Network& network_;
   OrderBuilder builder_;
+  bool opaque_ = false;  ///< some node may change any fact
   std::vector<std::uint32_t> fact_begin_;
   std::vector<std::uint32_t> by_fact_;  ///< accesses, by fact and program order
   std::vector<NodeId> readers_;

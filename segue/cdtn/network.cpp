@@ -40,6 +40,7 @@ NodeId Network::append(const NodeSpec& spec) {
   entry.cannot_fail = spec.cannot_fail;
   append_accesses(spec, node);
   append_claims(spec);
+  if (entry.reads_world && entry.kind != NodeClass::Pure) entry.opaque = true;
   inputs_.insert(inputs_.end(), spec.inputs.begin(), spec.inputs.end());
   std::stable_sort(inputs_.begin() + entry.first_input, inputs_.end(),
                    [](const DataInput& a, const DataInput& b) { return a.producer < b.producer; });

@@ -47,9 +47,9 @@ struct NodeSpec {
   bool handles_abort = false;     ///< `aborted` is an outcome like others; requires `branches`
   bool routine = false;           ///< a part of the plan that runs sequentially within
   bool opaque = false;            ///< may touch facts and resources that it does not declare
-  bool reads_world = false;       ///< may look at facts that it does not declare
-  bool uncertain = false;         ///< its effects may turn out to be others, on the same facts
-  bool cannot_fail = false;
+  bool reads_world = false;  ///< may look at facts that it does not declare; in reality that makes it opaque
+  bool uncertain = false;    ///< its effects may turn out to be others, on the same facts
+  bool cannot_fail = false;  ///< neither by itself nor for want of a precondition or a resource
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, that which makes the fact true counts
   std::vector<Claim> claims;

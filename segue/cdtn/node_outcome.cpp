@@ -71,6 +71,11 @@ NodeOutcome judge(const Network& network, NodeId node, const Report* report) {
   } else {
     result.as_declared = expected;
   }
+  if (result.failure &&
+      network[node].kind != NodeClass::Irreversible) {  // only what the plan knows: nothing happened
+    result.as_declared = false;
+    result.effects.clear();
+  }
   return result;
 }
 

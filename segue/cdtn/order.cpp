@@ -113,6 +113,8 @@ void OrderBuilder::wait_for(std::uint32_t list, NodeId flip, NodeId node, Reason
 /// have turned out otherwise, without the node being skipped too.
 bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   if (state.uncertain) return false;
+  const bool before_opaque = index(state.flip) == kNone || state.flip <= place_;
+  if (index(place_) != kNone && before_opaque) return false;
   if (index(state.flip) == kNone) return true;
   const auto own = network_.conditions(node);
   const auto others = network_.conditions(state.flip);

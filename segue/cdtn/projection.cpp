@@ -40,20 +40,24 @@ bool Engine::Implementation::projected(const Access& access) const {
   return writes_[place] == 0 ? network_.access(place).value : writes_[place] == 3;
 }
 
-void Engine::Implementation::catch_up_prefix_world() {
-  for (; prefix_world_at_ < prefix_; ++prefix_world_at_) {
-    const NodeId node{prefix_world_at_};
-    const auto accesses = network_.accesses(node);
-    for (std::uint32_t i = 0; i < accesses.size(); ++i) {
-      const std::uint8_t written = writes_[network_[node].first_access + i];
-      if (written >= 2) prefix_world_.set({accesses[i].fact, written == 3});
-    }
-    for (const auto& [fact, writes] : undeclared_) {
-      for (const auto& [writer, value] : writes) {
-        if (writer == node) prefix_world_.set({FactId{fact}, value});
-      }
+/// What a node that has ended did to the world.
+void Engine::Implementation::add_effects(World& world, NodeId node) const {
+  const auto accesses = network_.accesses(node);
+  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+    const std::uint8_t written = writes_[network_[node].first_access + i];
+    if (written >= 2) world.set({accesses[i].fact, written == 3});
+  }
+  if (!network_[node].opaque) return;
+  for (const auto& [fact, writes] : undeclared_) {
+    for (const auto& [writer, value] : writes) {
+      if (writer == node) world.set({FactId{fact}, value});
     }
   }
+}
+
+void Engine::Implementation::catch_up_prefix_world() {
+  for (; prefix_world_at_ < prefix_; ++prefix_world_at_)
+    add_effects(prefix_world_, NodeId{prefix_world_at_});
 }
 
 /// The world where the node stands in program order: as it was after everything that has passed, then what
@@ -64,13 +68,15 @@ World Engine::Implementation::projected_world(NodeId node) {
   std::vector<Literal>& guesses = guesses_[index(node)];
   guesses.clear();
   for (NodeId before{prefix_}; before < node; before = NodeId{index(before) + 1}) {
-    const auto accesses = network_.accesses(before);
-    for (std::uint32_t i = 0; i < accesses.size(); ++i) {
-      const std::uint8_t written = writes_[network_[before].first_access + i];
-      if (!accesses[i].writes) continue;
-      if (written >= 2) world.set({accesses[i].fact, written == 3});
-      if (written == 0 && assumed_on_path(before, node)) world.set({accesses[i].fact, accesses[i].value});
-      guesses.push_back({accesses[i].fact, false});
+    if (at(before).phase == Phase::Done) {
+      add_effects(world, before);
+      continue;
+    }
+    const bool assumed = at(before).phase != Phase::Skipped && assumed_on_path(before, node);
+    for (const Access& access : network_.accesses(before)) {
+      if (!access.writes) continue;
+      if (assumed) world.set({access.fact, access.value});
+      guesses.push_back({access.fact, false});
     }
   }
   for (Literal& guess : guesses)

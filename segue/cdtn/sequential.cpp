@@ -12,6 +12,13 @@ namespace segue::cdtn {
 
 namespace {
 
+ReportPtr aborted(std::string why) {
+  auto report = std::make_unique<Report>();
+  report->outcome = kAborted;
+  report->error = std::move(why);
+  return report;
+}
+
 class SequentialRun {
  public:
   SequentialRun(const Network& network, Environment& environment, ClockKind clock)
@@ -52,11 +59,27 @@ class SequentialRun {
       return;
     }
     entry.started = events_.now();
+    if (const Access* unmet = false_precondition(node)) {
+      const Error why = precondition_error(network_, node, {unmet->fact, unmet->needed});
+      return finish(node, aborted(why.message));
+    }
     if (const auto missing = take(node)) return fail_with(node, *missing);
-    const ReportPtr report = execute(node);
+    finish(node, execute(node));
+  }
+
+  [[nodiscard]] const Access* false_precondition(NodeId node) const {
+    const auto accesses = network_.accesses(node);
+    const auto found = std::ranges::find_if(accesses, [&](const Access& access) {
+      return access.reads && result_.world.holds(access.fact) != access.needed;
+    });
+    return found == accesses.end() ? nullptr : &*found;
+  }
+
+  void finish(NodeId node, const ReportPtr& report) {
+    NodeResult& entry = result_.nodes[index(node)];
     entry.ended = entry.committed = events_.now();
     const NodeOutcome outcome = judge(network_, node, report.get());
-    give_back(node, outcome.outcome == network_[node].expected);
+    if (entry.attempts > 0) give_back(node, outcome.outcome == network_[node].expected);
     entry.outcome = outcome.outcome;
     if (report) result_.outputs[index(node)] = report->outputs;
     apply(node, outcome);
@@ -165,16 +188,6 @@ class SequentialRun::NodeLaunch final : public Launch {
 };
 
 ReportPtr SequentialRun::execute(NodeId node) {
-  const auto aborted = [](std::string why) {
-    auto report = std::make_unique<Report>();
-    report->outcome = kAborted;
-    report->error = std::move(why);
-    return report;
-  };
-  for (const Access& access : network_.accesses(node)) {
-    if (access.reads && result_.world.holds(access.fact) != access.needed)
-      return aborted(precondition_error(network_, node, {access.fact, access.needed}).message);
-  }
   NodeLaunch launch(*this, node);
   result_.nodes[index(node)].attempts = 1;
   ++result_.statistics.starts;

@@ -30,7 +30,7 @@ std::string Engine::Implementation::waits_for(NodeId node) const {
     return fmt::format("{} waits for '{}' ({}: {})", name, network_.label(dependency.from),
                        to_string(dependency.reason()), subject_text(network_, dependency));
   }
-  return name + " waits";
+  return name + " waits for what comes before it";
 }
 
 /// Names the lowest nodes that cannot go on, and for whom they wait.

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/run_result.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Whether a concurrent run is equivalent to the sequential one, judged from results and log alone: for tests
+/// only.
+namespace segue::cdtn {
+
+class RunCheck {
+ public:
+  RunCheck(const Network& network, const RunResult& sequential, const RunResult& concurrent, bool strict)
+      : network_(network), sequential_(sequential), concurrent_(concurrent), strict_(strict) {}
+
+  /// The first difference, or "".
+  std::string difference() {
+    for (const auto check : {&RunCheck::end, &RunCheck::nodes, &RunCheck::world, &RunCheck::grants,
+                             &RunCheck::groups, &RunCheck::resource_order, &RunCheck::failure}) {
+      if (std::string text = (this->*check)(); !text.empty()) return text;
+    }
+    return {};
+  }
+
+ private:
+  static std::string failure_text(const RunResult& result) {
+    return result.failed ? fmt::format("n{}: {}", index(*result.failed), to_string(*result.error)) : "none";
+  }
+
+  std::string end() {
+    const bool lacking = sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
+    const bool same =
+        sequential_.failed == concurrent_.failed &&
+        (!sequential_.error || lacking || sequential_.error->message == concurrent_.error->message);
+    if (same) return {};
+    return fmt::format("failure {} instead of {}", failure_text(concurrent_), failure_text(sequential_));
+  }
+
+  [[nodiscard]] std::uint32_t compared() const {
+    return sequential_.failed ? index(*sequential_.failed) : network_.size();
+  }
+
+  std::string nodes() {
+    for (std::uint32_t i = 0; i < compared(); ++i) {
+      const NodeResult& a = sequential_.nodes[i];
+      const NodeResult& b = concurrent_.nodes[i];
+      if (a.status != b.status) {
+        return fmt::format("n{} has status {} instead of {}", i, static_cast<int>(b.status),
+                           static_cast<int>(a.status));
+      }
+      if (a.status != NodeStatus::Done) continue;
+      if (a.outcome != b.outcome) return fmt::format("n{} has another outcome", i);
+      const auto& first = sequential_.outputs[i];
+      const auto& second = concurrent_.outputs[i];
+      if ((first == nullptr) != (second == nullptr) || (first && !(*first == *second)))
+        return fmt::format("n{} has read other values", i);
+    }
+    return {};
+  }
+
+  /// After a failure, later nodes may have acted already; not where irreversible ones waited.
+  std::string world() {
+    const bool lacking = sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
+    if (sequential_.failed && (!strict_ || lacking)) return {};
+    if (!(sequential_.world == concurrent_.world)) {
+      return fmt::format("world {} instead of {}", fmt::join(concurrent_.world.texts(network_.facts), " "),
+                         fmt::join(sequential_.world.texts(network_.facts), " "));
+    }
+    if (sequential_.units != concurrent_.units) return "other units are left";
+    return {};
+  }
+
+  /// Units of resources whose number does not change, at every moment.
+  std::string grants() {
+    std::vector<std::uint32_t> used(network_.resources.size(), 0);
+    for (const LogEntry& entry : concurrent_.log) {
+      if (entry.kind != LogKind::Start && entry.kind != LogKind::End) continue;
+      for (const Claim& claim : network_.claims(entry.node)) {
+        const Resource& resource = network_.resources[claim.resource];
+        if (claim.op != ResourceOp::Block || resource.varies) continue;
+        std::uint32_t& units = used[index(claim.resource)];
+        units = entry.kind == LogKind::Start ? units + claim.count : units - claim.count;
+        if (units > resource.count) {
+          return fmt::format("n{} got '{}', which others use", index(entry.node),
+                             network_.resources.name(claim.resource));
+        }
+      }
+    }
+    return {};
+  }
+
+  /// From the first start to the last end of its members nobody else has a lock's units.
+  std::string groups() {
+    std::map<std::uint32_t, std::pair<TimePoint, TimePoint>> held;
+    for_each_claim([&](NodeId node, const Claim& claim) {
+      if (claim.group == kNone) return;
+      const NodeResult& result = concurrent_.nodes[index(node)];
+      const auto [place, first] = held.emplace(claim.group, std::pair(result.started, result.ended));
+      if (!first) place->second.second = std::max(place->second.second, result.ended);
+      if (!first) place->second.first = std::min(place->second.first, result.started);
+    });
+    std::string text;
+    for_each_claim([&](NodeId node, const Claim& claim) {
+      const Resource& resource = network_.resources[claim.resource];
+      if (claim.op != ResourceOp::Block || claim.group != kNone || resource.varies) return;
+      const NodeResult& result = concurrent_.nodes[index(node)];
+      for (const auto& [group, times] : held) {
+        const GroupLock& lock = network_.groups()[group];
+        const bool overlap = result.started < times.second && times.first < result.ended;
+        if (lock.resource == claim.resource && overlap && claim.count + lock.count > resource.count)
+          text = fmt::format("n{} got what a group has locked", index(node));
+      }
+    });
+    return text;
+  }
+
+  /// Irreversible nodes start in program order at each resource.
+  std::string resource_order() {
+    std::map<std::uint32_t, NodeId> last;
+    std::string text;
+    for_each_claim([&](NodeId node, const Claim& claim) {
+      const Resource& resource = network_.resources[claim.resource];
+      if (network_[node].kind != NodeClass::Irreversible || claim.op == ResourceOp::Exists ||
+          resource.commutes)
+        return;
+      const auto [place, first] = last.emplace(index(claim.resource), node);
+      if (!first && concurrent_.nodes[index(node)].started < concurrent_.nodes[index(place->second)].started)
+        text = fmt::format("n{} overtook n{}", index(node), index(place->second));
+      place->second = node;
+    });
+    return text;
+  }
+
+  /// Nothing behind a failed node starts any more.
+  std::string failure() {
+    if (!concurrent_.failed) return {};
+    bool failed = false;
+    for (const LogEntry& entry : concurrent_.log) {
+      if (entry.node == *concurrent_.failed && entry.kind == LogKind::Commit) failed = true;
+      if (failed && entry.kind == LogKind::Start && entry.node > *concurrent_.failed)
+        return fmt::format("n{} starts although n{} has failed", index(entry.node),
+                           index(*concurrent_.failed));
+    }
+    return {};
+  }
+
+  template <class Visit>
+  void for_each_claim(Visit&& visit) {
+    for (std::uint32_t i = 0; i < compared(); ++i) {
+      if (concurrent_.nodes[i].status != NodeStatus::Done || concurrent_.nodes[i].attempts == 0) continue;
+      for (const Claim& claim : network_.claims(NodeId{i}))
+        visit(NodeId{i}, claim);
+    }
+  }
+
+  const Network& network_;
+  const RunResult& sequential_;
+  const RunResult& concurrent_;
+  const bool strict_;
+};
+
+}  // namespace segue::cdtn
