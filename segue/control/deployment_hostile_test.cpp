@@ -9,7 +9,6 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
-#include <random>
 
 namespace segue::control {
 namespace {
@@ -21,22 +20,11 @@ using type::Value;
 TEST_F(DeploymentTest, GarbageHalfMessagesAndFloodsDisturbNobody) {
   serve();
   const auto good = client();
-  std::mt19937 random(7);
-  for (int round = 0; round < 20; ++round) {
-    Raw hostile(socket_);
-    std::string bytes(4096, '\0');
-    for (char& byte : bytes)
-      byte = static_cast<char>(random() | 0x80U);
-    hostile.send(bytes);
-    EXPECT_TRUE(hostile.is_closed()) << round;
-    EXPECT_TRUE(good->info());
-  }
+  send_garbage(socket_, [&] { return good->info().has_value(); });
   Raw half(socket_);
   half.send(bootstrap_message(0).substr(0, 11));
   Raw endless(socket_);
-  std::string flood;
-  for (std::uint32_t question = 0; question < 100'000; ++question)
-    flood += bootstrap_message(question);
+  const std::string flood = flood_of(100'000);
   EXPECT_LT(endless.send(flood, std::chrono::milliseconds(300)), flood.size() / 2);
   EXPECT_TRUE(half.is_closed());
   EXPECT_TRUE(good->info());

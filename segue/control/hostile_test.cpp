@@ -3,7 +3,6 @@
 #include <segue/control/detail/wire.hpp>
 #include <support/hostile_client.hpp>
 
-#include <random>
 #include <vector>
 
 namespace segue::control {
@@ -14,16 +13,7 @@ using type::Value;
 TEST_F(ControlTest, GarbageIsRefusedAndOthersAreNotDisturbed) {
   serve();
   const auto good = client();
-  std::mt19937 random(7);
-  for (int round = 0; round < 20; ++round) {
-    Raw hostile(socket_);
-    std::string bytes(4096, '\0');
-    for (char& byte : bytes)
-      byte = static_cast<char>(random() | 0x80U);
-    hostile.send(bytes);
-    EXPECT_TRUE(hostile.is_closed()) << round;
-    EXPECT_TRUE(good->status());
-  }
+  send_garbage(socket_, [&] { return good->status().has_value(); });
 }
 
 TEST_F(ControlTest, AMessageThatClaimsToBeHugeIsRefusedBeforeItIsRead) {
@@ -53,9 +43,7 @@ TEST_F(ControlTest, AClientThatOnlyTalksIsNotHeardForLong) {
   serve();
   const auto good = client();
   Raw hostile(socket_);
-  std::string flood;
-  for (std::uint32_t question = 0; question < 200'000; ++question)
-    flood += bootstrap_message(question);
+  const std::string flood = flood_of(200'000);
   // The server's queue and the two socket buffers fill up, then it reads no more.
   EXPECT_LT(hostile.send(flood, std::chrono::milliseconds(300)), flood.size() / 4);
   EXPECT_TRUE(good->status());

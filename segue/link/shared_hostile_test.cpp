@@ -27,16 +27,28 @@ struct Hostile {
   std::shared_ptr<const PeerMemory> memory;
 };
 
+/// A connection, and its ring as a peer that means harm has it.
+template <typename T>
+struct Attacked {
+  explicit Attacked(const Policy& policy)
+      : hostile(*pair.reader),
+        link(pair.connect(source.out, sink.in, policy)),
+        ring(hostile.ring(link.place, policy)) {
+    EXPECT_TRUE(link.ok);
+  }
+  Pair pair;
+  Hostile hostile;
+  Source<T> source;
+  Sink<T> sink;
+  Link link;
+  SharedRing ring;
+};
+
 TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
   for (const Policy policy :
        {Policy{}, Policy{BufferKind::Buffer, 4}, Policy{BufferKind::CircularBuffer, 4}}) {
-    Pair pair;
-    const Hostile hostile(*pair.reader);
-    Source<Pose> source;
-    Sink<Pose> sink;
-    const Link link = pair.connect(source.out, sink.in, policy);
-    ASSERT_TRUE(link.ok);
-    SharedRing ring = hostile.ring(link.place, policy);
+    Attacked<Pose> attacked(policy);
+    auto& [pair, hostile, source, sink, link, ring] = attacked;
     std::uint64_t before = 0;
     ring.words().push(0x3ffffffffff, before);  // no such mark
     EXPECT_FALSE(sink.in.take());
@@ -46,13 +58,8 @@ TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
 
 TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   const Policy policy{BufferKind::Buffer, 8};
-  Pair pair;
-  const Hostile hostile(*pair.reader);
-  Source<Pose> source;
-  Sink<Pose> sink;
-  const Link link = pair.connect(source.out, sink.in, policy);
-  ASSERT_TRUE(link.ok);
-  SharedRing ring = hostile.ring(link.place, policy);
+  Attacked<Pose> attacked(policy);
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
   struct Lie {
     std::uint64_t offset;
     std::uint64_t size;
@@ -99,16 +106,11 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
 }
 
 TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
-  Pair pair;
-  const Hostile hostile(*pair.reader);
-  Source<Pose> source;
-  Sink<Pose> sink;
-  const Link link = pair.connect(source.out, sink.in, {});
-  ASSERT_TRUE(link.ok);
+  Attacked<Pose> attacked{Policy()};
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
   for (int i = 1; i <= 5; ++i)
     source.out.write(Pose(i));
   EXPECT_EQ(*sink.in.take(), Pose(5));
-  SharedRing ring = hostile.ring(link.place, {});
   RingEntry& entry = ring.entries()[3];
   entry.offset = 128;
   entry.size = sizeof(Pose);
@@ -123,14 +125,9 @@ TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
 
 TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {
   const Policy policy{BufferKind::Buffer, 8};
-  Pair pair;
-  const Hostile hostile(*pair.reader);
-  Source<Text> source;
-  Sink<Text> sink;
-  const Link link = pair.connect(source.out, sink.in, policy);
-  ASSERT_TRUE(link.ok);
+  Attacked<Text> attacked(policy);
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
   source.out.write({"one", "two"});
-  SharedRing ring = hostile.ring(link.place, policy);
   for (RingEntry& entry : ring.entries())
     entry.size = 12;  // cut off
   EXPECT_FALSE(sink.in.take());
@@ -141,13 +138,8 @@ TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {
 
 TEST(SharedHostile, ReaderThatGivesBackWhatItWasNeverGivenIsCounted) {
   const Policy policy{BufferKind::Buffer, 4};
-  Pair pair;
-  const Hostile hostile(*pair.reader);
-  Source<Pose> source;
-  Sink<Pose> sink;
-  const Link link = pair.connect(source.out, sink.in, policy);
-  ASSERT_TRUE(link.ok);
-  const SharedRing ring = hostile.ring(link.place, policy);
+  Attacked<Pose> attacked(policy);
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
   for (int i = 1; i < 200; ++i) {
     for (auto& word : ring.returned())
       word = ~std::uint64_t{0};

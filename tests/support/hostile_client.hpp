@@ -17,6 +17,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <random>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -97,6 +98,28 @@ inline std::string bootstrap_message(std::uint32_t question) {
   const auto words = capnp::messageToFlatArray(message);
   const auto bytes = words.asBytes();
   return {reinterpret_cast<const char*>(bytes.begin()), bytes.size()};
+}
+
+/// That many of them: endless data that makes sense.
+inline std::string flood_of(std::uint32_t questions) {
+  std::string flood;
+  for (std::uint32_t question = 0; question < questions; ++question)
+    flood += bootstrap_message(question);
+  return flood;
+}
+
+/// What random bytes come to: clients that send them are turned away, and `others_are_well` holds after each.
+inline void send_garbage(const std::filesystem::path& socket, const std::function<bool()>& others_are_well) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    Raw hostile(socket);
+    std::string bytes(4096, '\0');
+    for (char& byte : bytes)
+      byte = static_cast<char>(random() | 0x80U);
+    hostile.send(bytes);
+    EXPECT_TRUE(hostile.is_closed()) << round;
+    EXPECT_TRUE(others_are_well()) << round;
+  }
 }
 
 /// A client that speaks the protocol, but as it likes. Lives in an event loop of its own.
