@@ -2,6 +2,7 @@
 #include <segue/host/local_task_host.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/host/crew.hpp>
 #include <segue/host/notifier.hpp>
 #include <segue/host/port_reader.hpp>
 #include <segue/host/task_actions.hpp>
@@ -11,6 +12,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <map>
 
 namespace segue::host {
@@ -19,6 +21,12 @@ namespace {
 
 /// How long a question about ports waits for a hook that makes or unmakes them.
 constexpr Duration kPatience = std::chrono::milliseconds(200);
+
+/// Whether it runs code of a component, which may take as long as it likes.
+bool runs_hooks(const model::Action& action) {
+  return !std::holds_alternative<model::ConnectionAction>(action.what) &&
+         !std::holds_alternative<model::DeploymentAction>(action.what);
+}
 
 std::vector<std::string> names_of(const std::vector<task::OutputPortBase*>& outputs) {
   std::vector<std::string> names;
@@ -49,6 +57,8 @@ struct LocalTaskHost::Implementation {
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, notifier};
+  Crew crew{
+      [this](const model::Action& action, TimePoint deadline) { return actions.perform(action, deadline); }};
 };
 
 LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
@@ -57,6 +67,7 @@ LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::Component
 
 LocalTaskHost::~LocalTaskHost() {
   implementation_->notifier.set_listener({});
+  implementation_->crew.close();
   implementation_->table.clear();
 }
 
@@ -78,6 +89,16 @@ void LocalTaskHost::conclude(const model::Transition& transition) {
 
 Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
   return implementation_->actions.perform(action, deadline);
+}
+
+void LocalTaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                                const Completion& completed) {
+  Crew& crew = implementation_->crew;
+  if (std::any_of(actions.begin(), actions.end(), runs_hooks)) {
+    crew.run(actions, deadline, completed);
+  } else {
+    crew.run_here(actions, deadline, completed);
+  }
 }
 
 model::Network LocalTaskHost::observe() const {

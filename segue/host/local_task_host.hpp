@@ -27,6 +27,7 @@ class LocalTaskHost final : public TaskHost {
   /// outlive this.
   LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
                 LocalOptions options = {});
+  /// Waits for hooks that have not returned.
   ~LocalTaskHost() override;
 
   /// Structure where stand-ins may be made.
@@ -36,7 +37,12 @@ class LocalTaskHost final : public TaskHost {
   void expect(const model::Network& target) override;
   void conclude(const model::Transition& transition) override;
 
+  /// In the caller's thread, whose hooks it runs: one that hangs keeps it.
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
+  /// Hooks run on threads of the host; one that hangs keeps its own. Without hooks, all in the caller's
+  /// thread.
+  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                   const Completion& completed) override;
   using TaskHost::perform_all;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<TaskReport> tasks() const override;

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/crew.hpp>
+#include <segue/host/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+namespace segue::host {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::on_connection;
+using testing::on_task;
+using ::testing::SizeIs;
+using testing::soon;
+using namespace std::chrono_literals;
+
+/// What batches tell; knows whether two calls overlapped.
+class Told {
+ public:
+  Completion listener() {
+    return [this](std::vector<Completed> ended) {
+      const bool alone = !inside_.exchange(true);
+      std::unique_lock lock(mutex_);
+      overlapped_ = overlapped_ || !alone;
+      ++calls_;
+      for (auto& one : ended) {
+        twice_ = twice_ || outcomes_.contains(one.index);
+        outcomes_.insert_or_assign(one.index, std::move(one.outcome));
+      }
+      inside_ = false;
+      changed_.notify_all();
+    };
+  }
+  bool wait_for(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, soon(), [&] { return outcomes_.size() >= count; });
+  }
+  bool has(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    return outcomes_.contains(index);
+  }
+  Result<void> at(std::size_t index) {
+    const std::lock_guard lock(mutex_);
+    return outcomes_.at(index);
+  }
+  std::size_t count() {
+    const std::lock_guard lock(mutex_);
+    return outcomes_.size();
+  }
+  std::size_t calls() {
+    const std::lock_guard lock(mutex_);
+    return calls_;
+  }
+  bool orderly() {
+    const std::lock_guard lock(mutex_);
+    return !twice_ && !overlapped_;
+  }
+
+ private:
+  std::atomic<bool> inside_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<std::size_t, Result<void>> outcomes_;
+  std::size_t calls_ = 0;
+  bool twice_ = false;
+  bool overlapped_ = false;
+};
+
+/// Does "slow..." when it is let go, fails at "bad...", throws at "throws...".
+class Worker {
+ public:
+  ~Worker() { release(); }
+  Crew::Work work() {
+    return [this](const model::Action& action, TimePoint /*deadline*/) { return act(*action.task()); };
+  }
+  void release() {
+    const std::lock_guard lock(mutex_);
+    released_ = true;
+    changed_.notify_all();
+  }
+  std::vector<std::string> begun() {
+    const std::lock_guard lock(mutex_);
+    return begun_;
+  }
+  std::set<std::thread::id> threads() {
+    const std::lock_guard lock(mutex_);
+    return threads_;
+  }
+
+ private:
+  Result<void> act(const model::TaskId& task) {
+    std::unique_lock lock(mutex_);
+    begun_.push_back(task.str());
+    threads_.insert(std::this_thread::get_id());
+    if (task.str().starts_with("slow")) {
+      changed_.wait(lock, [&] { return released_; });
+    }
+    if (task.str().starts_with("throws")) {
+      throw std::runtime_error("a defect");
+    }
+    if (task.str().starts_with("bad")) {
+      return fail(ErrorCode::HookFailed, "it is bad");
+    }
+    return {};
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool released_ = false;
+  std::vector<std::string> begun_;
+  std::set<std::thread::id> threads_;
+};
+
+std::vector<model::Action> stops(const std::vector<std::string>& tasks) {
+  std::vector<model::Action> actions;
+  for (const auto& task : tasks) {
+    actions.push_back(on_task(model::ActionKind::Stop, task));
+  }
+  return actions;
+}
+
+TimePoint in(Duration time) {
+  return RealClock::instance().now() + time;
+}
+
+class CrewTest : public ::testing::Test {
+ protected:
+  ~CrewTest() override {
+    worker_.release();
+    crew_.close();
+    EXPECT_TRUE(told_.orderly()) << "each action once, one call at a time";
+  }
+
+  Worker worker_;
+  Told told_;
+  Crew crew_{worker_.work()};
+};
+
+TEST_F(CrewTest, tells_of_every_action_before_it_returns) {
+  crew_.run(stops({"a", "bad", "c"}), soon(), told_.listener());
+  ASSERT_EQ(told_.count(), 3U);
+  EXPECT_TRUE(told_.at(0));
+  EXPECT_EQ(told_.at(1).error().code, ErrorCode::HookFailed);
+  EXPECT_TRUE(told_.at(2)) << "a failure in the middle keeps nobody from being done";
+}
+
+TEST_F(CrewTest, has_nothing_to_tell_of_an_empty_batch) {
+  crew_.run({}, soon(), told_.listener());
+  crew_.run_here({}, soon(), told_.listener());
+  crew_.begin({}, soon(), told_.listener());
+  EXPECT_EQ(told_.calls(), 0U);
+}
+
+TEST_F(CrewTest, carries_out_what_it_is_given_in_the_callers_thread_where_that_is_wanted) {
+  crew_.run_here(stops({"a", "b"}), soon(), told_.listener());
+  EXPECT_EQ(told_.count(), 2U);
+  EXPECT_TRUE(worker_.threads().contains(std::this_thread::get_id()));
+}
+
+TEST_F(CrewTest, a_slow_action_holds_up_no_other) {
+  crew_.begin(stops({"a", "slow", "b", "slow2", "c"}), soon(), told_.listener());
+  ASSERT_TRUE(told_.wait_for(3)) << "told while the slow ones are still at it";
+  EXPECT_FALSE(told_.has(1));
+  EXPECT_FALSE(told_.has(3));
+  worker_.release();
+  ASSERT_TRUE(told_.wait_for(5));
+}
+
+TEST_F(CrewTest, the_callers_thread_being_slow_holds_up_no_other) {
+  std::thread caller([&] { crew_.run_here(stops({"slow", "a", "b"}), soon(), told_.listener()); });
+  EXPECT_TRUE(told_.wait_for(2));
+  EXPECT_FALSE(told_.has(0));
+  worker_.release();
+  caller.join();
+  EXPECT_EQ(told_.count(), 3U);
+}
+
+TEST_F(CrewTest, gives_up_what_hangs_at_the_deadline) {
+  crew_.run(stops({"a", "slow", "b"}), in(2s), told_.listener());
+  ASSERT_EQ(told_.count(), 3U);
+  EXPECT_TRUE(told_.at(0));
+  EXPECT_TRUE(told_.at(2));
+  ASSERT_FALSE(told_.at(1));
+  EXPECT_EQ(told_.at(1).error().code, ErrorCode::DeadlineExceeded);
+  EXPECT_THAT(to_string(told_.at(1).error()), HasSubstr("stop slow"));
+  worker_.release();
+  crew_.close();
+  EXPECT_EQ(told_.count(), 3U) << "what returns too late is not told";
+  EXPECT_FALSE(told_.at(1));
+}
+
+TEST_F(CrewTest, gives_up_a_single_action_that_hangs) {
+  crew_.run(stops({"slow"}), in(50ms), told_.listener());
+  EXPECT_EQ(told_.at(0).error().code, ErrorCode::DeadlineExceeded);
+}
+
+TEST_F(CrewTest, a_deadline_that_has_passed_is_told_even_so) {
+  crew_.run(stops({"slow", "slow2", "slow3"}), in(-1s), told_.listener());
+  EXPECT_EQ(told_.count(), 3U);
+}
+
+TEST_F(CrewTest, an_exception_is_a_failure_of_its_action_only) {
+  crew_.run(stops({"throws", "a"}), soon(), told_.listener());
+  EXPECT_EQ(told_.at(0).error().code, ErrorCode::Internal);
+  EXPECT_THAT(told_.at(0).error().message, HasSubstr("a defect"));
+  EXPECT_TRUE(told_.at(1));
+}
+
+TEST_F(CrewTest, many_that_hang_leave_all_others_done) {
+  std::vector<std::string> tasks;
+  for (int i = 0; i < 100; ++i) {
+    tasks.push_back((i % 2 == 0 ? "slow" : "quick") + std::to_string(i));
+  }
+  crew_.begin(stops(tasks), soon(), told_.listener());
+  EXPECT_TRUE(told_.wait_for(50));
+  worker_.release();
+  EXPECT_TRUE(told_.wait_for(100));
+}
+
+TEST_F(CrewTest, batches_are_carried_out_side_by_side) {
+  crew_.begin(stops({"slow"}), soon(), told_.listener());
+  Told other;
+  crew_.run(stops({"a", "b"}), soon(), other.listener());
+  EXPECT_EQ(other.count(), 2U);
+  EXPECT_EQ(told_.count(), 0U);
+  worker_.release();
+  EXPECT_TRUE(told_.wait_for(1));
+}
+
+TEST_F(CrewTest, many_callers_at_once_are_all_told) {
+  std::vector<std::thread> callers;
+  std::atomic<std::size_t> sum{0};
+  for (int i = 0; i < 8; ++i) {
+    callers.emplace_back([&, i] {
+      for (int round = 0; round < 50; ++round) {
+        const auto actions = stops({"a", "bad", "b", "c"});
+        const Completion count = [&](const std::vector<Completed>& ended) { sum += ended.size(); };
+        i % 2 == 0 ? crew_.run(actions, soon(), count) : crew_.run_here(actions, soon(), count);
+      }
+    });
+  }
+  for (auto& caller : callers) {
+    caller.join();
+  }
+  EXPECT_EQ(sum, 8U * 50U * 4U);
+}
+
+TEST_F(CrewTest, begins_nothing_after_its_end) {
+  crew_.close();
+  crew_.run(stops({"a", "b"}), soon(), told_.listener());
+  EXPECT_EQ(told_.at(0).error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(told_.at(1).error().subject, "stop b");
+  EXPECT_THAT(worker_.begun(), IsEmpty());
+}
+
+TEST_F(CrewTest, whoever_is_told_may_begin_the_next_batch) {
+  Told next;
+  crew_.begin(stops({"a"}), soon(),
+              [&](const std::vector<Completed>&) { crew_.begin(stops({"b"}), soon(), next.listener()); });
+  EXPECT_TRUE(next.wait_for(1));
+  EXPECT_THAT(worker_.begun(), ElementsAre("a", "b"));
+}
+
+}  // namespace
+}  // namespace segue::host
