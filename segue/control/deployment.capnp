@@ -14,7 +14,9 @@ interface DeploymentProcess {
   info @0 () -> (error :Wire.Error, info :Info);
   snapshot @1 () -> (error :Wire.Error, snapshot :Snapshot);
   expect @2 (network :Model.Network) -> (error :Wire.Error);
-  perform @3 (actions :List(Model.Action), timeout :Int64) -> (error :Wire.Error, outcomes :List(Wire.Outcome));
+  # What ends while others are still at work is told to whoever follows, under `ticket`; the answer has all outcomes.
+  perform @3 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
+      -> (error :Wire.Error, outcomes :List(Wire.Outcome));
   conclude @4 (transition :Model.Transition) -> (error :Wire.Error);
 
   describe @5 (task :Text) -> (error :Wire.Error, model :Model.Component);
@@ -34,6 +36,17 @@ interface DeploymentProcess {
 
   # Until the connection ends. A client that does not keep up loses the oldest events.
   listen @17 (listener :TaskListener) -> (error :Wire.Error);
+  # For all batches of this client from now on, until the connection ends; whoever was given last is told.
+  follow @18 (follower :BatchFollower) -> ();
+}
+
+interface BatchFollower {
+  told @0 (ticket :UInt64, ended :List(Ended)) -> ();
+}
+
+struct Ended {
+  index @0 :UInt32;  # of the action in its batch
+  outcome @1 :Wire.Outcome;
 }
 
 interface TaskListener {

@@ -2,6 +2,7 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
+#include <segue/control/detail/batch_client.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/link.hpp>
 #include <segue/control/detail/memory_wire.hpp>
@@ -103,12 +104,9 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override {
-    return ask_each<void>(actions, deadline, kOutcomes, [](Process::Client process, auto items) {
-      auto request = process.performRequest();
-      detail::encode_list(items, request.initActions(count_of(items)), kEncode);
-      return request;
-    });
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
+    batches_.begin(std::move(actions), deadline, std::move(completed));
   }
 
   Result<void> conclude(const model::Transition& transition) override {
@@ -285,6 +283,7 @@ class DeploymentClient final : public deploy::DeploymentService {
   }
 
   std::shared_ptr<Link> link_;
+  detail::BatchClient batches_{link_};
   std::shared_ptr<detail::Told<host::TaskEvent>> told_ = std::make_shared<detail::Told<host::TaskEvent>>();
   std::mutex listening_mutex_;
   bool listening_ = false;

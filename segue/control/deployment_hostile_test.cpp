@@ -51,7 +51,7 @@ TEST_F(DeploymentTest, AnotherVersionIsToldBothVersions) {
   const Error refused = Speaker(socket_).hello(1, "");
   EXPECT_EQ(refused.code, ErrorCode::Unsupported);
   EXPECT_NE(refused.message.find("speaks version 1;"), std::string::npos) << refused.message;
-  EXPECT_NE(refused.message.find("speaks version 2 of"), std::string::npos) << refused.message;
+  EXPECT_NE(refused.message.find("speaks version 3 of"), std::string::npos) << refused.message;
 }
 
 TEST_F(DeploymentTest, AMemoryOfferWithoutMemoryIsRefused) {
@@ -146,6 +146,47 @@ TEST_F(DeploymentTest, ListenersThatVanishOrThrowDisturbNobody) {
     deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
   }
   EXPECT_TRUE(eventually([&] { return got == 500; })) << got;
+}
+
+TEST_F(DeploymentTest, FollowersThatVanishOrThrowDisturbNoBatch) {
+  class Thrower final : public wire::BatchFollower::Server {
+    kj::Promise<void> told(ToldContext) override { KJ_FAIL_REQUIRE("I do not want to know"); }
+  };
+  class Silent final : public wire::BatchFollower::Server {
+    kj::Promise<void> told(ToldContext) override { return kj::NEVER_DONE; }
+  };
+  serve();
+  const auto begin = [](auto make_follower) {
+    return [make_follower](capnp::Capability::Client service) -> kj::Promise<void> {
+      auto process = service.castAs<wire::DeploymentProcess>();
+      auto follow = process.followRequest();
+      follow.setFollower(make_follower());
+      auto request = process.performRequest();
+      auto actions = request.initActions(3);
+      for (unsigned i = 0; i < 3; ++i) {
+        actions[i].setKind(static_cast<std::uint8_t>(ActionKind::Stop));
+        actions[i].setTask(i == 1 ? "wait" : "a");
+      }
+      request.setTimeout(Duration(kLong).count());
+      auto following = follow.send().ignoreResult();
+      return request.send().ignoreResult().then(
+          [following = kj::mv(following)]() mutable { return kj::mv(following); });
+    };
+  };
+  Speaker thrower(socket_);
+  Speaker silent(socket_);
+  Speaker vanishing(socket_);
+  for (Speaker* one : {&thrower, &silent, &vanishing})
+    ASSERT_EQ(one->hello(detail::kProtocolVersion, "deployment").message, "");
+  thrower.begin(begin([] { return kj::heap<Thrower>(); }));
+  silent.begin(begin([] { return kj::heap<Silent>(); }));
+  vanishing.begin(begin([] { return kj::heap<Silent>(); }));
+  ASSERT_TRUE(deployment_.entered.wait());
+  vanishing.vanish();
+  EXPECT_TRUE(client()->info());
+  deployment_.release.open();
+  const auto good = client()->perform(std::vector{action_of(ActionKind::Stop, "a")}, soon());
+  EXPECT_TRUE(good.at(0));
 }
 
 constexpr const char* kSocketVariable = "SEGUE_TEST_DEPLOYMENT_SOCKET";

@@ -7,6 +7,9 @@
 #include <sys/un.h>
 
 #include <future>
+#include <map>
+#include <mutex>
+#include <thread>
 
 namespace segue::control {
 namespace {
@@ -45,7 +48,7 @@ TEST_F(DeploymentTest, NetworksAndTransitionsTravel) {
     RC_ASSERT(process->conclude(transition).has_value());
     RC_ASSERT(deployment_.seen()->concluded == transition);
     RC_ASSERT(process->perform(transition.actions, soon()).size() == transition.actions.size());
-    RC_ASSERT(deployment_.seen()->performed == transition.actions);
+    RC_ASSERT(transition.actions.empty() || deployment_.seen()->performed == transition.actions);
   });
 }
 
@@ -65,6 +68,73 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
   EXPECT_GT(deployment_.seen()->left, std::chrono::seconds(1));
   EXPECT_LE(deployment_.seen()->left, kLong);
   EXPECT_TRUE(client()->perform({}, soon()).empty());
+}
+
+/// What a batch that was begun tells.
+struct Told {
+  host::Completion listener() {
+    return [this](const std::vector<host::Completed>& ended) {
+      const std::lock_guard lock(mutex);
+      for (const auto& one : ended) {
+        EXPECT_FALSE(outcomes.contains(one.index)) << "told twice";
+        outcomes.insert_or_assign(one.index, one.outcome);
+      }
+    };
+  }
+  std::size_t count() {
+    const std::lock_guard lock(mutex);
+    return outcomes.size();
+  }
+  bool has(std::size_t index) {
+    const std::lock_guard lock(mutex);
+    return outcomes.contains(index);
+  }
+  std::mutex mutex;
+  std::map<std::size_t, Result<void>> outcomes;
+};
+
+TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
+  serve();
+  const auto process = client();
+  const auto begin = [&](Told& told) {
+    process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait"),
+                        action_of(ActionKind::Stop, "bad"), action_of(ActionKind::Stop, "c")},
+                       soon(), told.listener());
+  };
+  Told one;
+  Told other;
+  begin(one);
+  begin(other);
+  EXPECT_TRUE(eventually([&] { return one.count() == 3 && other.count() == 3; }));
+  EXPECT_FALSE(one.has(1));
+  EXPECT_EQ(one.outcomes.at(2).error().code, ErrorCode::HookFailed);
+  EXPECT_TRUE(process->info()) << "others are answered meanwhile";
+  deployment_.release.open();
+  EXPECT_TRUE(eventually([&] { return one.count() == 4 && other.count() == 4; }));
+  EXPECT_TRUE(one.outcomes.at(1));
+}
+
+TEST_F(DeploymentTest, AServerThatGoesInTheMiddleOfABatchTellsItsEnd) {
+  serve();
+  Told told;
+  const auto process = client();
+  process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait")}, soon(),
+                     told.listener());
+  EXPECT_TRUE(eventually([&] { return told.count() == 1; }));
+  std::thread end([&] { server_.reset(); });
+  deployment_.release.open();
+  end.join();
+  EXPECT_TRUE(eventually([&] { return told.count() == 2; }));
+  EXPECT_TRUE(told.outcomes.at(1)) << to_string(told.outcomes.at(1).error());
+}
+
+TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
+  serve();
+  const auto outcomes = client()->perform(
+      std::vector{action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "throws")}, soon());
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].error().code, ErrorCode::Internal);
+  EXPECT_NE(outcomes[1].error().message.find("a defect"), std::string::npos);
 }
 
 TEST_F(DeploymentTest, TasksAreLookedAtAndSet) {

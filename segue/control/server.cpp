@@ -38,6 +38,7 @@ struct Server::Implementation {
       if (sessions) sessions->stop_accepting();
     });
     core.pool.finish();
+    core.batches.wait_for_none();
     flush();
     core.loop.run([this](kj::AsyncIoContext&) { sessions.reset(); });
   }

@@ -101,8 +101,10 @@ struct Process {
     deployment = std::make_unique<LocalDeployment>(info, host, memory);
   }
 
+  /// One after the other.
   void perform(const std::vector<model::Action>& actions) {
-    for (const auto& done : deployment->perform(actions, soon())) {
+    for (const auto& action : actions) {
+      const auto done = deployment->perform(std::vector{action}, soon()).front();
       EXPECT_TRUE(done) << to_string(done.error());
     }
   }

@@ -127,19 +127,12 @@ void DeployedTaskHost::conclude(const model::Transition& transition) {
 }
 
 Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint deadline) {
-  return std::move(perform_all({&action, 1}, deadline).front());
+  return std::move(perform_all(std::span(&action, 1), deadline).front());
 }
 
 void DeployedTaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
                                    const host::Completion& completed) {
-  auto outcomes = implementation_->router.perform(actions, deadline);
-  std::vector<host::Completed> ended;
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    ended.push_back({i, std::move(outcomes[i])});
-  }
-  if (!ended.empty()) {
-    completed(std::move(ended));
-  }
+  implementation_->router.perform(actions, deadline, completed);
 }
 
 model::Network DeployedTaskHost::observe() const {

@@ -78,9 +78,14 @@ class DeploymentService {
 
   /// Stand-ins made from now on have the ports that `network` names (the part that concerns this process).
   virtual Result<void> expect(const model::Network& network) = 0;
-  /// Carries out actions on tasks and connections of this process, one after the other. After one that fails
-  /// the rest answer Cancelled. Each has until `deadline`.
-  virtual std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) = 0;
+  /// Begins to carry out actions on tasks and connections of this process that do not depend on each other,
+  /// side by side, and returns without waiting for hooks. `completed` is told each of them once, by
+  /// `deadline` and a little at the latest, as TaskHost::perform_all says; from any thread, also before this
+  /// returns, and it must not call back into this. This must not be destroyed before all are told.
+  virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                         host::Completion completed) = 0;
+  /// The same, and waits; outcomes in the order of `actions`.
+  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
   /// Forgets and redefines tasks as TaskHost::conclude does.
   virtual Result<void> conclude(const model::Transition& transition) = 0;
 

@@ -83,17 +83,15 @@ Result<void> FakeService::expect(const model::Network& /*network*/) {
   return answer<void>("expect", [] { return Result<void>(); });
 }
 
-std::vector<Result<void>> FakeService::perform(std::span<const model::Action> actions,
-                                               TimePoint /*deadline*/) {
-  bool failed = false;
-  return answer_all<void>("perform", actions, [&](const model::Action& action) -> Result<void> {
-    if (failed) {
-      return fail(ErrorCode::Cancelled, "an action before it failed");
-    }
-    auto done = act(action);
-    failed = !done;
-    return done;
-  });
+void FakeService::begin_all(std::vector<model::Action> actions, TimePoint /*deadline*/,
+                            host::Completion completed) {
+  auto outcomes = answer_all<void>("perform", std::span<const model::Action>(actions),
+                                   [&](const model::Action& action) { return act(action); });
+  std::vector<host::Completed> ended;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    ended.push_back({i, std::move(outcomes[i])});
+  }
+  completed(std::move(ended));
 }
 
 Result<void> FakeService::act(const model::Action& action) {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/half_table.hpp>
 #include <segue/deploy/shut_down.hpp>
-#include <segue/deploy/staggered.hpp>
 #include <segue/host/test_support.hpp>
 
 #include <gmock/gmock.h>
 
-#include <condition_variable>
-#include <mutex>
+#include <atomic>
 
 namespace segue::deploy::detail {
 namespace {
@@ -120,46 +118,6 @@ TEST(ProducersFirst, cuts_cycles_at_their_first_task) {
   }
   network.connections = {wire("a", "o", "b", "i"), wire("b", "o", "a", "i"), wire("b", "o", "c", "i")};
   EXPECT_THAT(names(producers_first(network)), ElementsAre("b", "a", "c"));
-}
-
-TEST(Staggered, keeps_the_order_where_steps_return) {
-  auto order = std::make_shared<std::vector<int>>();
-  std::vector<std::function<void()>> steps;
-  for (int i = 0; i < 20; ++i) {
-    steps.emplace_back([order, i] { order->push_back(i); });
-  }
-  EXPECT_TRUE(Staggered(std::move(steps), std::chrono::seconds(60)).run(soon()));
-  ASSERT_EQ(order->size(), 20U);
-  EXPECT_TRUE(std::is_sorted(order->begin(), order->end()));
-  EXPECT_TRUE(Staggered({}, std::chrono::seconds(60)).run(soon()));
-}
-
-TEST(Staggered, goes_on_beside_steps_that_do_not_return) {
-  struct Shared {
-    std::mutex mutex;
-    std::condition_variable changed;
-    int waiting = 0;
-  };
-  const auto shared = std::make_shared<Shared>();
-  // Each returns when all three are there: only possible side by side.
-  const auto step = [shared] {
-    std::unique_lock lock(shared->mutex);
-    ++shared->waiting;
-    shared->changed.notify_all();
-    shared->changed.wait(lock, [&] { return shared->waiting >= 3; });
-  };
-  EXPECT_TRUE(Staggered({step, step, step}, std::chrono::milliseconds(1)).run(soon()));
-  shared->waiting = -100;
-  Staggered slow({step}, std::chrono::milliseconds(1));
-  const TimePoint deadline = RealClock::instance().now() + std::chrono::milliseconds(50);
-  EXPECT_FALSE(slow.run(deadline));
-  EXPECT_GE(RealClock::instance().now(), deadline);
-  {
-    const std::lock_guard lock(shared->mutex);
-    shared->waiting = 3;
-    shared->changed.notify_all();
-  }
-  EXPECT_TRUE(slow.run(soon()));
 }
 
 }  // namespace

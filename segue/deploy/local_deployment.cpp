@@ -5,6 +5,7 @@
 #include <segue/deploy/gate.hpp>
 #include <segue/deploy/halves.hpp>
 #include <segue/deploy/shut_down.hpp>
+#include <segue/host/crew.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -43,6 +44,11 @@ struct LocalDeployment::Implementation {
   host::LocalTaskHost& host;
   detail::Halves halves;
   detail::Gate gate;  ///< for all that runs hooks; closed when this goes down
+  host::Crew crew{
+      [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
+  host::Crew last{
+      [this](const model::Action& action, TimePoint deadline) { return host.perform(action, deadline); },
+      detail::kShutDownPatience};
 };
 
 Result<void> LocalDeployment::Implementation::check(const model::Action& action) const {
@@ -85,6 +91,7 @@ LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
 }
 
 LocalDeployment::~LocalDeployment() {
+  implementation_->crew.close();
   implementation_->host.set_listener({});
   implementation_->halves.close_all();
 }
@@ -93,7 +100,7 @@ bool LocalDeployment::shut_down(TimePoint deadline) {
   // Half of the time for what is under way, half for what is to be stopped then.
   const TimePoint now = RealClock::instance().now();
   implementation_->gate.close(std::min(deadline, now + (deadline - now) / 2));
-  const bool stopped = detail::shut_down(implementation_->host, deadline);
+  const bool stopped = detail::shut_down(implementation_->host, implementation_->last, deadline);
   const bool left = implementation_->gate.close(deadline);
   implementation_->halves.close_all();
   return stopped && left;
@@ -120,17 +127,9 @@ Result<void> LocalDeployment::expect(const model::Network& network) {
   return {};
 }
 
-std::vector<Result<void>> LocalDeployment::perform(std::span<const model::Action> actions,
-                                                   TimePoint deadline) {
-  bool failed = false;
-  return each<Result<void>>(actions, [&](const model::Action& action) -> Result<void> {
-    if (failed) {
-      return fail(ErrorCode::Cancelled, "not begun, since an action before it failed", action.label());
-    }
-    auto done = implementation_->perform(action, deadline);
-    failed = !done;
-    return done;
-  });
+void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                                host::Completion completed) {
+  implementation_->crew.begin(std::move(actions), deadline, std::move(completed));
 }
 
 Result<void> LocalDeployment::conclude(const model::Transition& transition) {

@@ -25,7 +25,7 @@ class LocalDeployment final : public DeploymentService {
   Result<DeploymentInfo> info() override;
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
-  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   Result<void> conclude(const model::Transition& transition) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;

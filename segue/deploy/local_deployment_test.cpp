@@ -8,6 +8,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <set>
 #include <thread>
 
 SEGUE_COMPONENT(hooks::Stuck)
@@ -51,8 +52,10 @@ class LocalDeploymentTest : public ::testing::Test {
   std::vector<Result<void>> perform(const std::vector<model::Action>& actions) {
     return deployment_.perform(actions, soon());
   }
+  /// One after the other.
   void expect_done(const std::vector<model::Action>& actions) {
-    for (const auto& done : perform(actions)) {
+    for (const auto& action : actions) {
+      const auto done = perform({action}).front();
       EXPECT_TRUE(done) << to_string(done.error());
     }
   }
@@ -127,17 +130,17 @@ TEST(LocalDeploymentDefaults, tasks_run_as_their_process_says) {
   EXPECT_EQ(deployment.snapshot()->tasks.front().activity.cpus, std::vector{0});
 }
 
-TEST_F(LocalDeploymentTest, carries_out_a_batch_in_order_until_one_fails) {
-  const auto outcomes = perform({apply(task_of("a", "any::Thing"), "p"), on_task(ActionKind::Start, "a"),
-                                 on_task(ActionKind::Configure, "a")});
+TEST_F(LocalDeploymentTest, carries_out_the_others_where_one_fails) {
+  expect_done({apply(task_of("a", "any::Thing"), "p"), apply(task_of("b", "any::Thing"), "p")});
+  const auto outcomes = perform({apply(task_of("c", "any::Thing"), "p"), on_task(ActionKind::Start, "a"),
+                                 on_task(ActionKind::Configure, "b")});
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_TRUE(outcomes[0]);
   ASSERT_FALSE(outcomes[1]);
   EXPECT_EQ(outcomes[1].error().code, ErrorCode::InvalidState);
-  ASSERT_FALSE(outcomes[2]);
-  EXPECT_EQ(outcomes[2].error().code, ErrorCode::Cancelled);
-  EXPECT_EQ(outcomes[2].error().subject, "configure a");
+  EXPECT_TRUE(outcomes[2]);
   EXPECT_EQ(state_of("a"), TaskState::PreOperational);
+  EXPECT_EQ(state_of("b"), TaskState::Stopped);
 }
 
 TEST_F(LocalDeploymentTest, refuses_what_is_not_for_it) {
@@ -177,16 +180,38 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
 
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on) {
   expect_done({apply(stuck_in("s", "configure"), "p")});
-  std::thread caller([&] {
-    const std::vector actions{on_task(ActionKind::Configure, "s")};
-    EXPECT_TRUE(deployment_.perform(actions, in(std::chrono::milliseconds(1))).front());
-  });
+  const std::vector actions{on_task(ActionKind::Configure, "s")};
+  const auto late = deployment_.perform(actions, in(std::chrono::milliseconds(1))).front();
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
   EXPECT_TRUE(hang_now({model::TaskId("s")}));
   bring_to_running(task_of("a", "any::Thing"));
   hooks::release("s");
-  caller.join();
   EXPECT_TRUE(hang_now({}));
   EXPECT_EQ(state_of("s"), TaskState::Stopped);
+}
+
+TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) {
+  expect_done({apply(stuck_in("s", "configure"), "p"), apply(task_of("a", "any::Thing"), "p"),
+               apply(task_of("b", "any::Thing"), "p")});
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::set<std::size_t> told;
+  const std::vector actions{on_task(ActionKind::Configure, "s"), on_task(ActionKind::Configure, "a"),
+                            on_task(ActionKind::Start, "b")};
+  deployment_.begin_all(actions, soon(), [&](const std::vector<host::Completed>& ended) {
+    const std::lock_guard lock(mutex);
+    for (const auto& one : ended) {
+      EXPECT_EQ(one.outcome.has_value(), one.index != 2) << "b was not configured";
+      told.insert(one.index);
+    }
+    changed.notify_all();
+  });
+  std::unique_lock lock(mutex);
+  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return told.size() == 2; }));
+  EXPECT_FALSE(told.contains(0));
+  hooks::release("s");
+  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return told.size() == 3; }));
 }
 
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
@@ -247,9 +272,9 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   host::LocalTaskHost& host = *kept.emplace_back(new host::LocalTaskHost(libraries, catalog));
   LocalDeployment deployment(info_of("p"), host, nullptr);
   for (const auto& task : {stuck_in("s", "stop"), stuck_in("a", "")}) {
-    const std::vector actions{apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
-                              on_task(ActionKind::Start, task.id.str())};
-    for (const auto& done : deployment.perform(actions, soon())) {
+    for (const auto& action : {apply(task, "p"), on_task(ActionKind::Configure, task.id.str()),
+                               on_task(ActionKind::Start, task.id.str())}) {
+      const auto done = deployment.perform(std::vector{action}, soon()).front();
       ASSERT_TRUE(done) << to_string(done.error());
     }
   }

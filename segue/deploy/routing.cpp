@@ -49,42 +49,58 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
   return {};
 }
 
-std::vector<Result<void>> Router::perform(std::span<const model::Action> actions, TimePoint deadline) {
-  Outcomes outcomes(actions.size());
+void Router::perform(std::span<const model::Action> actions, TimePoint deadline,
+                     const host::Completion& completed) {
+  // Shared with calls under way: the last of them may still be on its way out when all are told.
+  const auto outcomes = std::make_shared<host::BatchOutcomes>(
+      actions.size(), [actions, &completed](std::vector<host::Completed> ended) {
+        for (auto& one : ended) {
+          if (!one.outcome) {
+            one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
+          }
+        }
+        completed(std::move(ended));
+      });
   const Plan plan = this->plan(actions, outcomes);
-  std::vector<WorkerPool::Job> jobs;
+  Services services;
   for (const auto& [record, indices] : plan.at_process) {
-    jobs.emplace_back([&, record = record, &indices = indices] {
-      perform_at(record, indices, actions, deadline, outcomes);
-    });
+    services.push_back(begin_at(record, indices, actions, deadline, outcomes));
   }
-  for (const std::size_t index : plan.processes) {
-    jobs.emplace_back([&, index] { outcomes[index] = perform_on_process(actions[index], deadline); });
-  }
-  const auto spread = [&](const Indices& indices, Outcomes answers) {
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      outcomes[indices[i]] = std::move(answers[i]);
-    }
-  };
-  if (!plan.disconnect.empty() || !plan.connect.empty()) {
-    jobs.emplace_back([&] {
-      spread(plan.disconnect_indices, wiring_.disconnect(plan.disconnect, deadline));
-      spread(plan.connect_indices, wiring_.connect(plan.connect, deadline));
-    });
-  }
-  fleet_.pool().run_all(std::move(jobs));
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    if (!outcomes[i]) {
-      outcomes[i] = with_subject(std::move(outcomes[i].error()), actions[i].label());
-    }
-  }
-  return outcomes;
+  fleet_.pool().run_all(blocking(plan, actions, deadline, outcomes));
+  outcomes->tell();
+  outcomes->wait();
 }
 
-Router::Plan Router::plan(std::span<const model::Action> actions, Outcomes& outcomes) const {
+std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const model::Action> actions,
+                                              TimePoint deadline, const Outcomes& outcomes) {
+  std::vector<WorkerPool::Job> jobs;
+  for (const std::size_t index : plan.processes) {
+    jobs.emplace_back([this, actions, deadline, outcomes, index] {
+      outcomes->add({{index, perform_on_process(actions[index], deadline)}});
+    });
+  }
+  const auto spread = [](host::BatchOutcomes& to, const Indices& indices, std::vector<Result<void>> answers) {
+    std::vector<host::Completed> ended;
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      ended.push_back({indices[i], std::move(answers[i])});
+    }
+    to.add(std::move(ended));
+  };
+  if (!plan.disconnect.empty() || !plan.connect.empty()) {
+    jobs.emplace_back([this, &plan, deadline, outcomes, spread] {
+      spread(*outcomes, plan.disconnect_indices, wiring_.disconnect(plan.disconnect, deadline));
+      spread(*outcomes, plan.connect_indices, wiring_.connect(plan.connect, deadline));
+    });
+  }
+  return jobs;
+}
+
+Router::Plan Router::plan(std::span<const model::Action> actions, const Outcomes& outcomes) const {
   Plan plan;
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    outcomes[i] = place(i, actions[i], plan);
+    if (auto placed = place(i, actions[i], plan); !placed) {
+      outcomes->note(i, std::move(placed));
+    }
   }
   return plan;
 }
@@ -154,35 +170,35 @@ Result<void> Router::perform_on_process(const model::Action& action, TimePoint d
                                            : fleet_.undeploy(deployment.key(), deadline);
 }
 
-void Router::perform_at(const RecordPtr& record, const Indices& indices,
-                        std::span<const model::Action> actions, TimePoint deadline, Outcomes& outcomes) {
-  Indices left;
+std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, const Indices& indices,
+                                                    std::span<const model::Action> actions,
+                                                    TimePoint deadline, const Outcomes& outcomes) {
+  auto service = record->service();
+  Indices asked;
+  std::vector<model::Action> batch;
   for (const std::size_t index : indices) {
     const auto* config = std::get_if<model::ConfigAction>(&actions[index].what);
-    outcomes[index] = config != nullptr ? make_way(*config, record->key()) : Result<void>();
-    if (outcomes[index]) {
-      left.push_back(index);
+    auto possible = service == nullptr  ? Result<void>(unreachable(*record))
+                    : config != nullptr ? make_way(*config, record->key())
+                                        : Result<void>();
+    if (!possible) {
+      outcomes->note(index, std::move(possible));
+      continue;
     }
+    asked.push_back(index);
+    batch.push_back(actions[index]);
   }
-  const auto service = record->service();
-  while (!left.empty()) {
-    std::vector<model::Action> batch;
-    for (const std::size_t index : left) {
-      batch.push_back(actions[index]);
-    }
-    auto answers = service ? service->perform(batch, deadline) : Outcomes(left.size(), unreachable(*record));
-    answers.resize(left.size(), fail(ErrorCode::Internal, "the process gave no answer to this action"));
-    const auto failed = std::find_if(answers.begin(), answers.end(), [](const auto& one) { return !one; });
-    // The service ends at a failure; here, what does not depend on each other is done all the same.
-    const bool go_on = failed != answers.end() && failed->error().code != ErrorCode::Unavailable &&
-                       RealClock::instance().now() < deadline;
-    const auto count = go_on ? static_cast<std::size_t>(failed - answers.begin()) + 1 : left.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      note_seat(actions[left[i]], record, answers[i]);
-      outcomes[left[i]] = std::move(answers[i]);
-    }
-    left.erase(left.begin(), left.begin() + static_cast<std::ptrdiff_t>(count));
+  if (!batch.empty()) {
+    service->begin_all(std::move(batch), deadline,
+                       [this, record, actions, asked, outcomes](std::vector<host::Completed> ended) {
+                         for (auto& one : ended) {
+                           one.index = asked[one.index];
+                           note_seat(actions[one.index], record, one.outcome);
+                         }
+                         outcomes->add(std::move(ended));
+                       });
   }
+  return service;
 }
 
 /// A task lives in one process at a time: where it moves, what is left of it in the old one is forgotten.

@@ -3,6 +3,7 @@
 
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/wiring.hpp>
+#include <segue/host/batch_outcomes.hpp>
 #include <segue/model/transition.hpp>
 
 #include <map>
@@ -21,12 +22,13 @@ class Router {
   Router(Fleet& fleet, Wiring& wiring) : fleet_(fleet), wiring_(wiring) {}
 
   /// Actions that do not depend on each other: what goes to one process goes as one message, all processes
-  /// side by side. Outcomes are in the order of `actions`.
-  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
+  /// side by side; each tells what has ended as TaskHost::perform_all says. Returns when all are told.
+  void perform(std::span<const model::Action> actions, TimePoint deadline, const host::Completion& completed);
   void conclude(const model::Transition& transition);
 
  private:
-  using Outcomes = std::vector<Result<void>>;
+  using Outcomes = std::shared_ptr<host::BatchOutcomes>;
+  using Services = std::vector<std::shared_ptr<DeploymentService>>;
   using Indices = std::vector<std::size_t>;
 
   /// Who has to do what.
@@ -39,13 +41,18 @@ class Router {
     Indices disconnect_indices;
   };
 
-  Plan plan(std::span<const model::Action> actions, Outcomes& outcomes) const;
+  Plan plan(std::span<const model::Action> actions, const Outcomes& outcomes) const;
   Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_connection(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
+  /// What blocks: processes that begin or end, and connections between processes.
+  std::vector<WorkerPool::Job> blocking(const Plan& plan, std::span<const model::Action> actions,
+                                        TimePoint deadline, const Outcomes& outcomes);
   Result<void> perform_on_process(const model::Action& action, TimePoint deadline);
-  void perform_at(const RecordPtr& record, const Indices& indices, std::span<const model::Action> actions,
-                  TimePoint deadline, Outcomes& outcomes);
+  /// Gives the service, which must live until all of it are told.
+  std::shared_ptr<DeploymentService> begin_at(const RecordPtr& record, const Indices& indices,
+                                              std::span<const model::Action> actions, TimePoint deadline,
+                                              const Outcomes& outcomes);
   Result<void> make_way(const model::ConfigAction& what, const model::DeploymentKey& process);
   void note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 

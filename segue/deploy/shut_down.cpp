@@ -3,7 +3,6 @@
 
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/deploy/staggered.hpp>
 
 #include <map>
 #include <set>
@@ -13,36 +12,27 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// Hooks that return sooner run one after the other.
-constexpr Duration kPatience = std::chrono::milliseconds(20);
-
 bool runs(TaskState state) {
   return state == TaskState::Running || state == TaskState::RunTimeError;
 }
 
-/// The verb for all tasks in such a state.
-std::vector<std::function<void()>> steps_for(host::LocalTaskHost& host, model::ActionKind verb,
-                                             bool (*wanted)(TaskState), TimePoint deadline) {
+/// The verb for all tasks in such a state, in the order of producers first; what fails is logged.
+void perform_on_all(const host::LocalTaskHost& host, host::Crew& crew, model::ActionKind verb,
+                    bool (*wanted)(TaskState), TimePoint deadline) {
   const model::Network network = host.observe();
-  std::set<model::TaskId> chosen;
-  for (const auto& task : network.tasks) {
-    if (wanted(task.state)) {
-      chosen.insert(task.id);
-    }
-  }
-  std::vector<std::function<void()>> steps;
+  std::vector<model::Action> actions;
   for (const auto& id : producers_first(network)) {
-    if (!chosen.contains(id)) {
-      continue;
+    if (wanted(network.find_task(id)->state)) {
+      actions.push_back({0, verb, model::TaskAction{id}, {}, {}});
     }
-    steps.emplace_back([&host, verb, id, deadline] {
-      const model::Action action{0, verb, model::TaskAction{id}, {}, {}};
-      if (const auto done = host.perform(action, deadline); !done) {
-        log(LogLevel::Warning, "deploy", to_string(done.error()));
-      }
-    });
   }
-  return steps;
+  crew.run(actions, deadline, [](const std::vector<host::Completed>& ended) {
+    for (const auto& one : ended) {
+      if (!one.outcome) {
+        log(LogLevel::Warning, "deploy", to_string(one.outcome.error()));
+      }
+    }
+  });
 }
 
 }  // namespace
@@ -81,14 +71,12 @@ std::vector<model::TaskId> producers_first(const model::Network& network) {
   return ordered;
 }
 
-bool shut_down(host::LocalTaskHost& host, TimePoint deadline) {
+bool shut_down(const host::LocalTaskHost& host, host::Crew& crew, TimePoint deadline) {
   const TimePoint now = RealClock::instance().now();
-  Staggered stops(steps_for(host, model::ActionKind::Stop, &runs, deadline), kPatience);
-  stops.run(now + (deadline - now) / 2);
+  perform_on_all(host, crew, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
   // Also where a stop is under way: the verb waits for it.
-  Staggered cleanups(steps_for(host, model::ActionKind::Cleanup, &is_configured, deadline), kPatience);
-  bool at_rest = cleanups.run(deadline);
-  at_rest = stops.run(deadline) && at_rest;
+  perform_on_all(host, crew, model::ActionKind::Cleanup, &is_configured, deadline);
+  bool at_rest = host.hanging().empty();
   for (const auto& task : host.observe().tasks) {
     if (is_configured(task.state)) {
       log(LogLevel::Warning, "deploy",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/host/crew.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/network.hpp>
 
@@ -13,9 +14,12 @@ namespace segue::deploy::detail {
 /// else in the network's order.
 std::vector<model::TaskId> producers_first(const model::Network& network);
 
-/// Stops and cleans up all tasks, producers first; slow ones side by side. Answers at `deadline` at the
-/// latest. False: a hook has not returned. It still runs in its thread then, so `host` must never be
-/// destroyed: end the process by std::_Exit.
-bool shut_down(host::LocalTaskHost& host, TimePoint deadline);
+/// How long a hook may take before the next ones are begun beside it.
+inline constexpr Duration kShutDownPatience = std::chrono::milliseconds(20);
+
+/// Stops and cleans up all tasks of `host` by `crew`, producers first; slow ones side by side. Answers at
+/// `deadline` and a little at the latest. False: a hook has not returned. It still runs in its thread then,
+/// so neither may be destroyed: end the process by std::_Exit.
+bool shut_down(const host::LocalTaskHost& host, host::Crew& crew, TimePoint deadline);
 
 }  // namespace segue::deploy::detail

@@ -21,8 +21,6 @@ namespace segue::host {
 
 namespace {
 
-/// An action that takes longer does not hold up the rest of its batch.
-constexpr Duration kPatience = std::chrono::microseconds(200);
 /// Actions keep their deadlines by themselves, and say more about it; only one that does not is given up.
 constexpr Duration kGrace = std::chrono::milliseconds(10);
 constexpr std::size_t kMostThreads = 256;
@@ -89,7 +87,7 @@ void block_signals() {
 }  // namespace
 
 struct Crew::Implementation : std::enable_shared_from_this<Implementation> {
-  explicit Implementation(Work carry_out) : work(std::move(carry_out)) {}
+  Implementation(Work carry_out, Duration longest) : work(std::move(carry_out)), patience(longest) {}
 
   /// Where it fails, nothing of the batch is begun.
   Result<void> enter(const BatchPtr& batch, bool with_worker);
@@ -111,6 +109,7 @@ struct Crew::Implementation : std::enable_shared_from_this<Implementation> {
   bool look_at(const BatchPtr& batch);
 
   const Work work;
+  const Duration patience;
   std::mutex mutex;
   std::condition_variable called;  ///< a job waits
   std::condition_variable left;    ///< a worker has left
@@ -139,7 +138,7 @@ Result<void> Crew::Implementation::enter(const BatchPtr& batch, bool with_worker
   }
   const TimePoint end = end_of(batch->deadline);
   // Where there is one action only, nobody is held up by it.
-  batch->due = batch->actions.size() == 1 ? end : std::min(now() + kPatience, end);
+  batch->due = batch->actions.size() == 1 ? end : std::min(now() + patience, end);
   watched.push_back(batch);
   set_alarm();
   return {};
@@ -291,7 +290,7 @@ bool Crew::Implementation::look_at(const BatchPtr& batch) {
   if (stuck && !batch->all_begun()) {
     static_cast<void>(call_worker(batch));  // else it goes on when one of those at it returns
   }
-  batch->due = batch->slow && batch->all_begun() ? end : std::min(now() + kPatience, end);
+  batch->due = batch->slow && batch->all_begun() ? end : std::min(now() + patience, end);
   return true;
 }
 
@@ -310,7 +309,8 @@ void Crew::Implementation::close() {
   }
 }
 
-Crew::Crew(Work work) : implementation_(std::make_shared<Implementation>(std::move(work))) {}
+Crew::Crew(Work work, Duration patience)
+    : implementation_(std::make_shared<Implementation>(std::move(work), patience)) {}
 
 Crew::~Crew() {
   close();

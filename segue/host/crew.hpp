@@ -12,7 +12,7 @@
 namespace segue::host {
 
 /// Threads that carry out batches of actions whose hooks may take long or never return. A batch runs on one
-/// thread, one action after the other in their order; only where one takes longer than some 200 us does the
+/// thread, one action after the other in their order; only where one takes longer than some time does the
 /// rest go on on another thread, and what has ended is told. So quick batches cost one hand-over between
 /// threads, and slow actions hold nobody up. All functions may be called from any thread.
 class Crew {
@@ -20,7 +20,8 @@ class Crew {
   /// Carries out one action; exceptions count as failures of it.
   using Work = std::function<Result<void>(const model::Action& action, TimePoint deadline)>;
 
-  explicit Crew(Work work);
+  /// The rest of a batch goes on on another thread where an action takes longer than `patience`.
+  explicit Crew(Work work, Duration patience = std::chrono::microseconds(200));
   /// close().
   ~Crew();
   Crew(const Crew&) = delete;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/host/batch_outcomes.hpp>
 #include <segue/host/crew.hpp>
 #include <segue/host/test_support.hpp>
 
@@ -269,6 +270,19 @@ TEST_F(CrewTest, whoever_is_told_may_begin_the_next_batch) {
               [&](const std::vector<Completed>&) { crew_.begin(stops({"b"}), soon(), next.listener()); });
   EXPECT_TRUE(next.wait_for(1));
   EXPECT_THAT(worker_.begun(), ElementsAre("a", "b"));
+}
+
+TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
+  Told told;
+  BatchOutcomes outcomes(2, told.listener());
+  outcomes.add({{7, {}}, {1, {}}, {1, fail(ErrorCode::Internal, "again")}});
+  EXPECT_EQ(told.count(), 1U);
+  EXPECT_TRUE(told.at(1));
+  outcomes.note(0, fail(ErrorCode::HookFailed, "bad"));
+  EXPECT_EQ(told.count(), 2U) << "the last one is told at once";
+  outcomes.fail_rest([](std::size_t) { return fail(ErrorCode::Internal, "late"); });
+  EXPECT_EQ(told.calls(), 2U);
+  outcomes.wait();
 }
 
 }  // namespace

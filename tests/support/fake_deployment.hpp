@@ -3,6 +3,7 @@
 
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
+#include <segue/host/crew.hpp>
 #include <support/fake_robot.hpp>
 
 #include <sys/mman.h>
@@ -102,24 +103,18 @@ class FakeDeployment final : public deploy::DeploymentService {
     expected = network;
     return {};
   }
-  /// A stop of "wait" waits, one of "bad" fails.
-  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline) override {
+  /// A stop of "wait" waits, one of "bad" fails; a batch with one of "throws" throws.
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
     note(deadline);
     {
       const std::lock_guard lock(fields_);
-      performed.assign(actions.begin(), actions.end());
+      performed = actions;
     }
-    std::vector<Result<void>> outcomes;
     for (const model::Action& action : actions) {
-      const std::string task = action.task() != nullptr ? action.task()->str() : "";
-      if (task == "wait")
-        outcomes.push_back(wait(deadline));
-      else if (task == "bad")
-        outcomes.push_back(fail(ErrorCode::HookFailed, "it is bad", "bad"));
-      else
-        outcomes.emplace_back();
+      if (action.task() != nullptr && action.task()->str() == "throws") throw std::runtime_error("a defect");
     }
-    return outcomes;
+    crew_.begin(std::move(actions), deadline, std::move(completed));
   }
   Result<void> conclude(const model::Transition& transition) override {
     const std::lock_guard lock(fields_);
@@ -249,6 +244,12 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
+  host::Crew crew_{[this](const model::Action& action, TimePoint deadline) -> Result<void> {
+    const std::string task = action.task() != nullptr ? action.task()->str() : "";
+    if (task == "wait") return wait(deadline);
+    if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
+    return {};
+  }};
 };
 
 class FakeProcesses final : public deploy::ProcessService {

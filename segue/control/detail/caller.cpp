@@ -46,14 +46,22 @@ Error thrown_by_service(std::string_view noun) {
   }
 }
 
-kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
-  using Fulfiller = kj::Own<kj::PromiseFulfiller<Result<void>>>;
+Result<void> Caller::begin() {
   if (core_.stopping) {
-    return Result<void>(refused(ErrorCode::Unavailable, core_.noun(), " is shutting down"));
+    return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
   }
   if (client_->calls >= kMaxCallsPerClient) {
-    return Result<void>(fail(ErrorCode::ResourceExhausted,
-                             "this client has too many calls in progress; wait for one to end"));
+    return fail(ErrorCode::ResourceExhausted,
+                "this client has too many calls in progress; wait for one to end");
+  }
+  ++client_->calls;
+  return {};
+}
+
+kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
+  using Fulfiller = kj::Own<kj::PromiseFulfiller<Result<void>>>;
+  if (auto begun = begin(); !begun) {
+    return begun;
   }
   auto pair = kj::newPromiseAndFulfiller<Result<void>>();
   // Copyable, as std::function wants it; in truth it only ever moves, and ends in the loop's thread.
@@ -68,10 +76,10 @@ kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
         });
       });
   if (!begun) {
+    end();
     return Result<void>(
         refused(ErrorCode::ResourceExhausted, core_.noun(), " has too many calls in progress; try again"));
   }
-  ++client_->calls;
   return kj::mv(pair.promise);
 }
 

@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 #include <segue/control/detail/broadcast.hpp>
 #include <segue/control/detail/event_loop.hpp>
+#include <segue/control/detail/tally.hpp>
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/detail/worker_pool.hpp>
 #include <segue/control/server.hpp>
@@ -45,6 +46,7 @@ struct ServerCore {
   Broadcast<host::TaskEvent> task_events;
   Broadcast<deploy::ProcessInfo> process_events;
   EventLoop loop;
+  Tally batches;               ///< in progress, on threads of the service
   WorkerPool pool{kMaxCalls};  ///< goes before the loop, to which its jobs post
 };
 
@@ -70,6 +72,11 @@ class Caller {
   /// once, where it is not begun. `job` must not throw.
   kj::Promise<Result<void>> run(std::function<void()> job);
 
+  /// For a call that takes none of the pool's threads: it counts as one in progress until end(). Unavailable
+  /// or ResourceExhausted where it may not be begun.
+  Result<void> begin();
+  void end() { --client_->calls; }
+
   /// Runs `job`, which returns a Result<T>, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
   /// exceptions of the job included, become the `error` of the results. Parameters must have been read.
   template <class Context, class Job, class Reply>
@@ -91,7 +98,7 @@ class Caller {
 
  private:
   template <class Context, class Job, class Finish>
-  kj::Promise<void> begin(Context context, Job job, Finish finish);
+  kj::Promise<void> begin_job(Context context, Job job, Finish finish);
 
   ServerCore& core_;
   std::shared_ptr<ClientState> client_;
@@ -111,7 +118,7 @@ auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
 
 /// `finish(outcome, results)` in the loop when `job` has ended or was refused.
 template <class Context, class Job, class Finish>
-kj::Promise<void> Caller::begin(Context context, Job job, Finish finish) {
+kj::Promise<void> Caller::begin_job(Context context, Job job, Finish finish) {
   using Outcome = std::invoke_result_t<Job&>;
   struct Work {
     std::optional<Job> job;
@@ -133,7 +140,7 @@ kj::Promise<void> Caller::begin(Context context, Job job, Finish finish) {
 
 template <class Context, class Job, class Reply>
 kj::Promise<void> Caller::answer(Context context, Job job, Reply reply) {
-  return begin(context, std::move(job), [reply = std::move(reply)](auto& outcome, auto results) mutable {
+  return begin_job(context, std::move(job), [reply = std::move(reply)](auto& outcome, auto results) mutable {
     if (!outcome) return encode(outcome.error(), results.initError());
     try {
       if constexpr (std::is_void_v<typename std::remove_reference_t<decltype(outcome)>::value_type>) {
@@ -154,7 +161,7 @@ kj::Promise<void> Caller::answer(Context context, Job job) {
 
 template <class Context, class Job, class Done>
 kj::Promise<void> Caller::answer_value(Context context, Job job, Done done) {
-  return begin(context, std::move(job), [done = std::move(done)](auto& outcome, auto results) mutable {
+  return begin_job(context, std::move(job), [done = std::move(done)](auto& outcome, auto results) mutable {
     encode(outcome, results.initAnswer());
     if (outcome) done(results);
   });

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/services.hpp>
@@ -72,11 +73,26 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
 
   kj::Promise<void> perform(PerformContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), actions = decode_list<model::Action>(params.getActions(), kDecode),
-                deadline = deadline_after(params.getTimeout())] {
-      return all(service.perform(actions, deadline));
-    };
-    return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
+    auto actions = decode_list<model::Action>(params.getActions(), kDecode);
+    const TimePoint deadline = deadline_after(params.getTimeout());
+    const std::uint64_t ticket = params.getTicket();
+    context.releaseParams();
+    context.allowCancellation();
+    return perform_batch(caller_, follower_, ticket, std::move(actions), deadline)
+        .then([context](Result<std::vector<Result<void>>>&& outcomes) mutable {
+          auto results = context.getResults();
+          if (!outcomes) return encode(outcomes.error(), results.initError());
+          try {
+            listing<Result<void>>(kInitOutcomes)(*outcomes, results);
+          } catch (const WireError& failed) {
+            encode(failed.error(), results.initError());
+          }
+        });
+  }
+
+  kj::Promise<void> follow(FollowContext context) override {
+    *follower_ = context.getParams().getFollower();
+    return kj::READY_NOW;
   }
 
   kj::Promise<void> conclude(ConcludeContext context) override {
@@ -227,6 +243,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
 
   Caller caller_;
   std::vector<std::unique_ptr<Listener>> listeners_;
+  const Follower follower_ = std::make_shared<kj::Maybe<wire::BatchFollower::Client>>();
 };
 
 }  // namespace

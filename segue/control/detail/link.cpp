@@ -59,7 +59,7 @@ Result<void> check_request(std::uint64_t words) {
 }
 
 struct Link::Failures final : kj::TaskSet::ErrorHandler {
-  /// begin() handles all failures itself.
+  /// start() handles all failures itself.
   void taskFailed(kj::Exception&&) override {}
 };
 
@@ -135,7 +135,7 @@ Result<std::shared_ptr<Link>> Link::open(const std::filesystem::path& socket, st
   }
 }
 
-bool Link::begin(Duration timeout, Begin begin, Failed failed) {
+bool Link::start(Duration timeout, Begin begin, Failed failed) {
   return loop_.post(
       [this, begin = std::move(begin), failed = std::move(failed), timeout](kj::AsyncIoContext&) {
         auto late = loop_.timer().afterDelay(to_kj(timeout)).then([] { return false; });

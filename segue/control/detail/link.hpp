@@ -84,6 +84,12 @@ class Link {
   template <class T = type::Value, class Build>
   Result<T> ask(Duration timeout, const Build& build);
 
+  using Begin = std::function<kj::Promise<void>(Connection&)>;
+  using Failed = std::function<void(Error)>;
+  /// Runs `begin` in the loop and returns at once; where what it promised does not come, `failed` is called
+  /// in the loop. False after the end of the loop. Neither is called any more when this is destroyed.
+  bool start(Duration timeout, Begin begin, Failed failed);
+
   /// Sends a request whose results are an `answer`.
   template <class Request>
   static Answer send(Request& request);
@@ -102,12 +108,7 @@ class Link {
   [[nodiscard]] const std::string& who() const { return who_; }
 
  private:
-  using Begin = std::function<kj::Promise<void>(Connection&)>;
-  using Failed = std::function<void(Error)>;
-
   explicit Link(std::string who);
-  /// False after the end of the loop. `failed` is called where what `begin` promised does not come.
-  bool begin(Duration timeout, Begin begin, Failed failed);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
   struct Failures;
@@ -124,7 +125,7 @@ Result<T> Link::ask(Duration timeout, const Build& build) {
   // Shared, since the waiter may be gone before set_value() returns.
   const auto done = std::make_shared<std::promise<Result<T>>>();
   auto answer = done->get_future();
-  const bool begun = begin(
+  const bool begun = start(
       timeout,
       [done, &build](Connection& connection) {
         return build(connection).then([done](Result<T>&& outcome) { done->set_value(std::move(outcome)); });
