@@ -182,4 +182,5 @@ struct CloseHalf {
   connection @0 :Model.Connection;
   side @1 :UInt8;
   peerClosed @2 :Bool;
+  peer @3 :UInt64;
 }

@@ -195,10 +195,12 @@ TEST_F(DeploymentTest, ConnectionsBetweenProcessesAreArranged) {
   ASSERT_TRUE(
       process->attach_outputs(std::vector<deploy::AttachOutput>{{connection, *places[0]}}, soon()).at(0));
   EXPECT_EQ(deployment_.seen()->attached.at(0).place.generation, 3U);
-  const std::vector<deploy::CloseHalf> halves = {{connection, deploy::Side::Input, true},
-                                                 {connection, deploy::Side::Output, false}};
+  const std::vector<deploy::CloseHalf> halves = {{connection, deploy::Side::Input, true, 5},
+                                                 {connection, deploy::Side::Output, false, 6}};
   EXPECT_EQ(process->close_halves(halves, soon()).size(), 2U);
   EXPECT_TRUE(deployment_.seen()->closed.at(0).peer_closed);
+  EXPECT_EQ(deployment_.seen()->closed.at(0).peer, 5U);
+  EXPECT_EQ(deployment_.seen()->closed.at(1).peer, 6U);
   EXPECT_EQ(deployment_.seen()->closed.at(1).side, deploy::Side::Output);
   ASSERT_TRUE(process->forget(77));
   EXPECT_EQ(deployment_.seen()->forgotten, 77U);
@@ -443,6 +445,8 @@ TEST_F(ProcessesTest, StartStopAndListTravel) {
   EXPECT_EQ(processes->start(launch, soon()).error().code, ErrorCode::AlreadyExists);
   EXPECT_EQ(processes->stop("spot", {model::kLocalHost, model::ProcessName("p")}, soon()).value().signal, 9);
   EXPECT_EQ(processes_.seen()->asked, "spot:localhost/p");
+  ASSERT_TRUE(processes->kill("spot", {model::kLocalHost, model::ProcessName("p")}, soon()));
+  EXPECT_EQ(processes_.seen()->asked, "kill spot:localhost/p");
   EXPECT_EQ(processes->processes("spot").value().size(), 2U);
   EXPECT_EQ(connect(socket_, kLong).error().code, ErrorCode::Unsupported);
 }

@@ -10,7 +10,9 @@ using Wire = import "wire.capnp";
 # Timeouts are relative to the arrival of the call, in nanoseconds. Where `error` is there, nothing else counts.
 interface Processes {
   start @0 (launch :Wire.Value, timeout :Int64) -> (error :Wire.Error, process :ProcessInfo);
-  stop @1 (robot :Text, host :Text, process :Text, timeout :Int64) -> (error :Wire.Error, exit :ExitReason);
+  # `kill`: at once, without asking.
+  stop @1 (robot :Text, host :Text, process :Text, timeout :Int64, kill :Bool)
+      -> (error :Wire.Error, exit :ExitReason);
   processes @2 (robot :Text) -> (error :Wire.Error, processes :List(ProcessInfo));
   # Until the connection ends. A client that does not keep up loses the oldest events.
   listen @3 (listener :ProcessListener) -> (error :Wire.Error);

@@ -59,6 +59,14 @@ class ProcessesClient final : public deploy::ProcessService {
 
   Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                                   TimePoint deadline) override {
+    return end(robot, key, deadline, false);
+  }
+  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline) override {
+    return end(robot, key, deadline, true);
+  }
+  Result<deploy::ExitReason> end(const std::string& robot, const model::DeploymentKey& key,
+                                 TimePoint deadline, bool kill) {
     const Duration left = time_left(deadline);
     return ask<deploy::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
       auto request = processes.stopRequest();
@@ -66,6 +74,7 @@ class ProcessesClient final : public deploy::ProcessService {
       request.setHost(as_text(key.host.str()));
       request.setProcess(as_text(key.process.str()));
       request.setTimeout(left.count());
+      request.setKill(kill);
       return Link::send<deploy::ExitReason>(request, [](auto& results) { return decode(results.getExit()); });
     });
   }

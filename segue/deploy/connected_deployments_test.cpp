@@ -163,9 +163,15 @@ class ConnectedDeployments : public ::testing::Test {
   }
   void close(const model::Connection& connection) {
     EXPECT_TRUE(
-        p_.deployment->close_halves(std::vector<CloseHalf>{{connection, Side::Output, false}}, soon()).at(0));
+        p_.deployment
+            ->close_halves(
+                std::vector<CloseHalf>{{connection, Side::Output, false, q_.memory->incarnation()}}, soon())
+            .at(0));
     EXPECT_TRUE(
-        q_.deployment->close_halves(std::vector<CloseHalf>{{connection, Side::Input, true}}, soon()).at(0));
+        q_.deployment
+            ->close_halves(std::vector<CloseHalf>{{connection, Side::Input, true, p_.memory->incarnation()}},
+                           soon())
+            .at(0));
   }
   void expect_refused(const Result<void>& done, ErrorCode code, std::string_view words) {
     ASSERT_FALSE(done);
@@ -248,7 +254,7 @@ TEST_F(ConnectedDeployments, keep_a_place_until_its_writer_is_known_to_be_gone) 
   run_both();
   ASSERT_TRUE(connect(flow_));
   const auto used = q_.memory->usage().control_used;
-  const std::vector<CloseHalf> reader{{flow_, Side::Input, false}};
+  const std::vector<CloseHalf> reader{{flow_, Side::Input, false, p_.memory->incarnation()}};
   EXPECT_TRUE(q_.deployment->close_halves(reader, soon()).at(0));
   EXPECT_THAT(q_.halves(), IsEmpty());
   EXPECT_EQ(q_.memory->usage().control_used, used) << "the writer may still write into it";
@@ -355,6 +361,28 @@ TEST_F(ConnectedDeployments, end_what_they_had_with_a_peer_that_is_gone) {
   const auto origin = describe(flow_);
   ASSERT_TRUE(origin);
   EXPECT_FALSE(open(flow_, *origin)) << "it is a stranger now";
+}
+
+TEST_F(ConnectedDeployments, lead_to_two_incarnations_of_a_task_at_once) {
+  run_both();
+  ASSERT_TRUE(connect(flow_));
+  Process other("r");
+  other.bring_to_running(task_of("sink", "pair::Sink"));
+  ASSERT_TRUE(p_.deployment->admit(*other.deployment->memory()));
+  ASSERT_TRUE(other.deployment->admit(*p_.deployment->memory()));
+  const auto origin = describe(flow_);
+  ASSERT_TRUE(origin);
+  const auto place = other.deployment->open_inputs(std::vector<OpenInput>{{flow_, *origin}}, soon()).at(0);
+  ASSERT_TRUE(place) << to_string(place.error());
+  ASSERT_TRUE(attach(flow_, *place));
+  ASSERT_EQ(p_.halves().size(), 2U);
+  EXPECT_NE(p_.halves()[0].peer, p_.halves()[1].peer);
+  EXPECT_FALSE(attach(flow_, *place)) << "each of them once";
+  close(flow_);
+  ASSERT_EQ(p_.halves().size(), 1U) << "the other one stands";
+  EXPECT_EQ(p_.halves().front().peer, other.memory->incarnation());
+  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_TRUE(arrives_after(pair::last + 10)) << "what is written arrives there";
 }
 
 TEST_F(ConnectedDeployments, wait_for_hooks_until_the_deadline_only) {

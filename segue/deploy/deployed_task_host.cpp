@@ -63,19 +63,20 @@ struct DeployedTaskHost::Implementation {
         fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
                                               options)) {}
 
-  /// Calls `ask` with the service of the process where the task lives.
+  /// Calls `ask` with the service of the process where the task lives, and its plain id.
   template <class Ask>
-  auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<DeploymentService&>())) {
-    const auto record = fleet->process_of(task);
-    if (!record) {
-      return record.error();
+  auto at(const model::TaskId& task, Ask ask) const
+      -> decltype(ask(std::declval<DeploymentService&>(), task)) {
+    const auto located = fleet->locate(task);
+    if (!located) {
+      return located.error();
     }
-    const auto service = (*record)->service();
+    const auto service = located->record->service();
     if (service == nullptr) {
       return fail(ErrorCode::Unavailable,
-                  "process " + quote(to_string((*record)->key())) + " cannot be reached", task.str());
+                  "process " + quote(to_string(located->record->key())) + " cannot be reached", task.str());
     }
-    return ask(*service);
+    return ask(*service, located->task);
   }
 
   const host::TaskHost& local;
@@ -126,6 +127,10 @@ void DeployedTaskHost::conclude(const model::Transition& transition) {
   implementation_->router.conclude(transition);
 }
 
+void DeployedTaskHost::withdraw() {
+  implementation_->router.withdraw();
+}
+
 Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint deadline) {
   return std::move(perform_all(std::span(&action, 1), deadline).front());
 }
@@ -148,29 +153,34 @@ std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
 }
 
 Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {
-  return implementation_->at(task, [&](DeploymentService& service) { return service.describe(task); });
+  return implementation_->at(
+      task, [](DeploymentService& service, const model::TaskId& id) { return service.describe(id); });
 }
 
 Result<type::Value> DeployedTaskHost::properties(const model::TaskId& task) const {
-  return implementation_->at(task, [&](DeploymentService& service) { return service.properties(task); });
+  return implementation_->at(
+      task, [](DeploymentService& service, const model::TaskId& id) { return service.properties(id); });
 }
 
 Result<void> DeployedTaskHost::set_property(const model::TaskId& task, std::string_view path,
                                             const type::Value& value, TimePoint deadline) {
-  return implementation_->at(
-      task, [&](DeploymentService& service) { return service.set_property(task, path, value, deadline); });
+  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.set_property(id, path, value, deadline);
+  });
 }
 
 Result<type::Value> DeployedTaskHost::call(const model::TaskId& task, std::string_view operation,
                                            const type::Value& arguments, TimePoint deadline) {
-  return implementation_->at(
-      task, [&](DeploymentService& service) { return service.call(task, operation, arguments, deadline); });
+  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.call(id, operation, arguments, deadline);
+  });
 }
 
 Result<std::unique_ptr<host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
                                                                         std::size_t buffer) {
-  return implementation_->at(port.task,
-                             [&](DeploymentService& service) { return service.open_reader(port, buffer); });
+  return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.open_reader({id, port.port}, buffer);
+  });
 }
 
 void DeployedTaskHost::set_listener(Listener listener) {

@@ -58,7 +58,9 @@ class DeployedTaskHost final : public host::TaskHost {
   /// shared memory.
   [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   void expect(const model::Network& target) override;
+  [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
+  void withdraw() override;
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override;

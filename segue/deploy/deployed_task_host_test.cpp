@@ -197,6 +197,173 @@ TEST(DeployedTaskHost, AsksEachTaskWhereItLives) {
   EXPECT_EQ(missing.error().code, ErrorCode::NotFound);
 }
 
+model::Action on_task(ActionKind kind, const char* task) {
+  return action(kind, model::TaskAction{model::TaskId(task)});
+}
+
+model::Action on_wire(ActionKind kind, const model::Connection& connection) {
+  return action(kind, model::ConnectionAction{connection});
+}
+
+model::Connection wire(const char* from, const char* to, Policy policy = {}) {
+  model::Connection connection;
+  connection.from = {model::TaskId(from), "out"};
+  connection.to = {model::TaskId(to), "in"};
+  connection.policy = policy;
+  return connection;
+}
+
+/// a -> b -> c with b in p1; b is about to move to p3.
+class Move : public ::testing::Test {
+ protected:
+  Move() {
+    EXPECT_EQ(text(robot_.switch_to(kOne)), "done");
+    perform(on_process(ActionKind::Deploy, "p3"));
+    perform(apply("b", "p3"));
+  }
+
+  static model::Action apply(const char* task, const char* process) {
+    model::ConfigAction what;
+    what.definition = *network_of(kOne).find_task(model::TaskId("b"));
+    what.definition.id = model::TaskId(task);
+    what.process = {model::kLocalHost, model::ProcessName(process)};
+    what.name = task;
+    return action(ActionKind::ApplyConfig, what);
+  }
+  Result<void> try_to(const model::Action& what) { return robot_.host.perform(what, soon()); }
+  void perform(const model::Action& what) { EXPECT_EQ(text(try_to(what)), "done") << what.label(); }
+  TaskState state_of(const char* task) {
+    const auto network = robot_.host.observe();
+    const auto* found = network.find_task(model::TaskId(task));
+    EXPECT_NE(found, nullptr) << task;
+    return found == nullptr ? TaskState::Fatal : found->state;
+  }
+  bool has(const model::Connection& connection) {
+    const auto network = robot_.host.observe();
+    return std::find(network.connections.begin(), network.connections.end(), connection) !=
+           network.connections.end();
+  }
+  std::vector<model::TaskId> tasks_of(const char* process) {
+    std::vector<model::TaskId> tasks;
+    for (const auto& deployment : robot_.host.observe().deployments) {
+      for (const auto& seat : deployment.tasks) {
+        if (deployment.process.str() == process) tasks.push_back(seat.task);
+      }
+    }
+    return tasks;
+  }
+  void prepare() {
+    perform(on_task(ActionKind::Configure, "b"));
+    perform(on_wire(ActionKind::Connect, wire("a", "b")));
+    perform(on_wire(ActionKind::Connect, to_c_));
+  }
+  void commit() {
+    perform(on_task(ActionKind::Stop, "b"));
+    perform(on_wire(ActionKind::Disconnect, wire("a", "b")));
+    perform(on_wire(ActionKind::Disconnect, to_c_));
+    perform(on_task(ActionKind::Start, "b"));
+    perform(on_task(ActionKind::Cleanup, "b"));
+  }
+
+  const model::Connection to_c_ = wire("b", "c", {BufferKind::Buffer, 10, Transport::Automatic, false});
+  static constexpr const char* kNew = "b@localhost/p3";
+  FakeWorld world_;
+  Robot robot_{world_};
+};
+
+TEST_F(Move, MakesANewIncarnationBesideTheOneThatRuns) {
+  EXPECT_TRUE(robot_.host.side_by_side());
+  prepare();
+  EXPECT_EQ(state_of("b"), TaskState::Running);
+  EXPECT_EQ(state_of(kNew), TaskState::Stopped);
+  EXPECT_EQ(tasks_of("p1"), (std::vector<model::TaskId>{model::TaskId("a"), model::TaskId("b")}));
+  EXPECT_EQ(tasks_of("p3"), std::vector<model::TaskId>{model::TaskId(kNew)});
+  EXPECT_TRUE(has(wire("a", "b")));
+  EXPECT_TRUE(has(wire("a", kNew)));
+  EXPECT_TRUE(has(to_c_));
+  EXPECT_EQ(robot_.host.describe(model::TaskId("b"))->doc, "p1/b");
+  EXPECT_EQ(robot_.host.describe(model::TaskId(kNew))->doc, "p3/b");
+  commit();
+  EXPECT_EQ(state_of("b"), TaskState::PreOperational);
+  EXPECT_EQ(state_of(kNew), TaskState::Running);
+  EXPECT_FALSE(has(wire("a", "b")));
+  EXPECT_TRUE(has(wire("a", kNew)));
+  robot_.host.conclude({});
+  EXPECT_EQ(state_of("b"), TaskState::Running);
+  EXPECT_EQ(tasks_of("p1"), std::vector<model::TaskId>{model::TaskId("a")});
+  EXPECT_EQ(tasks_of("p3"), std::vector<model::TaskId>{model::TaskId("b")});
+  EXPECT_TRUE(has(wire("a", "b")));
+  EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
+  EXPECT_EQ(world_.find("p1")->tasks.size(), 1U);
+  EXPECT_EQ(world_.loose_halves(), 0U);
+  EXPECT_EQ(text(robot_.wrong()), "");
+}
+
+TEST_F(Move, GivenUpLeavesTheOldOneRunningAndTheNewOneToBeRemoved) {
+  prepare();
+  robot_.host.withdraw();
+  EXPECT_EQ(state_of("b"), TaskState::Running);
+  EXPECT_EQ(state_of(kNew), TaskState::Stopped);
+  EXPECT_FALSE(try_to(on_task(ActionKind::Start, "b"))) << "it runs";
+  EXPECT_EQ(try_to(apply("b", "p3")).error().code, ErrorCode::InvalidState);
+  ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot_.host.observe(), network_of(kOne)));
+  EXPECT_EQ(world_.find("p3"), nullptr);
+  EXPECT_EQ(world_.loose_halves(), 0U);
+  EXPECT_EQ(text(robot_.wrong()), "");
+}
+
+TEST_F(Move, TheNewOneIsNotTakenForAnOldOneThatDied) {
+  prepare();
+  world_.kill(world_.find("p1"));
+  EXPECT_TRUE(robot_.told.process("p1", "", true));
+  EXPECT_EQ(try_to(on_task(ActionKind::Stop, "b")).error().code, ErrorCode::NotFound);
+  perform(on_task(ActionKind::Start, "b"));
+  EXPECT_EQ(state_of(kNew), TaskState::Running);
+  robot_.host.withdraw();
+  EXPECT_EQ(state_of("b"), TaskState::Running);
+  ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
+  EXPECT_TRUE(equivalent(robot_.host.observe(), network_of(kOne)));
+}
+
+TEST_F(Move, BothEndsOfAConnectionMayMove) {
+  perform(apply("a", "p3"));
+  for (const char* task : {"a", "b"}) {
+    perform(on_task(ActionKind::Configure, task));
+  }
+  perform(on_wire(ActionKind::Connect, wire("a", "b")));
+  EXPECT_TRUE(has(wire("a", "b")));
+  EXPECT_TRUE(has(wire("a@localhost/p3", kNew)));
+  EXPECT_EQ(world_.find("p3")->connections.size(), 1U) << "within the process";
+  perform(on_wire(ActionKind::Disconnect, wire("a", "b")));
+  EXPECT_FALSE(has(wire("a", "b")));
+  EXPECT_TRUE(has(wire("a@localhost/p3", kNew)));
+  perform(on_wire(ActionKind::Disconnect, wire("a@localhost/p3", kNew)));
+  EXPECT_FALSE(has(wire("a@localhost/p3", kNew)));
+}
+
+TEST_F(Move, EventsTellWhichIncarnationTheyAreOf) {
+  world_.tell(world_.find("p3"), {model::TaskId("b"), TaskState::Exception, "new"});
+  EXPECT_TRUE(robot_.told.task(kNew, TaskState::Exception));
+  world_.tell(world_.find("p1"), {model::TaskId("b"), TaskState::Exception, "old"});
+  EXPECT_TRUE(robot_.told.task("b", TaskState::Exception));
+}
+
+TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  auto kill = on_process(ActionKind::Undeploy, "p1");
+  EXPECT_FALSE(robot.host.perform(kill, soon())) << "its tasks run";
+  std::get<model::DeploymentAction>(kill.what).kill = true;
+  ASSERT_EQ(text(robot.host.perform(kill, soon())), "done");
+  EXPECT_EQ(world.calls("kill"), 1);
+  EXPECT_EQ(world.calls("stop"), 0);
+  EXPECT_EQ(world.find("p1"), nullptr);
+  EXPECT_EQ(world.loose_halves(), 0U);
+  EXPECT_EQ(text(robot.wrong()), "");
+}
+
 /// Whatever happens at whichever call, what is shown is true, and the robot can switch on.
 class EveryCall : public ::testing::TestWithParam<FaultKind> {};
 

@@ -62,7 +62,8 @@ struct AttachOutput {
 struct CloseHalf {
   model::Connection connection;
   Side side = Side::Output;
-  bool peer_closed = false;  ///< Input: the writer's half is gone or never was, so its ring's place is free
+  bool peer_closed = false;    ///< Input: the writer's half is gone or never was, so its ring's place is free
+  link::Incarnation peer = 0;  ///< the process at the other end: a connection may lead to two incarnations
 };
 
 /// What a process with tasks offers, in the same process or (control/) in another. Functions may be called

@@ -234,7 +234,8 @@ std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const O
           return fail(ErrorCode::InvalidState, "the writer has not been admitted");
         }
         for (const auto& half : process_->halves) {
-          if (half.side == Side::Input && half.connection == input.connection) {
+          if (half.side == Side::Input && half.connection == input.connection &&
+              half.peer == input.origin.writer) {
             return fail(ErrorCode::AlreadyExists, "is already connected");
           }
         }
@@ -254,7 +255,8 @@ std::vector<Result<void>> FakeService::attach_outputs(std::span<const AttachOutp
       return fail(ErrorCode::InvalidState, "the reader has not been admitted");
     }
     for (const auto& half : process_->halves) {
-      if (half.side == Side::Output && half.connection == output.connection) {
+      if (half.side == Side::Output && half.connection == output.connection &&
+          half.peer == output.place.reader) {
         return fail(ErrorCode::AlreadyExists, "is already connected");
       }
     }
@@ -267,7 +269,7 @@ std::vector<Result<void>> FakeService::close_halves(std::span<const CloseHalf> h
                                                     TimePoint /*deadline*/) {
   return answer_all<void>("close_halves", halves, [&](const CloseHalf& close) -> Result<void> {
     const auto erased = std::erase_if(process_->halves, [&](const HalfReport& half) {
-      return half.side == close.side && half.connection == close.connection;
+      return half.side == close.side && half.connection == close.connection && half.peer == close.peer;
     });
     return erased == 0 ? Result<void>(no_such("half")) : Result<void>();
   });

@@ -296,17 +296,26 @@ Result<ProcessInfo> FakeProcesses::start(const Launch& launch, TimePoint /*deadl
 
 Result<ExitReason> FakeProcesses::stop(const std::string& /*robot*/, const model::DeploymentKey& key,
                                        TimePoint /*deadline*/) {
-  const auto verdict = world_.judge("stop", nullptr);
+  return end("stop", key, 15);
+}
+
+Result<ExitReason> FakeProcesses::kill(const std::string& /*robot*/, const model::DeploymentKey& key,
+                                       TimePoint /*deadline*/) {
+  return end("kill", key, 9);
+}
+
+Result<ExitReason> FakeProcesses::end(const std::string& how, const model::DeploymentKey& key, int signal) {
+  const auto verdict = world_.judge(how, nullptr);
   if (verdict.take_effect) {
     const auto process = world_.find(key.process.str());
     if (process == nullptr) {
       return fail(ErrorCode::NotFound, "no such process");
     }
-    world_.kill(process, 15);
+    world_.kill(process, signal);
     if (!verdict.answer) {
       ExitReason reason;
       reason.requested = true;
-      reason.killed = process->hangs;
+      reason.killed = process->hangs || how == "kill";
       return reason;
     }
   }

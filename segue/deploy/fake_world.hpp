@@ -149,10 +149,14 @@ class FakeProcesses final : public ProcessService {
   Result<ProcessInfo> start(const Launch& launch, TimePoint deadline) override;
   Result<ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                           TimePoint deadline) override;
+  Result<ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                          TimePoint deadline) override;
   Result<std::vector<ProcessInfo>> processes(const std::string& robot) override;
   void set_listener(Listener listener) override;
 
  private:
+  Result<ExitReason> end(const std::string& how, const model::DeploymentKey& key, int signal);
+
   FakeWorld& world_;
 };
 

@@ -2,6 +2,7 @@
 #include <segue/deploy/fleet.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/host/full_id.hpp>
 
 #include <algorithm>
 
@@ -96,49 +97,30 @@ std::vector<RecordPtr> Fleet::all() const {
   return records;
 }
 
-std::optional<model::DeploymentKey> Fleet::seat(const model::TaskId& task) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = seats_.find(task);
-  return found == seats_.end() ? std::nullopt : std::optional(found->second);
-}
-
-Result<RecordPtr> Fleet::process_of(const model::TaskId& task) const {
-  if (const auto key = seat(task)) {
-    if (auto record = find(*key)) {
-      return record;
-    }
+Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const {
+  const auto place = seats_.find(id, which);
+  if (!place) {
+    return place.error();
   }
-  std::vector<std::string> known;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [id, key] : seats_) {
-      known.push_back(id.str());
-    }
+  auto record = find(place->process);
+  if (record == nullptr) {
+    return fail(ErrorCode::NotFound, "its process " + quote(to_string(place->process)) + " is gone",
+                id.str());
   }
-  return fail(ErrorCode::NotFound, "no task " + quote(task.str()) + " here" + did_you_mean(task.str(), known),
-              task.str());
+  return Located{std::move(record), place->task};
 }
 
-void Fleet::set_seat(const model::TaskId& task, const model::DeploymentKey& process) {
-  const std::lock_guard lock(mutex_);
-  seats_.insert_or_assign(task, process);
-}
-
-void Fleet::drop_seat(const model::TaskId& task) {
-  const std::lock_guard lock(mutex_);
-  seats_.erase(task);
-}
-
-void Fleet::learn_seats(const ProcessRecord& record, const Snapshot& snapshot) {
-  const std::lock_guard lock(mutex_);
+void Fleet::learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot) {
+  std::set<model::TaskId> tasks = record.made_since(look);
   for (const auto& task : snapshot.network.tasks) {
-    seats_.try_emplace(task.id, record.key());
+    tasks.insert(task.id);
   }
+  seats_.learn(record.key(), tasks);
 }
 
 namespace {
 
-/// What of a network a process needs to know: its tasks, and connections at them.
+/// What of a network a process needs to know: its tasks, and connections at them, by plain ids.
 model::Network part_of(const model::Network& network, const model::DeploymentKey& key) {
   std::map<model::TaskId, model::DeploymentKey> seats;
   for (const auto& deployment : network.deployments) {
@@ -158,6 +140,13 @@ model::Network part_of(const model::Network& network, const model::DeploymentKey
                [&](const model::Connection& connection) {
                  return is_here(connection.from.task) || is_here(connection.to.task);
                });
+  for (auto& task : part.tasks) {
+    task.id = host::plain_id(task.id);
+  }
+  for (auto& connection : part.connections) {
+    connection.from.task = host::plain_id(connection.from.task);
+    connection.to.task = host::plain_id(connection.to.task);
+  }
   return part;
 }
 

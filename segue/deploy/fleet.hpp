@@ -5,6 +5,7 @@
 #include <segue/deploy/event_queue.hpp>
 #include <segue/deploy/merged_view.hpp>
 #include <segue/deploy/process_record.hpp>
+#include <segue/deploy/seats.hpp>
 #include <segue/deploy/worker_pool.hpp>
 
 #include <condition_variable>
@@ -34,6 +35,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
 
   Result<void> deploy(const model::Deployment& deployment, TimePoint deadline);
   Result<void> undeploy(const model::DeploymentKey& key, TimePoint deadline);
+  /// At once, whatever it holds.
+  Result<void> kill(const model::DeploymentKey& key, TimePoint deadline);
   /// Ends all processes but the own one, whatever they hold.
   void end_all(TimePoint deadline);
   /// Tells every process what concerns it, now and when it is deployed.
@@ -47,11 +50,13 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   /// The process of that incarnation.
   [[nodiscard]] RecordPtr find(link::Incarnation incarnation) const;
   [[nodiscard]] std::vector<RecordPtr> all() const;
-  /// Where a task lives.
-  [[nodiscard]] std::optional<model::DeploymentKey> seat(const model::TaskId& task) const;
-  Result<RecordPtr> process_of(const model::TaskId& task) const;
-  void set_seat(const model::TaskId& task, const model::DeploymentKey& process);
-  void drop_seat(const model::TaskId& task);
+  /// The process in which the incarnation lives that an id means, and its plain id there.
+  struct Located {
+    RecordPtr record;
+    model::TaskId task;
+  };
+  Result<Located> locate(const model::TaskId& id, Which which = Which::Standing) const;
+  [[nodiscard]] Seats& seats() { return seats_; }
 
   [[nodiscard]] WorkerPool& pool() { return pool_; }
   [[nodiscard]] EventQueue& events() { return events_; }
@@ -74,6 +79,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   /// Connects, and checks who answers.
   Result<void> open(const RecordPtr& record, TimePoint deadline);
   void listen_to(const RecordPtr& record, DeploymentService& service);
+  Result<RecordPtr> deployed(const model::DeploymentKey& key) const;
+  /// Lets go of it once `how` has ended it.
+  Result<void> end_by(const RecordPtr& record, const std::function<Result<ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
   void send_expected(DeploymentService& service, const model::DeploymentKey& key);
 
@@ -94,7 +102,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void tell(const ProcessRecord& record, const ProcessRecord::Change& change);
   void tell_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
   void tell_task(const model::TaskId& task, TaskState state, std::string message);
-  void learn_seats(const ProcessRecord& record, const Snapshot& snapshot);
+  void learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot);
   void watch();
 
   ProcessService& processes_;
@@ -104,12 +112,12 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   const RecordPtr own_;
   WorkerPool pool_{12, 64};
   EventQueue events_;
+  Seats seats_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::map<model::DeploymentKey, RecordPtr> records_;  ///< the own one aside
   std::map<model::DeploymentKey, Starting> starting_;
-  std::map<model::TaskId, model::DeploymentKey> seats_;
   std::vector<model::Network> expected_;
   std::function<void()> housekeeping_;
   bool closed_ = false;

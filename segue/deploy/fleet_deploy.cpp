@@ -199,30 +199,55 @@ void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
         const auto self = weak.lock();
         const auto from = which.lock();
         if (self && from && !from->leaving() && !from->ended()) {
-          self->events_.push(event);
+          host::TaskEvent named = event;
+          named.task = self->seats_.name(event.task, from->key());
+          self->events_.push(std::move(named));
         }
       });
 }
 
-Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline) {
-  const RecordPtr record = key.is_runtime() ? nullptr : find(key);
+Result<RecordPtr> Fleet::deployed(const model::DeploymentKey& key) const {
+  RecordPtr record = key.is_runtime() ? nullptr : find(key);
   if (record == nullptr) {
     return fail(ErrorCode::NotFound, "process " + quote(to_string(key)) + " is not deployed", to_string(key));
   }
-  look_again({record});
-  const ProcessView view = record->view();
+  return record;
+}
+
+Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline) {
+  const auto record = deployed(key);
+  if (!record) {
+    return record.error();
+  }
+  look_again({*record});
+  const ProcessView view = (*record)->view();
   if (auto empty = check_empty(view); !empty) {
     return empty;
   }
   const bool orderly = view.answers && view.snapshot != nullptr && view.snapshot->hanging.empty();
+  return end_by(*record, [&] {
+    auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
+    if (reason && reason->killed) {
+      events_.push(host::ProcessEvent{key, to_string(*reason), true});
+    }
+    return reason;
+  });
+}
+
+Result<void> Fleet::kill(const model::DeploymentKey& key, TimePoint deadline) {
+  const auto record = deployed(key);
+  if (!record) {
+    return record.error();
+  }
+  return end_by(*record, [&] { return processes_.kill(launch_.robot, key, deadline); });
+}
+
+Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<ExitReason>()>& how) {
   record->leave(true);
-  auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
+  auto reason = how();
   if (!reason && reason.error().code != ErrorCode::NotFound) {
     record->leave(false);
     return std::move(reason.error());
-  }
-  if (reason && reason->killed) {
-    events_.push(host::ProcessEvent{key, to_string(*reason), true});
   }
   remove(record);
   release(record);

@@ -52,7 +52,9 @@ std::vector<ProcessView> Fleet::look() {
 }
 
 MergedView Fleet::merged_look() {
-  return merge(look(), [this](const model::TaskId& task) { return seat(task); });
+  return merge(look(), [this](const model::TaskId& task, const model::DeploymentKey& process) {
+    return seats_.name(task, process);
+  });
 }
 
 void Fleet::look_again(const std::vector<RecordPtr>& records) {
@@ -79,7 +81,7 @@ void Fleet::take_looks(const RecordPtr& record) {
     const std::uint64_t number = record->next();
     auto snapshot = look_at(record);
     if (snapshot != nullptr && !record->ended()) {
-      learn_seats(*record, *snapshot);
+      learn_seats(*record, number, *snapshot);
     }
     const auto finished = record->finish(number, std::move(snapshot));
     tell(*record, finished.change);
@@ -182,16 +184,7 @@ std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record)
   if (found != records_.end() && found->second == record) {
     records_.erase(found);
   }
-  std::vector<model::TaskId> tasks;
-  for (auto seat = seats_.begin(); seat != seats_.end();) {
-    if (seat->second == record->key()) {
-      tasks.push_back(seat->first);
-      seat = seats_.erase(seat);
-    } else {
-      ++seat;
-    }
-  }
-  return tasks;
+  return seats_.drop(record->key());
 }
 
 void Fleet::release(const RecordPtr& record) {
@@ -224,11 +217,11 @@ void Fleet::tell(const ProcessRecord& record, const ProcessRecord::Change& chang
     tell_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
-    tell_task(task, TaskState::Fatal, hanging_text(record.key()));
+    tell_task(seats_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
   }
   for (const auto& task : change.hanging_no_more) {
     if (const model::Task* found = view.snapshot->network.find_task(task)) {
-      tell_task(task, found->state, "its hook has returned");
+      tell_task(seats_.name(task, record.key()), found->state, "its hook has returned");
     }
   }
 }
@@ -239,9 +232,7 @@ void Fleet::tell_all_tasks(const ProcessView& view, std::optional<TaskState> sta
     return;
   }
   for (const auto& task : view.snapshot->network.tasks) {
-    if (seat(task.id) == view.deployment.key()) {
-      tell_task(task.id, state.value_or(task.state), message);
-    }
+    tell_task(seats_.name(task.id, view.deployment.key()), state.value_or(task.state), message);
   }
 }
 

@@ -6,13 +6,14 @@
 namespace segue::deploy::detail {
 
 bool HalfTable::ByIdentity::operator()(const Key& a, const Key& b) const {
-  return std::tie(a.connection.from, a.connection.to, a.connection.policy, a.side) <
-         std::tie(b.connection.from, b.connection.to, b.connection.policy, b.side);
+  return std::tie(a.connection.from, a.connection.to, a.connection.policy, a.side, a.peer) <
+         std::tie(b.connection.from, b.connection.to, b.connection.policy, b.side, b.peer);
 }
 
-std::optional<Half> HalfTable::find(const model::Connection& connection, Side side) const {
+std::optional<Half> HalfTable::find(const model::Connection& connection, Side side,
+                                    link::Incarnation peer) const {
   const std::lock_guard lock(mutex_);
-  auto [begin, end] = halves_.equal_range({connection, side});
+  auto [begin, end] = halves_.equal_range({connection, side, peer});
   for (; begin != end; ++begin) {
     if (begin->second.stands()) {
       return begin->second;
@@ -23,7 +24,7 @@ std::optional<Half> HalfTable::find(const model::Connection& connection, Side si
 
 Result<void> HalfTable::add(Half half) {
   const std::lock_guard lock(mutex_);
-  Key key{half.connection, half.side};
+  Key key{half.connection, half.side, half.peer};
   const bool stands = half.stands();
   auto [begin, end] = halves_.equal_range(key);
   while (begin != end) {
@@ -36,10 +37,10 @@ Result<void> HalfTable::add(Half half) {
   return {};
 }
 
-std::vector<Half> HalfTable::take(const model::Connection& connection, Side side) {
+std::vector<Half> HalfTable::take(const model::Connection& connection, Side side, link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   std::vector<Half> taken;
-  const auto [begin, end] = halves_.equal_range({connection, side});
+  const auto [begin, end] = halves_.equal_range({connection, side, peer});
   for (auto place = begin; place != end; ++place) {
     taken.push_back(std::move(place->second));
   }

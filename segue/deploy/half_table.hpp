@@ -13,7 +13,8 @@
 
 namespace segue::deploy::detail {
 
-/// One half of a connection between processes.
+/// One half of a connection between processes. While a task moves, a connection may lead to both incarnations
+/// of it, which are two peers.
 struct Half {
   model::Connection connection;
   Side side = Side::Output;
@@ -29,13 +30,14 @@ struct Half {
 /// safe.
 class HalfTable {
  public:
-  /// The half that stands.
-  [[nodiscard]] std::optional<Half> find(const model::Connection& connection, Side side) const;
-  /// AlreadyExists, and nothing is changed, where this one and another stand. Outputs that ended are
-  /// forgotten.
+  /// The half to that peer that stands.
+  [[nodiscard]] std::optional<Half> find(const model::Connection& connection, Side side,
+                                         link::Incarnation peer) const;
+  /// AlreadyExists, and nothing is changed, where this one and another to the same peer stand. Outputs that
+  /// ended are forgotten.
   Result<void> add(Half half);
-  /// Out of the table: the halves of a connection that stand or ended, those of a peer, all.
-  std::vector<Half> take(const model::Connection& connection, Side side);
+  /// Out of the table: the halves of a connection to a peer that stand or ended, all of a peer, all.
+  std::vector<Half> take(const model::Connection& connection, Side side, link::Incarnation peer);
   std::vector<Half> take_of_peer(link::Incarnation peer);
   std::vector<Half> take_all();
   /// Those that stand. Outputs that ended are forgotten.
@@ -45,6 +47,7 @@ class HalfTable {
   struct Key {
     model::Connection connection;
     Side side;
+    link::Incarnation peer;
   };
   struct ByIdentity {
     bool operator()(const Key& a, const Key& b) const;

@@ -51,6 +51,17 @@ TEST(HalfTable, keeps_one_half_of_each_connection_and_side) {
   EXPECT_EQ(table.standing().size(), 3U);
 }
 
+TEST(HalfTable, a_connection_may_lead_to_two_peers) {
+  const auto connection = wire("a", "out", "b", "in");
+  HalfTable table;
+  EXPECT_TRUE(table.add(half_of(connection, Side::Output, 1)));
+  EXPECT_TRUE(table.add(half_of(connection, Side::Output, 2)));
+  EXPECT_EQ(table.find(connection, Side::Output, 2)->peer, 2U);
+  ASSERT_EQ(table.take(connection, Side::Output, 1).size(), 1U);
+  EXPECT_FALSE(table.find(connection, Side::Output, 1));
+  EXPECT_TRUE(table.find(connection, Side::Output, 2));
+}
+
 TEST(HalfTable, halves_that_ended_by_themselves_count_as_absent) {
   const auto connection = wire("a", "out", "b", "in");
   HalfTable table;
@@ -60,8 +71,8 @@ TEST(HalfTable, halves_that_ended_by_themselves_count_as_absent) {
   ASSERT_TRUE(table.add(input));
   output.half->disconnect();
   input.half->disconnect();
-  EXPECT_FALSE(table.find(connection, Side::Output));
-  EXPECT_FALSE(table.find(connection, Side::Input));
+  EXPECT_FALSE(table.find(connection, Side::Output, 1));
+  EXPECT_FALSE(table.find(connection, Side::Input, 1));
   EXPECT_THAT(table.standing(), IsEmpty());
   EXPECT_TRUE(table.add(half_of(connection, Side::Output)));
   EXPECT_TRUE(table.add(half_of(connection, Side::Input)));
@@ -76,10 +87,10 @@ TEST(HalfTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) 
     input.half->disconnect();
   }
   EXPECT_THAT(table.standing(), IsEmpty());
-  const auto taken = table.take(connection, Side::Input);
+  const auto taken = table.take(connection, Side::Input, 1);
   ASSERT_EQ(taken.size(), 2U);
   EXPECT_EQ(taken.front().place.offset + taken.back().place.offset, 192U);
-  EXPECT_THAT(table.take(connection, Side::Input), IsEmpty());
+  EXPECT_THAT(table.take(connection, Side::Input, 1), IsEmpty());
 }
 
 TEST(HalfTable, gives_out_the_halves_of_a_peer) {

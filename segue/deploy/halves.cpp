@@ -66,11 +66,8 @@ Result<link::InputPlace> Halves::open(const OpenInput& input, TimePoint deadline
   if (!memory_->knows(input.origin.writer)) {
     return stranger(input.origin.writer, input.connection);
   }
-  if (const auto present = table_.find(input.connection, Side::Input)) {
-    if (present->peer == input.origin.writer) {
-      return fail(ErrorCode::AlreadyExists, "is already connected", to_string(input.connection));
-    }
-    present->half->disconnect();  // a writer in another process: the old one is on its way out
+  if (table_.find(input.connection, Side::Input, input.origin.writer)) {
+    return fail(ErrorCode::AlreadyExists, "is already connected", to_string(input.connection));
   }
   Half made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
   auto opened =
@@ -102,10 +99,9 @@ Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
   if (!memory_->knows(reader)) {
     return stranger(reader, output.connection);
   }
-  if (const auto present = table_.find(output.connection, Side::Output)) {
+  if (const auto present = table_.find(output.connection, Side::Output, reader)) {
     const link::InputPlace& place = present->place;
-    if (place.reader == reader && place.offset == output.place.offset &&
-        place.generation == output.place.generation) {
+    if (place.offset == output.place.offset && place.generation == output.place.generation) {
       return fail(ErrorCode::AlreadyExists, "is already connected", to_string(output.connection));
     }
     present->half->disconnect();  // the reader has made itself another place: nobody reads from the old one
@@ -131,7 +127,7 @@ Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
 }
 
 Result<void> Halves::close(const CloseHalf& what) {
-  for (auto& half : table_.take(what.connection, what.side)) {
+  for (auto& half : table_.take(what.connection, what.side, what.peer)) {
     half.half->disconnect();
     if (what.side == Side::Output) {
       continue;

@@ -33,8 +33,8 @@ HalfKey key_of(const HalfReport& half, link::Incarnation own) {
 
 class Merger {
  public:
-  Merger(const std::vector<ProcessView>& processes, const FindSeat& seat_of)
-      : processes_(processes), seat_of_(seat_of) {}
+  Merger(const std::vector<ProcessView>& processes, const FindName& name_of)
+      : processes_(processes), name_of_(name_of) {}
 
   MergedView merge() {
     for (const ProcessView& process : processes_) {
@@ -65,24 +65,26 @@ class Merger {
     const Snapshot& snapshot = *process.snapshot;
     const auto names = names_in(snapshot.network);
     for (const model::Task& task : snapshot.network.tasks) {
-      if (!is_at_home(task.id, process)) {
-        continue;
-      }
       const auto name = names.find(task.id);
-      deployment.tasks.push_back({task.id, name == names.end() ? task.id.str() : name->second});
+      const model::TaskId id = called(task.id, process);
+      deployment.tasks.push_back({id, name == names.end() ? task.id.str() : name->second});
       merged_.network.tasks.push_back(task);
+      merged_.network.tasks.back().id = id;
       if (!trouble(process, task.id).empty()) {
         merged_.network.tasks.back().state = TaskState::Fatal;
       }
     }
     for (const host::TaskReport& report : snapshot.tasks) {
-      if (is_at_home(report.id, process)) {
-        add_report(process, report);
-      }
+      add_report(process, report);
     }
     if (process.answers) {
-      append(merged_.network.connections, snapshot.network.connections);
-      append(merged_.connections, snapshot.connections);
+      for (const auto& connection : snapshot.network.connections) {
+        merged_.network.connections.push_back(called(connection, process, process));
+      }
+      for (host::ConnectionReport report : snapshot.connections) {
+        report.connection = called(report.connection, process, process);
+        merged_.connections.push_back(std::move(report));
+      }
     }
   }
 
@@ -95,6 +97,7 @@ class Merger {
       report.state = TaskState::Fatal;
       report.error = std::move(why);
     }
+    report.id = called(report.id, process);
     merged_.tasks.push_back(std::move(report));
   }
 
@@ -108,9 +111,14 @@ class Merger {
     return hangs ? hanging_text(process.deployment.key()) : std::string();
   }
 
-  [[nodiscard]] bool is_at_home(const model::TaskId& task, const ProcessView& process) const {
-    const auto seat = seat_of_(task);
-    return !seat || *seat == process.deployment.key();
+  [[nodiscard]] model::TaskId called(const model::TaskId& task, const ProcessView& process) const {
+    return name_of_(task, process.deployment.key());
+  }
+  [[nodiscard]] model::Connection called(model::Connection connection, const ProcessView& writer,
+                                         const ProcessView& reader) const {
+    connection.from.task = called(connection.from.task, writer);
+    connection.to.task = called(connection.to.task, reader);
+    return connection;
   }
 
   static std::map<model::TaskId, std::string> names_in(const model::Network& network) {
@@ -135,23 +143,19 @@ class Merger {
               [&](const auto& a, const auto& b) { return identity(a.connection) < identity(b.connection); });
   }
 
-  template <class Items>
-  static void append(Items& to, const Items& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  }
-
   void add_halves() {
-    std::map<HalfKey, const HalfReport*> inputs;
+    std::map<HalfKey, const ProcessView*> inputs;
     for_each_half([&](const ProcessView& process, const HalfReport& half) {
       if (half.side == Side::Input) {
-        inputs.emplace(key_of(half, process.incarnation), &half);
+        inputs.emplace(key_of(half, process.incarnation), &process);
       }
     });
     std::set<HalfKey> whole;
     for_each_half([&](const ProcessView& process, const HalfReport& half) {
       const HalfKey key = key_of(half, process.incarnation);
-      if (half.side == Side::Output && inputs.contains(key) && whole.insert(key).second) {
-        add_connection(half);
+      const auto input = half.side == Side::Output ? inputs.find(key) : inputs.end();
+      if (input != inputs.end() && whole.insert(key).second) {
+        add_connection(half, called(half.connection, process, *input->second));
       }
     });
     for_each_half([&](const ProcessView& process, const HalfReport& half) {
@@ -173,10 +177,10 @@ class Merger {
     }
   }
 
-  void add_connection(const HalfReport& output) {
-    merged_.network.connections.push_back(output.connection);
+  void add_connection(const HalfReport& output, const model::Connection& connection) {
+    merged_.network.connections.push_back(connection);
     merged_.connections.push_back(
-        {output.connection, output.counters.written, output.counters.read, output.counters.dropped});
+        {connection, output.counters.written, output.counters.read, output.counters.dropped});
   }
 
   void add_loose(const ProcessView& process, const HalfReport& half) {
@@ -195,14 +199,14 @@ class Merger {
   }
 
   const std::vector<ProcessView>& processes_;
-  const FindSeat& seat_of_;
+  const FindName& name_of_;
   MergedView merged_;
 };
 
 }  // namespace
 
-MergedView merge(const std::vector<ProcessView>& processes, const FindSeat& seat_of) {
-  return Merger(processes, seat_of).merge();
+MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of) {
+  return Merger(processes, name_of).merge();
 }
 
 std::string silence_text(const model::DeploymentKey& process, int pid) {

@@ -7,7 +7,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,15 +38,15 @@ struct MergedView {
   std::vector<LooseHalf> loose;
 };
 
-/// Where a task is held to live; nothing: not known.
-using FindSeat = std::function<std::optional<model::DeploymentKey>(const model::TaskId& task)>;
+/// How a process's task is called outside: where two processes have a task, only one has the plain id.
+using FindName = std::function<model::TaskId(const model::TaskId& task, const model::DeploymentKey& process)>;
 
-/// What the processes show together. A task that two processes show is the one that `seat_of` says.
+/// What the processes show together, tasks called as `name_of` says.
 ///
 /// A process that does not answer is there with the tasks that it had, Fatal, and without connections; since
 /// nobody knows what became of it, its deployment counts as one of another kind (its deployer is "unknown"),
 /// so that whoever wants it starts it anew.
-MergedView merge(const std::vector<ProcessView>& processes, const FindSeat& seat_of);
+MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of);
 
 /// Why tasks of a process that does not answer are Fatal.
 std::string silence_text(const model::DeploymentKey& process, int pid);

@@ -138,7 +138,7 @@ Result<ProcessServer::Implementation::Entry> ProcessServer::Implementation::rese
     lock.unlock();
     log(LogLevel::Warning, kLogSource,
         named(info) + " is of version " + quote(known->software) + " and is replaced");
-    const auto stopped = stop(known->info, deadline);
+    const auto stopped = stop(known->info, deadline, true);
     if (!stopped && stopped.error().code != ErrorCode::NotFound) return stopped.error();
   }
 }
@@ -249,7 +249,8 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
   if (listener) listener(told);
 }
 
-Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, TimePoint deadline) {
+Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, TimePoint deadline,
+                                                       bool orderly) {
   std::unique_lock lock(mutex);
   const auto entry = adopt(info);
   if (!entry) return not_running(info.robot, info.key);
@@ -262,9 +263,9 @@ Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, 
   const auto ended = [&] { return entry->info.exit.has_value(); };
   if (!ended()) {
     entry->stop_requested = true;
-    detail::signal_pidfd(entry->pidfd.get(), SIGTERM);
+    if (orderly) detail::signal_pidfd(entry->pidfd.get(), SIGTERM);
   }
-  if (changed.wait_until(lock, deadline, ended)) return *entry->info.exit;
+  if (orderly ? changed.wait_until(lock, deadline, ended) : ended()) return *entry->info.exit;
   entry->killed = true;
   detail::kill_group(entry->info.pid);
   if (changed.wait_until(lock, RealClock::instance().now() + kKillTime, ended)) return *entry->info.exit;
@@ -294,7 +295,14 @@ Result<ExitReason> ProcessServer::stop(const std::string& robot, const model::De
                                        TimePoint deadline) {
   auto info = info_of(robot, key);
   if (!info) return std::move(info.error());
-  return implementation_->stop(*info, deadline);
+  return implementation_->stop(*info, deadline, true);
+}
+
+Result<ExitReason> ProcessServer::kill(const std::string& robot, const model::DeploymentKey& key,
+                                       TimePoint deadline) {
+  auto info = info_of(robot, key);
+  if (!info) return std::move(info.error());
+  return implementation_->stop(*info, deadline, false);
 }
 
 Result<std::vector<ProcessInfo>> ProcessServer::processes(const std::string& robot) {

@@ -35,6 +35,8 @@ class ProcessServer final : public ProcessService {
   Result<ProcessInfo> start(const Launch& launch, TimePoint deadline) override;
   Result<ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                           TimePoint deadline) override;
+  Result<ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                          TimePoint deadline) override;
   Result<std::vector<ProcessInfo>> processes(const std::string& robot) override;
   void set_listener(Listener listener) override;
 

@@ -26,7 +26,8 @@ struct ProcessServer::Implementation {
   void begin_zygote();
 
   Result<ProcessInfo> start(const Launch& what, TimePoint deadline);
-  Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline);
+  /// `orderly`: it may end by itself until `deadline`.
+  Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline, bool orderly);
   /// The entry of that name, a process that is found running included; null where there is none. With the
   /// mutex held, as adopt_all.
   Entry adopt(const ProcessInfo& info);

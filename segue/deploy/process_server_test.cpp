@@ -635,6 +635,17 @@ TEST_F(ProcessServerTest, namesThatArePathsAreRefused) {
   EXPECT_FALSE(processes->processes("/").has_value());
 }
 
+TEST_F(ProcessServerTest, whatIsKilledIsNotAskedFirst) {
+  const auto processes = serve();
+  ASSERT_TRUE(processes->start(launch("stubborn"), soon()).has_value());
+  const auto reason = processes->kill("rover", key("stubborn"), soon());
+  ASSERT_TRUE(reason.has_value()) << to_string(reason.error());
+  EXPECT_EQ(reason->signal, SIGKILL);
+  EXPECT_TRUE(reason->killed);
+  EXPECT_TRUE(reason->requested);
+  EXPECT_EQ(processes->kill("rover", key("stubborn"), soon()).error().code, ErrorCode::NotFound);
+}
+
 TEST_F(ProcessServerTest, whatDoesNotRunCannotBeStopped) {
   const auto processes = server();
   EXPECT_EQ(processes->stop("rover", key("drivers"), soon()).error().code, ErrorCode::NotFound);

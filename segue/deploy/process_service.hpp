@@ -20,8 +20,8 @@ struct ExitReason {
   int signal = 0;  ///< the signal that ended it
   bool core_dumped = false;
   bool known = true;       ///< false: it was adopted, and only its parent is told
-  bool requested = false;  ///< stop() was asked for it
-  bool killed = false;     ///< stop() had to kill it at its deadline
+  bool requested = false;  ///< stop() or kill() was asked for it
+  bool killed = false;     ///< kill() was asked for it, or stop() had to kill it at its deadline
 };
 /// "ended with status 3", "was ended by SIGSEGV (memory)": for events.
 std::string to_string(const ExitReason& reason);
@@ -50,6 +50,9 @@ class ProcessService {
   /// Asks it to go (SIGTERM: tasks stopped and cleaned up in order) and kills its process group at
   /// `deadline`. Answers when it is gone. NotFound where there is none.
   virtual Result<ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline) = 0;
+  /// Kills its process group at once, without asking it to go. Answers when it is gone; else as stop().
+  virtual Result<ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
                                   TimePoint deadline) = 0;
   /// Those of `robot` that run, found running ones included.
   virtual Result<std::vector<ProcessInfo>> processes(const std::string& robot) = 0;

@@ -2,6 +2,7 @@
 #include <segue/deploy/routing.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/host/full_id.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -25,6 +26,38 @@ Error with_subject(Error error, const std::string& subject) {
     error.subject = subject;
   }
   return error;
+}
+
+Which which_of(ActionKind kind) {
+  switch (kind) {
+    case ActionKind::Recover:
+    case ActionKind::Stop:
+    case ActionKind::Cleanup:
+    case ActionKind::Disconnect:
+      return Which::Standing;
+    default:
+      return Which::Newest;
+  }
+}
+
+/// As processes know it: by plain ids.
+model::Connection plain(model::Connection connection) {
+  connection.from.task = host::plain_id(connection.from.task);
+  connection.to.task = host::plain_id(connection.to.task);
+  return connection;
+}
+
+model::Action plain(model::Action action) {
+  if (auto* task = std::get_if<model::TaskAction>(&action.what)) {
+    task->task = host::plain_id(task->task);
+  } else if (auto* call = std::get_if<model::CallAction>(&action.what)) {
+    call->task = host::plain_id(call->task);
+  } else if (auto* config = std::get_if<model::ConfigAction>(&action.what)) {
+    config->definition.id = host::plain_id(config->definition.id);
+  } else if (auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
+    wire->connection = plain(std::move(wire->connection));
+  }
+  return action;
 }
 
 }  // namespace
@@ -116,11 +149,11 @@ Result<void> Router::place(std::size_t index, const model::Action& action, Plan&
   if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) {
     return place_config(index, *config, plan);
   }
-  auto record = fleet_.process_of(*action.task());
-  if (!record) {
-    return std::move(record.error());
+  auto located = fleet_.locate(*action.task(), which_of(action.kind));
+  if (!located) {
+    return std::move(located.error());
   }
-  plan.at_process[*record].push_back(index);
+  plan.at_process[located->record].push_back(index);
   return {};
 }
 
@@ -130,44 +163,51 @@ Result<void> Router::place_config(std::size_t index, const model::ConfigAction& 
     return fail(ErrorCode::InvalidState,
                 "process " + quote(to_string(what.process)) + " is not deployed; deploy it first");
   }
+  if (auto free = fleet_.seats().free_place(what.definition.id, what.process); !free) {
+    return std::move(free.error());
+  }
   plan.at_process[record].push_back(index);
   return {};
 }
 
 Result<void> Router::place_connection(std::size_t index, const model::Action& action, Plan& plan) const {
   const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
-  auto writer = fleet_.process_of(connection.from.task);
-  auto reader = fleet_.process_of(connection.to.task);
+  auto from = fleet_.locate(connection.from.task, which_of(action.kind));
+  auto to = fleet_.locate(connection.to.task, which_of(action.kind));
   if (action.kind == ActionKind::Connect) {
-    for (const auto* end : {&writer, &reader}) {
+    for (const auto* end : {&from, &to}) {
       if (!*end) {
         return end->error();
       }
     }
-  } else if (!writer && !reader) {
+  } else if (!from && !to) {
     return not_connected();
   }
-  if (writer && reader && *writer == *reader) {
-    plan.at_process[*writer].push_back(index);
+  const RecordPtr writer = from ? from->record : nullptr;
+  const RecordPtr reader = to ? to->record : nullptr;
+  if (writer == reader) {
+    plan.at_process[writer].push_back(index);
     return {};
   }
   if (action.kind == ActionKind::Disconnect) {
-    plan.disconnect.push_back({connection, writer.value_or(nullptr), reader.value_or(nullptr)});
+    plan.disconnect.push_back({plain(connection), writer, reader});
     plan.disconnect_indices.push_back(index);
     return {};
   }
-  if (auto possible = check_link(connection, (*writer)->key(), (*reader)->key()); !possible) {
+  if (auto possible = check_link(connection, writer->key(), reader->key()); !possible) {
     return possible;
   }
-  plan.connect.push_back({connection, *writer, *reader});
+  plan.connect.push_back({plain(connection), writer, reader});
   plan.connect_indices.push_back(index);
   return {};
 }
 
 Result<void> Router::perform_on_process(const model::Action& action, TimePoint deadline) {
-  const auto& deployment = std::get<model::DeploymentAction>(action.what).deployment;
-  return action.kind == ActionKind::Deploy ? fleet_.deploy(deployment, deadline)
-                                           : fleet_.undeploy(deployment.key(), deadline);
+  const auto& [deployment, kill] = std::get<model::DeploymentAction>(action.what);
+  if (action.kind == ActionKind::Deploy) {
+    return fleet_.deploy(deployment, deadline);
+  }
+  return kill ? fleet_.kill(deployment.key(), deadline) : fleet_.undeploy(deployment.key(), deadline);
 }
 
 std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, const Indices& indices,
@@ -177,16 +217,12 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
   Indices asked;
   std::vector<model::Action> batch;
   for (const std::size_t index : indices) {
-    const auto* config = std::get_if<model::ConfigAction>(&actions[index].what);
-    auto possible = service == nullptr  ? Result<void>(unreachable(*record))
-                    : config != nullptr ? make_way(*config, record->key())
-                                        : Result<void>();
-    if (!possible) {
-      outcomes->note(index, std::move(possible));
+    if (service == nullptr) {
+      outcomes->note(index, unreachable(*record));
       continue;
     }
     asked.push_back(index);
-    batch.push_back(actions[index]);
+    batch.push_back(plain(actions[index]));
   }
   if (!batch.empty()) {
     service->begin_all(std::move(batch), deadline,
@@ -201,61 +237,44 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
   return service;
 }
 
-/// A task lives in one process at a time: where it moves, what is left of it in the old one is forgotten.
-Result<void> Router::make_way(const model::ConfigAction& what, const model::DeploymentKey& process) {
-  const model::TaskId& task = what.definition.id;
-  const auto seat = fleet_.seat(task);
-  if (!seat || *seat == process) {
-    return {};
-  }
-  const auto record = fleet_.find(*seat);
-  const auto service = record ? record->service() : nullptr;
-  if (service == nullptr) {
-    return {};
-  }
-  const auto seen = service->snapshot();
-  if (!seen) {
-    const bool gone = seen.error().code == ErrorCode::Unavailable;
-    return gone ? Result<void>() : Result<void>(seen.error());
-  }
-  const model::Task* old = seen->network.find_task(task);
-  if (old != nullptr && is_configured(old->state)) {
-    return fail(ErrorCode::InvalidState, "is still " + quote(to_string(old->state)) + " as " +
-                                             quote(old->component.str()) + " in " + quote(to_string(*seat)) +
-                                             "; clean it up first");
-  }
-  model::Transition leave;
-  leave.removes.push_back(task);
-  return service->conclude(leave);
-}
-
 void Router::note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome) {
   const auto* config = std::get_if<model::ConfigAction>(&action.what);
   if (config == nullptr) {
     return;
   }
-  const model::TaskId& task = config->definition.id;
-  // Where nobody knows whether it was made, it is looked for there.
-  const bool unsure = !outcome && (outcome.error().code == ErrorCode::DeadlineExceeded ||
-                                   outcome.error().code == ErrorCode::Unavailable);
-  if (outcome || (unsure && !fleet_.seat(task))) {
-    fleet_.set_seat(task, record->key());
+  const auto place = fleet_.seats().free_place(config->definition.id, record->key());
+  if (!place) {
+    return;  // it came while this was being made; the next look says what is there
   }
   if (outcome) {
-    record->note_task(*config);
+    record->note_task(std::get<model::ConfigAction>(plain(action).what));
+    fleet_.seats().put(*place);
+  } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
+             outcome.error().code == ErrorCode::Unavailable) {
+    fleet_.seats().put_unsure(*place);  // where nobody knows whether it was made, it is looked for there
   }
+}
+
+void Router::withdraw() {
+  fleet_.seats().withdraw();
 }
 
 void Router::conclude(const model::Transition& transition) {
   std::map<RecordPtr, model::Transition> parts;
-  for (const auto& task : transition.removes) {
-    if (const auto record = fleet_.process_of(task)) {
-      parts[*record].removes.push_back(task);
+  for (const auto& [task, process] : fleet_.seats().conclude()) {
+    if (const auto record = fleet_.find(process)) {
+      parts[record].removes.push_back(task);
+    }
+  }
+  for (const auto& id : transition.removes) {
+    if (const auto located = fleet_.locate(id)) {
+      parts[located->record].removes.push_back(located->task);
     }
   }
   for (const auto& task : transition.redefines) {
-    if (const auto record = fleet_.process_of(task.id)) {
-      parts[*record].redefines.push_back(task);
+    if (const auto located = fleet_.locate(task.id)) {
+      auto& redefined = parts[located->record].redefines.emplace_back(task);
+      redefined.id = located->task;
     }
   }
   std::vector<WorkerPool::Job> jobs;
@@ -266,7 +285,7 @@ void Router::conclude(const model::Transition& transition) {
         return;  // the next look says what it holds
       }
       for (const auto& task : part.removes) {
-        fleet_.drop_seat(task);
+        fleet_.seats().drop({task, record->key()});
         record->note_removed(task);
       }
     });

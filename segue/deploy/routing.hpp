@@ -16,7 +16,9 @@ namespace segue::deploy::detail {
 Result<void> check_link(const model::Connection& connection, const model::DeploymentKey& from,
                         const model::DeploymentKey& to);
 
-/// Sends every action to where it has to be carried out. Thread safe.
+/// Sends every action to where it has to be carried out, by plain ids: of a task that a transition moves,
+/// Recover, Stop, Cleanup and Disconnect mean the incarnation that stands, all others the new one where there
+/// is one. Thread safe.
 class Router {
  public:
   Router(Fleet& fleet, Wiring& wiring) : fleet_(fleet), wiring_(wiring) {}
@@ -25,6 +27,7 @@ class Router {
   /// side by side; each tells what has ended as TaskHost::perform_all says. Returns when all are told.
   void perform(std::span<const model::Action> actions, TimePoint deadline, const host::Completion& completed);
   void conclude(const model::Transition& transition);
+  void withdraw();
 
  private:
   using Outcomes = std::shared_ptr<host::BatchOutcomes>;
@@ -53,7 +56,6 @@ class Router {
   std::shared_ptr<DeploymentService> begin_at(const RecordPtr& record, const Indices& indices,
                                               std::span<const model::Action> actions, TimePoint deadline,
                                               const Outcomes& outcomes);
-  Result<void> make_way(const model::ConfigAction& what, const model::DeploymentKey& process);
   void note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 
   Fleet& fleet_;

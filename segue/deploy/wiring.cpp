@@ -29,6 +29,7 @@ struct Laying {
   bool output_unsure = false;  ///< nobody knows whether its writer's half stands
 
   [[nodiscard]] bool failed() const { return error.has_value(); }
+  [[nodiscard]] bool whole() const { return crossing->writer != nullptr && crossing->reader != nullptr; }
 };
 
 /// One after the other, for each group in a thread of its own.
@@ -92,6 +93,7 @@ class Batch {
     return outcomes();
   }
 
+  /// Of a connection whose other end is gone, the half here goes with the process there.
   std::vector<Result<void>> take_off() {
     close_outputs();
     close_inputs();
@@ -102,7 +104,7 @@ class Batch {
   [[nodiscard]] Groups by_writer() const {
     Groups groups;
     for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (!layings_[i].failed() && layings_[i].crossing->writer != nullptr) {
+      if (!layings_[i].failed() && layings_[i].whole()) {
         groups[layings_[i].crossing->writer].push_back(i);
       }
     }
@@ -112,7 +114,7 @@ class Batch {
   [[nodiscard]] Groups by_reader() const {
     Groups groups;
     for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (!layings_[i].failed() && layings_[i].crossing->reader != nullptr) {
+      if (!layings_[i].failed() && layings_[i].whole()) {
         groups[layings_[i].crossing->reader].push_back(i);
       }
     }
@@ -270,7 +272,9 @@ class Batch {
     ask<CloseHalf>(
         record, indices,
         [&](std::size_t i) {
-          return CloseHalf{layings_[i].crossing->connection, side, side == Side::Input};
+          const Crossing& crossing = *layings_[i].crossing;
+          const RecordPtr& other = side == Side::Input ? crossing.writer : crossing.reader;
+          return CloseHalf{crossing.connection, side, side == Side::Input, other->incarnation()};
         },
         [&](DeploymentService& service, const std::vector<CloseHalf>& halves) {
           return service.close_halves(halves, deadline_);
@@ -300,7 +304,7 @@ class Batch {
       });
     });
     for (auto& laying : layings_) {
-      if (!laying.failed() && !laying.opened) {
+      if (!laying.failed() && laying.whole() && !laying.opened) {
         laying.error = fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected",
                             to_string(laying.crossing->connection));
       }
@@ -322,6 +326,14 @@ class Batch {
   std::vector<Laying> layings_;
   std::mutex mutex_;  ///< where two processes' answers concern the same connection
 };
+
+bool is_of(const LooseHalf& half, const Crossing& crossing) {
+  const bool output = half.side == Side::Output;
+  const RecordPtr& own = output ? crossing.writer : crossing.reader;
+  const RecordPtr& other = output ? crossing.reader : crossing.writer;
+  return half.connection == crossing.connection && half.process == own->key() &&
+         half.peer == other->incarnation();
+}
 
 Error turn_taken() {
   return fail(ErrorCode::DeadlineExceeded, "connections made before are still being laid");
@@ -380,7 +392,7 @@ void Wiring::make_room(std::span<const Crossing> crossings, const std::vector<Re
     }
     std::vector<LooseHalf> mine;
     std::copy_if(loose.begin(), loose.end(), std::back_inserter(mine),
-                 [&](const LooseHalf& half) { return half.connection == crossings[i].connection; });
+                 [&](const LooseHalf& half) { return is_of(half, crossings[i]); });
     clean_now(mine, deadline);
   }
 }
@@ -416,8 +428,9 @@ void Wiring::clean_now(const std::vector<LooseHalf>& loose, TimePoint deadline) 
       std::set<link::Incarnation> dead;
       std::vector<CloseHalf> close;
       for (const LooseHalf* half : halves) {
-        half->peer_gone ? void(dead.insert(half->peer))
-                        : close.push_back({half->connection, half->side, half->side == Side::Input});
+        half->peer_gone
+            ? void(dead.insert(half->peer))
+            : close.push_back({half->connection, half->side, half->side == Side::Input, half->peer});
       }
       for (const auto incarnation : dead) {
         (void)service->forget(incarnation);

@@ -11,7 +11,8 @@
 
 namespace segue::deploy::detail {
 
-/// A connection between processes, and who they are. To be taken off, one of them may be null: gone.
+/// A connection between processes, by plain ids, and who they are. To be taken off, one of them may be null:
+/// gone.
 struct Crossing {
   model::Connection connection;
   RecordPtr writer;

@@ -122,7 +122,8 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
                                          : self.connections_.disconnect(what.connection);
     }
     Result<void> operator()(const model::DeploymentAction& what) const {
-      return kind == ActionKind::Deploy ? self.deploy(what.deployment) : self.undeploy(what.deployment.key());
+      return kind == ActionKind::Deploy ? self.deploy(what.deployment)
+                                        : self.undeploy(what.deployment.key(), what.kill);
     }
     Result<void> operator()(const model::ConfigAction& what) const {
       return self.apply_config(what, deadline);
@@ -214,13 +215,13 @@ Result<void> TaskActions::deploy(const model::Deployment& deployment) {
   return table_.add_process(deployment);
 }
 
-Result<void> TaskActions::undeploy(const model::DeploymentKey& key) {
+Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
   if (!table_.find_process(key)) {
     return fail(ErrorCode::NotFound, "process " + quote(to_string(key)) + " is not deployed");
   }
   const auto tasks = table_.in_process(key);
   for (const TaskEntry& entry : tasks) {
-    if (entry.configured()) {
+    if (entry.configured() && !kill) {
       return fail(ErrorCode::InvalidState, "task " + quote(entry.definition.id.str()) + " in process " +
                                                quote(to_string(key)) + " is still " + state_text(entry) +
                                                "; stop it and clean it up first");

@@ -28,7 +28,8 @@ class TaskActions {
   Result<void> perform_on_task(model::ActionKind kind, const model::TaskId& id, TimePoint deadline);
   Result<void> run_verb(model::ActionKind kind, const TaskEntry& entry, TimePoint deadline);
   Result<void> deploy(const model::Deployment& deployment);
-  Result<void> undeploy(const model::DeploymentKey& key);
+  /// `kill`: whatever its tasks do, which are destroyed.
+  Result<void> undeploy(const model::DeploymentKey& key, bool kill);
   Result<void> apply_config(const model::ConfigAction& action, TimePoint deadline);
   Result<void> create(const model::ConfigAction& action, const ProcessEntry* process, TimePoint deadline);
   Result<void> reapply(TaskEntry entry, const model::ConfigAction& action, const ProcessEntry* process,

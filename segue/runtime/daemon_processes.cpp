@@ -61,6 +61,12 @@ Result<deploy::ExitReason> DaemonProcesses::stop(const std::string& robot, const
       [&](deploy::ProcessService& service) { return service.stop(robot, key, deadline); });
 }
 
+Result<deploy::ExitReason> DaemonProcesses::kill(const std::string& robot, const model::DeploymentKey& key,
+                                                 TimePoint deadline) {
+  return ask<deploy::ExitReason>(
+      [&](deploy::ProcessService& service) { return service.kill(robot, key, deadline); });
+}
+
 Result<std::vector<deploy::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
   return ask<std::vector<deploy::ProcessInfo>>(
       [&](deploy::ProcessService& service) { return service.processes(robot); });

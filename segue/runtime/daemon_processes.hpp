@@ -26,6 +26,8 @@ class DaemonProcesses final : public deploy::ProcessService {
   Result<deploy::ProcessInfo> start(const deploy::Launch& launch, TimePoint deadline) override;
   Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
                                   TimePoint deadline) override;
+  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline) override;
   Result<std::vector<deploy::ProcessInfo>> processes(const std::string& robot) override;
   void set_listener(Listener listener) override;
 

@@ -271,6 +271,12 @@ class FakeProcesses final : public deploy::ProcessService {
     asked = robot + ":" + to_string(key);
     return exit;
   }
+  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint) override {
+    const std::lock_guard lock(fields_);
+    asked = "kill " + robot + ":" + to_string(key);
+    return exit;
+  }
   Result<std::vector<deploy::ProcessInfo>> processes(const std::string& robot) override {
     const std::lock_guard lock(fields_);
     asked = robot;

@@ -225,11 +225,12 @@ void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder) {
   encode(half.connection, builder.initConnection());
   builder.setSide(static_cast<std::uint8_t>(half.side));
   builder.setPeerClosed(half.peer_closed);
+  builder.setPeer(half.peer);
 }
 
 deploy::CloseHalf decode(wire::CloseHalf::Reader reader) {
   return {decode(reader.getConnection()), enum_from(reader.getSide(), deploy::Side::Input),
-          reader.getPeerClosed()};
+          reader.getPeerClosed(), reader.getPeer()};
 }
 
 void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder) {

@@ -40,8 +40,8 @@ class ProcessesServer final : public wire::Processes::Server {
     auto job = [&service = service(), robot = as_string(params.getRobot()),
                 key = model::DeploymentKey{model::HostName(as_string(params.getHost())),
                                            model::ProcessName(as_string(params.getProcess()))},
-                deadline = deadline_after(params.getTimeout())] {
-      return service.stop(robot, key, deadline);
+                deadline = deadline_after(params.getTimeout()), kill = params.getKill()] {
+      return kill ? service.kill(robot, key, deadline) : service.stop(robot, key, deadline);
     };
     return caller_.answer(context, std::move(job), [](deploy::ExitReason& reason, auto results) {
       encode(reason, results.initExit());
