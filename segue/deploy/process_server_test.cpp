@@ -636,13 +636,14 @@ TEST_F(ProcessServerTest, namesThatArePathsAreRefused) {
 }
 
 TEST_F(ProcessServerTest, whatIsKilledIsNotAskedFirst) {
-  const auto processes = serve();
-  ASSERT_TRUE(processes->start(launch("stubborn"), soon()).has_value());
+  const auto processes = server();
+  const auto process = ready(*processes, launch("stubborn", "stay"));
   const auto reason = processes->kill("rover", key("stubborn"), soon());
   ASSERT_TRUE(reason.has_value()) << to_string(reason.error());
   EXPECT_EQ(reason->signal, SIGKILL);
   EXPECT_TRUE(reason->killed);
   EXPECT_TRUE(reason->requested);
+  EXPECT_FALSE(lives(process.pid));
   EXPECT_EQ(processes->kill("rover", key("stubborn"), soon()).error().code, ErrorCode::NotFound);
 }
 

@@ -29,6 +29,10 @@ class FakeDaemon final : public deploy::ProcessService {
     if (lives()) return deploy::ExitReason{};
     return fail(ErrorCode::Unavailable, "gone");
   }
+  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline) override {
+    return stop(robot, key, deadline);
+  }
   Result<std::vector<deploy::ProcessInfo>> processes(const std::string& /*robot*/) override {
     if (lives()) return std::vector<deploy::ProcessInfo>(static_cast<std::size_t>(number_));
     return fail(ErrorCode::Unavailable, "gone");
