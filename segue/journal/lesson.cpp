@@ -10,13 +10,14 @@ namespace {
 /// Actions that a process carries out one after the other are quicker than this; slower ones go on beside the
 /// others (host::LocalTaskHost).
 constexpr Duration kQuick = std::chrono::microseconds(200);
-/// Ends of what was told together.
-constexpr Duration kTogether = std::chrono::microseconds(20);
+/// Begins of what was taken up together, and ends of what was told together, one after the other.
+constexpr Duration kTogether = std::chrono::microseconds(50);
 
 Duration end_of(const ActionEntry& action) {
   return action.started + action.duration;
 }
 
+/// `b` follows `a` by batch_order().
 bool of_one_batch(const ActionEntry& a, const ActionEntry& b) {
   return a.phase == b.phase && a.host == b.host && a.process == b.process &&
          b.started - a.started < kTogether && end_of(b) - end_of(a) < kTogether &&
@@ -46,14 +47,14 @@ Lesson lesson_of(const TransitionEntry& entry) {
   Lesson lesson;
   for (std::size_t first = 0; first < done.size();) {
     std::size_t last = first + 1;
-    while (last < done.size() && of_one_batch(*done[first], *done[last]))
+    while (last < done.size() && of_one_batch(*done[last - 1], *done[last]))
       ++last;
-    const auto share = static_cast<std::int64_t>(last - first);
+    const Duration share =
+        (end_of(*done[last - 1]) - done[first]->started) / static_cast<std::int64_t>(last - first);
     for (; first < last; ++first) {
       const ActionEntry& action = *done[first];
-      const bool shared = action.duration / share < kQuick;
       lesson.actions.push_back(
-          {{action.component, action.kind, action.host}, shared ? action.duration / share : action.duration});
+          {{action.component, action.kind, action.host}, share < kQuick ? share : action.duration});
       lesson.waits.push_back(std::max(action.waited, Duration(0)));
     }
   }
