@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/journal/reader.hpp>
 #include <segue/model/files.hpp>
+#include <segue/solve/estimate.hpp>
 #include <segue/solve/solve.hpp>
 
 #include <fmt/format.h>
 
 #include <map>
 #include <memory>
+#include <optional>
 
+#include "estimate_text.hpp"
+#include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "transition_text.hpp"
@@ -21,6 +26,8 @@ struct Options {
   std::string target;
   std::string order = "seamless";
   bool dot = false;
+  bool estimate = false;
+  std::string journal;
   std::string output;
   ModelSources sources;
 };
@@ -46,10 +53,27 @@ std::string to_dot(const model::Transition& transition) {
   return text + "}\n";
 }
 
-void show(const model::Transition& transition, bool dot, const Context& context) {
+/// Nothing where no estimate is wanted.
+Result<std::optional<solve::Estimate>> estimate(const Options& options, const std::string& robot,
+                                                const model::Network& current,
+                                                const model::Transition& transition) {
+  if (!options.estimate) return std::optional<solve::Estimate>();
+  const auto path = find_journal(options.journal, robot);
+  if (!path) return path.error();
+  auto reader = journal::JournalReader::open(*path);
+  if (!reader) return reader.error();
+  const auto times = reader->times();
+  if (!times) return times.error();
+  return std::optional(solve::estimate(current, transition, *times));
+}
+
+void show(const model::Transition& transition, const std::optional<solve::Estimate>& expected, bool dot,
+          const Context& context) {
   if (dot) return print(to_dot(transition));
-  if (context.json()) return print_json(model::to_value(transition));
-  print(describe(transition));
+  if (!context.json()) return print(describe(transition) + (expected ? describe(*expected, transition) : ""));
+  type::Value value = model::to_value(transition);
+  if (expected) value.as_map().set("estimate_s", to_value(*expected));
+  print_json(value);
 }
 
 int diff(const Options& options, const Context& context) {
@@ -66,7 +90,9 @@ int diff(const Options& options, const Context& context) {
     const auto written = write_file(options.output, model::write_transition(*transition));
     if (!written) return failed(context, written.error());
   }
-  show(*transition, options.dot, context);
+  const auto expected = estimate(options, context.robot, *current, *transition);
+  if (!expected) return failed(context, expected.error());
+  show(*transition, *expected, options.dot, context);
   return kDone;
 }
 
@@ -74,10 +100,12 @@ int diff(const Options& options, const Context& context) {
 
 void add_diff(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "diff", "the transition that turns one network into another",
-                            "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
-                            "  segue diff - controllers/explore.yaml      # from the empty network",
-                            [options, &context] { return diff(*options, context); });
+  CLI::App* verb =
+      add_verb(app, context, "diff", "the transition that turns one network into another",
+               "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
+               "  segue diff - controllers/explore.yaml      # from the empty network\n"
+               "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml",
+               [options, &context] { return diff(*options, context); });
   verb->add_option("CURRENT", options->current, "a network or CND file; '-' is the empty network")
       ->required()
       ->type_name("");
@@ -86,6 +114,14 @@ void add_diff(CLI::App& app, Context& context) {
   verb->add_flag("--dot", options->dot, "the partial order as a graph for Graphviz");
   verb->add_option("-o,--output", options->output, "also write the transition to a file, for `segue apply`")
       ->type_name("FILE");
+  const std::string estimate_help =
+      "also how long it will take, from the durations in a robot's journal: in all, each phase, the critical "
+      "path";
+  CLI::Option* estimate = verb->add_flag("--estimate", options->estimate, estimate_help);
+  verb->add_option("--robot", context.robot, "whose journal; needed where more than one robot has one")
+      ->type_name("NAME")
+      ->needs(estimate);
+  add_journal_option(*verb, options->journal)->needs(estimate);
   add_model_options(*verb, options->sources);
 }
 

@@ -1,39 +1,164 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/control/server.hpp>
+#include <segue/journal/reader.hpp>
+#include <segue/journal/report.hpp>
+
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "connection.hpp"
+#include "estimate_text.hpp"
+#include "journal_file.hpp"
 #include "switch_text.hpp"
 
 namespace segue::cli {
 
 namespace {
 
-int history(control::RobotService& robot, const Context& context) {
-  const auto found = robot.history();
+using type::Value;
+
+struct Options {
+  std::string journal;
+  bool all = false;
+  bool differences = false;
+  std::size_t lines = 0;  ///< 0: as many as there are
+};
+
+/// "2026-11-22 01:02:03" of an ISO time.
+std::string short_time(const std::string& time) {
+  std::string text = time.substr(0, 19);
+  std::replace(text.begin(), text.end(), 'T', ' ');
+  return text.empty() ? text : text + "  ";
+}
+
+void show_transitions(const Value::List& results, bool with_time) {
+  Forecasts forecasts;
+  for (const Value& result : results) {
+    forecasts.add(result);
+    print_line((with_time ? short_time(text_at(result, "time")) : "") + printable(outcome_line(result)) +
+               expectation_of(result));
+  }
+  const std::string verdict = forecasts.verdict();
+  if (!verdict.empty()) print_line(verdict);
+}
+
+int show_running(control::RobotService& robot, const Options& options, const Context& context) {
+  auto found = robot.history();
+  if (!found) return failed(context, found.error());
+  Value::List results = found->is_list() ? found->as_list() : Value::List();
+  if (options.lines > 0 && results.size() > options.lines) {
+    results.erase(results.begin(), results.end() - static_cast<std::ptrdiff_t>(options.lines));
+  }
+  if (context.json()) {
+    print_json(results);
+  } else if (results.empty()) {
+    print_line("nothing was requested yet; try `segue switch NAME`");
+  } else {
+    show_transitions(results, false);
+  }
+  return kDone;
+}
+
+template <class Entry>
+Value::List as_values(const std::vector<Entry>& entries) {
+  Value::List values;
+  for (const Entry& entry : entries)
+    values.push_back(journal::to_value(entry));
+  return values;
+}
+
+int show_differences(journal::JournalReader& reader, std::size_t limit, const Context& context) {
+  const auto found = reader.differences(limit);
   if (!found) return failed(context, found.error());
   if (context.json()) {
-    print_json(*found);
+    print_json(as_values(*found));
     return kDone;
   }
-  if (!found->is_list() || found->as_list().empty()) {
-    print_line("nothing was requested yet; try `segue switch NAME`");
-    return kDone;
+  if (found->empty()) print_line("no difference was ever found");
+  for (const Value& entry : as_values(*found)) {
+    const std::string done = text_at(entry, "done");
+    print_line(short_time(text_at(entry, "time")) + printable(text_at(entry, "sentence")) +
+               (done.empty() ? "" : ": " + printable(done)));
   }
-  for (const type::Value& result : found->as_list())
-    print_line(outcome_line(result));
   return kDone;
+}
+
+/// What could not be kept is no part of the history, but people should know.
+void warn_of_gaps(journal::JournalReader& reader) {
+  const auto gaps = reader.gaps(std::numeric_limits<std::size_t>::max());
+  if (!gaps) return;
+  for (const journal::GapEntry& gap : *gaps) {
+    const Value entry = journal::to_value(gap);
+    print_note(fmt::format("before {}{} could not be kept: {}", short_time(text_at(entry, "time")),
+                           gap.lost == 1 ? "1 entry" : fmt::format("{} entries", gap.lost),
+                           printable(gap.reason)));
+  }
+}
+
+int show_journal(const std::filesystem::path& path, const Options& options, const Context& context) {
+  auto reader = journal::JournalReader::open(path);
+  if (!reader) return failed(context, reader.error());
+  const std::size_t limit = options.lines > 0 ? options.lines : std::numeric_limits<std::size_t>::max();
+  if (options.differences) return show_differences(*reader, limit, context);
+  const auto entries = reader->transitions(limit);
+  if (!entries) return failed(context, entries.error());
+  if (context.json()) {
+    print_json(as_values(*entries));
+  } else if (entries->empty()) {
+    print_line("nothing was requested yet");
+  } else {
+    show_transitions(as_values(*entries), true);
+  }
+  warn_of_gaps(*reader);
+  return kDone;
+}
+
+/// Whether a robot that --robot may mean runs.
+bool runs(const std::string& robot) {
+  const auto running = control::running_robots();
+  return robot.empty() ? !running.empty() : std::find(running.begin(), running.end(), robot) != running.end();
+}
+
+/// The robot that --robot means, or the only one that runs; empty: not clear yet.
+std::string meant(const Context& context) {
+  if (!context.robot.empty()) return context.robot;
+  const auto running = control::running_robots();
+  return running.size() == 1 ? running.front() : std::string();
+}
+
+int history(const Options& options, Context& context) {
+  const bool wants_file = options.all || options.differences || !options.journal.empty();
+  const auto path = find_journal(options.journal, meant(context));
+  const bool is_there = path && std::filesystem::exists(*path);
+  if (!wants_file && (runs(context.robot) || !is_there)) {
+    return with_robot(context,
+                      [&](control::RobotService& robot) { return show_running(robot, options, context); });
+  }
+  if (!path) return failed(context, path.error());
+  return show_journal(*path, options, context);
 }
 
 }  // namespace
 
 void add_history(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(
-      app, context, "history", "what was requested, and how long it took", "  segue history", [&context] {
-        return with_robot(context, [&](control::RobotService& robot) { return history(robot, context); });
-      });
+      app, context, "history", "what was requested, and how long it took",
+      "  segue history\n"
+      "  segue history --all --robot artemis      # of all its lives, whether it runs or not\n\n"
+      "Of a running robot the requests of this life. Where none runs, and with --all, the robot's journal "
+      "is\n"
+      "read. 'expected' is what was predicted before from the durations that were measured until then.",
+      [options, &context] { return history(*options, context); });
   add_robot_option(*verb, context);
+  verb->add_flag("--all", options->all, "everything in the robot's journal");
+  add_journal_option(*verb, options->journal);
+  verb->add_flag("--differences", options->differences,
+                 "instead, where what ran differed from what should, from the journal");
+  verb->add_option("-n,--lines", options->lines, "only the latest N")->type_name("N");
 }
 
 }  // namespace segue::cli

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/id.hpp>
+#include <segue/base/iso_time.hpp>
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 
@@ -93,6 +94,12 @@ TEST(Id, OfDifferentKindsDoNotMix) {
   using HostName = Id<struct B>;
   static_assert(!std::is_convertible_v<TaskId, HostName>);
   EXPECT_LT(TaskId("a"), TaskId("b"));
+}
+
+TEST(IsoTime, IsInUtcWithMilliseconds) {
+  using namespace std::chrono;
+  EXPECT_EQ(iso_time(system_clock::time_point(seconds(1'795'000'000) + milliseconds(7))),
+            "2026-11-18T11:06:40.007Z");
 }
 
 }  // namespace

@@ -47,11 +47,14 @@ struct Prediction {
 struct TransitionEntry {
   std::uint64_t request = 0;
   std::chrono::system_clock::time_point time;  ///< when it ended
-  std::string who;
+  std::string cause;                           ///< "request", "repair", "fallback" ...
+  std::string who;                             ///< asked; may be empty
   std::string from;
   std::string to;
+  std::string runs;  ///< what the robot runs since
   std::string order;
   std::string outcome;  ///< "done", "superseded", "refused", "failed" ...
+  std::string undone;   ///< how, where it failed: "restored", "fell back to 'safe'" ...
   std::string error;
   Duration solve{0};
   Duration total{0};

@@ -22,6 +22,9 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   const Folder folder;
   TransitionEntry whole = transition(7);
   whole.who = "mission 'survey' -> \"it's\"";
+  whole.cause = "request";
+  whole.runs = "explore";
+  whole.undone = "restored";
   whole.error = "explore: configure slam: no map\nsecond line";
   whole.solve = 1ms;
   whole.total = 2s;

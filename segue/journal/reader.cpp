@@ -49,19 +49,22 @@ TransitionEntry transition_in(const Statement& row) {
   TransitionEntry entry;
   entry.request = static_cast<std::uint64_t>(row.integer(1));
   entry.time = time_in(row, 2);
-  entry.who = row.text(3);
-  entry.from = row.text(4);
-  entry.to = row.text(5);
-  entry.order = row.text(6);
-  entry.outcome = row.text(7);
-  entry.error = row.text(8);
-  entry.solve = duration_in(row, 9);
-  entry.total = duration_in(row, 10);
-  entry.prepare = duration_in(row, 11);
-  entry.commit = duration_in(row, 12);
-  entry.retire = duration_in(row, 13);
-  const auto total = range_in(row, 14);
-  const auto commit = range_in(row, 17);
+  entry.cause = row.text(3);
+  entry.who = row.text(4);
+  entry.from = row.text(5);
+  entry.to = row.text(6);
+  entry.runs = row.text(7);
+  entry.order = row.text(8);
+  entry.outcome = row.text(9);
+  entry.undone = row.text(10);
+  entry.error = row.text(11);
+  entry.solve = duration_in(row, 12);
+  entry.total = duration_in(row, 13);
+  entry.prepare = duration_in(row, 14);
+  entry.commit = duration_in(row, 15);
+  entry.retire = duration_in(row, 16);
+  const auto total = range_in(row, 17);
+  const auto commit = range_in(row, 20);
   if (total && commit) entry.predicted = Prediction{*total, *commit};
   return entry;
 }
@@ -180,8 +183,9 @@ Result<std::vector<TransitionEntry>> JournalReader::transitions(std::size_t limi
     std::vector<std::int64_t> ids;
     auto entries = latest<TransitionEntry>(
         self.database,
-        R"(SELECT id, request, time, who, source, target, "order", outcome, error, solve, total, prepare, "commit",
-           retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high FROM "transition")",
+        R"(SELECT id, request, time, cause, who, source, target, runs, "order", outcome, undone, error, solve, total,
+           prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high
+           FROM "transition")",
         limit, [&](const Statement& row) {
           ids.push_back(row.integer(0));
           return transition_in(row);

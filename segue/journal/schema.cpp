@@ -13,8 +13,9 @@ constexpr std::int64_t kApplication = 0x53454755;  // "SEGU"
 /// Times are nanoseconds: `time` since 1970, all others as durations. Enumerations are words.
 constexpr std::string_view kFirst = R"(
 CREATE TABLE "transition" (
-  id INTEGER PRIMARY KEY, request INTEGER NOT NULL, time INTEGER NOT NULL, who TEXT NOT NULL, source TEXT NOT NULL,
-  target TEXT NOT NULL, "order" TEXT NOT NULL, outcome TEXT NOT NULL, error TEXT NOT NULL, solve INTEGER NOT NULL,
+  id INTEGER PRIMARY KEY, request INTEGER NOT NULL, time INTEGER NOT NULL, cause TEXT NOT NULL,
+  who TEXT NOT NULL, source TEXT NOT NULL, target TEXT NOT NULL, runs TEXT NOT NULL, "order" TEXT NOT NULL,
+  outcome TEXT NOT NULL, undone TEXT NOT NULL, error TEXT NOT NULL, solve INTEGER NOT NULL,
   total INTEGER NOT NULL, prepare INTEGER NOT NULL, "commit" INTEGER NOT NULL, retire INTEGER NOT NULL,
   total_low INTEGER, total_typical INTEGER, total_high INTEGER,
   commit_low INTEGER, commit_typical INTEGER, commit_high INTEGER, actions INTEGER NOT NULL);

@@ -69,25 +69,25 @@ Result<void> write_row(Database& database, const GapEntry& entry) {
 
 Result<void> write_head(Database& database, const TransitionEntry& entry) {
   auto row = database.prepare(
-      R"(INSERT INTO "transition" (request, time, who, source, target, "order", outcome, error, solve, total, prepare,
-         "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high, actions)
-         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+      R"(INSERT INTO "transition" (request, time, cause, who, source, target, runs, "order", outcome, undone, error,
+         solve, total, prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical,
+         commit_high, actions) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
   if (!row) return row.error();
   using Optional = std::optional<std::int64_t>;
   const auto predicted = [&](model::DurationRange Prediction::*range, Duration model::DurationRange::*part) {
     return entry.predicted ? Optional(((*entry.predicted).*range.*part).count()) : Optional();
   };
   using model::DurationRange;
-  return row->run(static_cast<std::int64_t>(entry.request), since_1970(entry.time), cut(entry.who),
-                  cut(entry.from), cut(entry.to), cut(entry.order), cut(entry.outcome), cut(entry.error),
-                  entry.solve.count(), entry.total.count(), entry.prepare.count(), entry.commit.count(),
-                  entry.retire.count(), predicted(&Prediction::total, &DurationRange::low),
-                  predicted(&Prediction::total, &DurationRange::typical),
-                  predicted(&Prediction::total, &DurationRange::high),
-                  predicted(&Prediction::commit, &DurationRange::low),
-                  predicted(&Prediction::commit, &DurationRange::typical),
-                  predicted(&Prediction::commit, &DurationRange::high),
-                  static_cast<std::int64_t>(entry.actions.size()));
+  return row->run(
+      static_cast<std::int64_t>(entry.request), since_1970(entry.time), cut(entry.cause), cut(entry.who),
+      cut(entry.from), cut(entry.to), cut(entry.runs), cut(entry.order), cut(entry.outcome),
+      cut(entry.undone), cut(entry.error), entry.solve.count(), entry.total.count(), entry.prepare.count(),
+      entry.commit.count(), entry.retire.count(), predicted(&Prediction::total, &DurationRange::low),
+      predicted(&Prediction::total, &DurationRange::typical),
+      predicted(&Prediction::total, &DurationRange::high),
+      predicted(&Prediction::commit, &DurationRange::low),
+      predicted(&Prediction::commit, &DurationRange::typical),
+      predicted(&Prediction::commit, &DurationRange::high), static_cast<std::int64_t>(entry.actions.size()));
 }
 
 Result<void> write_actions(Database& database, const TransitionEntry& entry) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/report.hpp>
 
+#include <segue/base/iso_time.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 
 namespace segue::runtime {
 
@@ -21,26 +20,6 @@ double seconds(Duration duration) {
 
 double microseconds(Duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
-}
-
-std::string iso_time(std::chrono::system_clock::time_point time) {
-  const auto since_epoch = time.time_since_epoch();
-  const auto whole = std::chrono::floor<std::chrono::seconds>(since_epoch);
-  const auto millis = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch - whole).count();
-  const std::time_t stamp = whole.count();
-  std::tm parts{};
-  gmtime_r(&stamp, &parts);
-  std::array<char, 32> text{};
-  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  const std::string fraction = std::to_string(1000 + millis).substr(1);
-  return std::string(text.data(), length) + '.' + fraction + 'Z';
-}
-
-std::string_view outcome_of(const ActionRecord& record) {
-  if (!record.executed) {
-    return "skipped";
-  }
-  return record.error ? "failed" : "done";
 }
 
 Value action_value(const ActionRecord& record) {
@@ -112,6 +91,13 @@ Value operation_value(const model::OperationModel& operation) {
 }
 
 }  // namespace
+
+std::string_view outcome_of(const ActionRecord& record) {
+  if (!record.executed) {
+    return "skipped";
+  }
+  return record.error ? "failed" : "done";
+}
 
 Value to_value(const SwitchResult& result) {
   Value value = Value::map({{"outcome", to_string(result.outcome)},

@@ -8,6 +8,9 @@
 /// What the runtime tells people and tools, as Values with the fields of the JSON that tools may rely on.
 namespace segue::runtime {
 
+/// "done", "failed" or "skipped".
+std::string_view outcome_of(const ActionRecord& record);
+
 /// {"outcome", "request", "from", "to", "solve_s", "duration_s", "commit_s", "actions", and where it did not
 /// go well "error" and "diagnostics"}; each action with "started_s", "duration_s", "outcome" (done, failed,
 /// skipped).

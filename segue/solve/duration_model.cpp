@@ -96,11 +96,15 @@ std::size_t DurationModel::source_of(const model::ActionKey& key) {
 
 void DurationModel::look_at_others(Source& source, const model::ActionKey& key) const {
   std::vector<double> elsewhere;
+  std::vector<double> of_any_kind;
   for (const auto& [other, record] : times_.actions) {
-    if (other.kind != key.kind || record.recent.empty()) continue;
-    (other.host == key.host ? source.others : elsewhere).push_back(median_of(logarithms(record)));
+    if (record.recent.empty()) continue;
+    const double place = median_of(logarithms(record));
+    of_any_kind.push_back(place);
+    if (other.kind == key.kind) (other.host == key.host ? source.others : elsewhere).push_back(place);
   }
   if (source.others.empty()) source.others = std::move(elsewhere);
+  if (source.others.empty()) source.others = std::move(of_any_kind);
   source.place = source.others.empty() ? std::log(kGuess) : median_of(source.others);
 }
 

@@ -41,8 +41,8 @@ class Dice {
 /// Draws durations, in logarithms of nanoseconds inside: durations scatter by factors. Each source (what is
 /// measured together) has a place, which is the less certain the fewer values there are, and scatters about
 /// it as its own values do and, the fewer these are, as all of its kind do. A source without values has the
-/// place of any other of its kind, if possible on the same host. Points into the times, which must outlive
-/// it.
+/// place of any other of its kind, if possible on the same host, else of any other. Points into the times,
+/// which must outlive it.
 class DurationModel {
  public:
   explicit DurationModel(const model::ActionTimes& times);

@@ -18,7 +18,8 @@
 
 namespace segue::testing {
 
-/// A folder and a runtime folder (for sockets) of its own for every test; `segue` is the real program.
+/// A folder for every test, with folders of its own for sockets and for journals; `segue` is the real
+/// program.
 class SystemTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -27,6 +28,7 @@ class SystemTest : public ::testing::Test {
     folder_ = pattern;
     std::filesystem::create_directory(folder_ / "runtime");
     ::setenv("XDG_RUNTIME_DIR", (folder_ / "runtime").c_str(), 1);
+    ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
     ::unsetenv("SEGUE_LIBRARY_PATH");
   }
   void TearDown() override {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/transition.hpp>
+#include <segue/solve/estimate.hpp>
+#include <segue/type/value.hpp>
+
+#include <string>
+
+/// Estimates for people and tools.
+namespace segue::cli {
+
+/// {"total", "prepare", "commit", "retire": {"low", "typical", "high"}, "critical_path": ids,
+/// "never_measured"}, in seconds.
+type::Value to_value(const solve::Estimate& estimate);
+
+/// Lines: total and phases with their ranges, the critical path, and what was never measured.
+std::string describe(const solve::Estimate& estimate, const model::Transition& transition);
+
+/// "; expected 2.1 ms to 4.0 ms (commit 1.0 ms to 1.6 ms)" of a finished transition's JSON; "" where nothing
+/// was predicted.
+std::string expectation_of(const type::Value& result);
+
+/// How often what was predicted came true.
+class Forecasts {
+ public:
+  /// Counts a finished transition's JSON, if it was done and predicted.
+  void add(const type::Value& result);
+  /// A sentence; "" where nothing was predicted.
+  [[nodiscard]] std::string verdict() const;
+
+ private:
+  int count_ = 0;
+  int total_right_ = 0;
+  int commit_right_ = 0;
+};
+
+}  // namespace segue::cli

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/iso_time.hpp>
+#include <segue/journal/report.hpp>
+
+namespace segue::journal {
+
+namespace {
+
+using type::Value;
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+Value action_value(const ActionEntry& action) {
+  Value value = Value::map({{"id", action.id},
+                            {"kind", to_string(action.kind)},
+                            {"phase", to_string(action.phase)},
+                            {"label", action.label},
+                            {"component", action.component},
+                            {"host", action.host.str()},
+                            {"process", action.process.str()},
+                            {"started_s", seconds(action.started)},
+                            {"waited_s", seconds(action.waited)},
+                            {"duration_s", seconds(action.duration)},
+                            {"outcome", action.outcome}});
+  if (!action.error.empty()) value.as_map().set("error", action.error);
+  return value;
+}
+
+}  // namespace
+
+Value to_value(const model::DurationRange& range) {
+  return Value::map(
+      {{"low", seconds(range.low)}, {"typical", seconds(range.typical)}, {"high", seconds(range.high)}});
+}
+
+Value to_value(const Prediction& prediction) {
+  return Value::map({{"total", to_value(prediction.total)}, {"commit", to_value(prediction.commit)}});
+}
+
+Value to_value(const TransitionEntry& entry) {
+  Value value = Value::map({{"outcome", entry.outcome},
+                            {"cause", entry.cause},
+                            {"request", entry.request},
+                            {"who", entry.who},
+                            {"time", iso_time(entry.time)},
+                            {"from", entry.from},
+                            {"to", entry.to},
+                            {"runs", entry.runs},
+                            {"order", entry.order},
+                            {"solve_s", seconds(entry.solve)},
+                            {"duration_s", seconds(entry.total)},
+                            {"prepare_s", seconds(entry.prepare)},
+                            {"commit_s", seconds(entry.commit)},
+                            {"retire_s", seconds(entry.retire)}});
+  type::ValueMap& map = value.as_map();
+  if (entry.predicted) map.set("predicted_s", to_value(*entry.predicted));
+  if (!entry.undone.empty()) map.set("undone", entry.undone);
+  if (!entry.error.empty()) map.set("error", entry.error);
+  Value::List actions;
+  for (const ActionEntry& action : entry.actions)
+    actions.push_back(action_value(action));
+  map.set("actions", std::move(actions));
+  return value;
+}
+
+Value to_value(const DifferenceEntry& entry) {
+  return Value::map({{"time", iso_time(entry.time)},
+                     {"subject", entry.subject},
+                     {"sentence", entry.sentence},
+                     {"done", entry.done}});
+}
+
+Value to_value(const GapEntry& entry) {
+  return Value::map({{"time", iso_time(entry.time)}, {"lost", entry.lost}, {"reason", entry.reason}});
+}
+
+}  // namespace segue::journal

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/journal/entries.hpp>
+#include <segue/type/value.hpp>
+
+/// Entries as Values with the fields of the JSON that tools may rely on.
+namespace segue::journal {
+
+/// {"low", "typical", "high"} in seconds.
+type::Value to_value(const model::DurationRange& range);
+/// {"total", "commit"}
+type::Value to_value(const Prediction& prediction);
+/// The fields of the JSON of `switch`, "time" (ISO 8601, UTC) and, where there was one, "predicted_s".
+type::Value to_value(const TransitionEntry& entry);
+/// {"time", "subject", "sentence", "done"}
+type::Value to_value(const DifferenceEntry& entry);
+/// {"time", "lost", "reason"}
+type::Value to_value(const GapEntry& entry);
+
+}  // namespace segue::journal

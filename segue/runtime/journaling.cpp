@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/journaling.hpp>
+
+#include <segue/runtime/report.hpp>
+#include <segue/solve/action_sites.hpp>
+#include <segue/solve/estimate.hpp>
+
+#include <algorithm>
+#include <array>
+#include <unordered_map>
+
+namespace segue::runtime {
+
+namespace {
+
+Duration end_of(const ActionRecord& record) {
+  return record.started + record.duration;
+}
+
+/// When each phase could have begun: when those before it had ended.
+std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records) {
+  std::array<Duration, 3> begins{};
+  for (const ActionRecord& record : records) {
+    if (!record.executed) continue;
+    for (auto phase = static_cast<std::size_t>(record.action.phase) + 1; phase < begins.size(); ++phase)
+      begins.at(phase) = std::max(begins.at(phase), end_of(record));
+  }
+  return begins;
+}
+
+/// Fills in how long each action of the transition waited, though what comes before it was done.
+void find_waits(const std::vector<ActionRecord>& records, std::size_t count,
+                std::vector<journal::ActionEntry>& entries) {
+  const auto begins = phase_begins(records);
+  std::unordered_map<int, Duration> ends;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ActionRecord& record = records[i];
+    if (!record.executed) continue;
+    Duration ready = begins.at(static_cast<std::size_t>(record.action.phase));
+    for (const int id : record.action.after) {
+      const auto before = ends.find(id);
+      if (before != ends.end()) ready = std::max(ready, before->second);
+    }
+    ends[record.action.id] = end_of(record);
+    entries[i].waited = std::max(record.started - ready, Duration(0));
+  }
+}
+
+journal::ActionEntry action_entry(const ActionRecord& record, const solve::ActionSite& site) {
+  journal::ActionEntry entry;
+  entry.id = record.action.id;
+  entry.kind = record.action.kind;
+  entry.phase = record.action.phase;
+  entry.label = record.action.label();
+  entry.component = site.key.component;
+  entry.host = site.key.host;
+  entry.process = site.process;
+  entry.started = record.started;
+  entry.duration = record.duration;
+  entry.outcome = outcome_of(record);
+  if (record.error) entry.error = to_string(*record.error);
+  return entry;
+}
+
+std::vector<journal::ActionEntry> action_entries(const std::vector<ActionRecord>& records,
+                                                 const model::Network& current, std::size_t planned) {
+  model::Transition executed;
+  for (const ActionRecord& record : records)
+    executed.actions.push_back(record.action);
+  const auto sites = solve::action_sites(current, executed);
+  std::vector<journal::ActionEntry> entries;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    entries.push_back(action_entry(records[i], sites[i]));
+  find_waits(records, std::min(planned, records.size()), entries);
+  return entries;
+}
+
+Duration total_of(const std::vector<ActionRecord>& records) {
+  Duration total{0};
+  for (const ActionRecord& record : records) {
+    if (record.executed) total = std::max(total, end_of(record));
+  }
+  return total;
+}
+
+}  // namespace
+
+journal::TransitionEntry journal_entry(const SwitchResult& result) {
+  journal::TransitionEntry entry;
+  entry.request = result.request;
+  entry.time = std::chrono::system_clock::now();
+  entry.from = result.from.str();
+  entry.to = result.to.str();
+  entry.outcome = to_string(result.outcome);
+  if (result.error) entry.error = to_string(*result.error);
+  entry.solve = result.solve_time;
+  entry.commit = result.commit;
+  return entry;
+}
+
+journal::TransitionEntry journal_entry(const SwitchResult& result, const model::Network& current,
+                                       const model::Transition& transition, const model::ActionTimes& known) {
+  journal::TransitionEntry entry = journal_entry(result);
+  entry.order = to_string(transition.order);
+  entry.total = total_of(result.actions);
+  entry.actions = action_entries(result.actions, current, transition.actions.size());
+  if (transition.actions.empty() || known.actions.empty()) return entry;
+  const solve::Estimate expected = solve::estimate(current, transition, known);
+  entry.predicted = journal::Prediction{expected.total, expected.of(model::Phase::Commit)};
+  return entry;
+}
+
+}  // namespace segue::runtime

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/journaling.hpp>
+
+#include <gtest/gtest.h>
+
+namespace segue::runtime {
+namespace {
+
+using model::ActionKind;
+using model::Phase;
+using namespace std::chrono_literals;
+
+ActionRecord record(int id, ActionKind kind, Phase phase, std::vector<int> after, Duration started,
+                    Duration duration) {
+  ActionRecord made;
+  made.action.id = id;
+  made.action.kind = kind;
+  made.action.what = model::TaskAction{model::TaskId("a")};
+  made.action.phase = phase;
+  made.action.after = std::move(after);
+  made.started = started;
+  made.duration = duration;
+  made.executed = true;
+  return made;
+}
+
+model::Network one_task() {
+  model::Network network;
+  network.tasks.emplace_back();
+  network.tasks.back().id = model::TaskId("a");
+  network.tasks.back().component = model::ComponentName("demo::A");
+  return network;
+}
+
+SwitchResult three_actions() {
+  SwitchResult result;
+  result.request = 7;
+  result.to = model::NetworkName("manual");
+  result.solve_time = 1ms;
+  result.actions = {record(1, ActionKind::Cleanup, Phase::Prepare, {}, 1ms, 10ms),
+                    record(2, ActionKind::Configure, Phase::Prepare, {1}, 14ms, 20ms),
+                    record(3, ActionKind::Start, Phase::Commit, {2}, 40ms, 5ms)};
+  return result;
+}
+
+model::Transition transition_of(const SwitchResult& result) {
+  model::Transition transition;
+  for (const auto& each : result.actions)
+    transition.actions.push_back(each.action);
+  return transition;
+}
+
+TEST(JournalEntry, TellsHowLongActionsTookAndWaited) {
+  const auto result = three_actions();
+  const auto entry = journal_entry(result, one_task(), transition_of(result), {});
+  EXPECT_EQ(entry.request, 7U);
+  EXPECT_EQ(entry.to, "manual");
+  EXPECT_EQ(entry.outcome, "done");
+  EXPECT_EQ(entry.total, 45ms);
+  ASSERT_EQ(entry.actions.size(), 3U);
+  EXPECT_EQ(entry.actions[0].waited, 1ms);
+  EXPECT_EQ(entry.actions[1].waited, 3ms);
+  EXPECT_EQ(entry.actions[2].waited, 6ms);
+  EXPECT_EQ(entry.actions[2].component, "demo::A");
+  EXPECT_EQ(entry.actions[2].duration, 5ms);
+  EXPECT_FALSE(entry.predicted);
+}
+
+TEST(JournalEntry, PredictsFromWhatWasKnownBefore) {
+  const auto result = three_actions();
+  model::ActionTimes known;
+  for (const auto& each :
+       journal::lesson_of(journal_entry(result, one_task(), transition_of(result), {})).actions) {
+    for (int i = 0; i < 20; ++i)
+      known.actions[each.first].add(each.second);
+  }
+  const auto entry = journal_entry(result, one_task(), transition_of(result), known);
+  ASSERT_TRUE(entry.predicted);
+  EXPECT_NEAR(std::chrono::duration<double>(entry.predicted->total.typical).count(), 0.035, 0.002);
+  EXPECT_NEAR(std::chrono::duration<double>(entry.predicted->commit.typical).count(), 0.005, 0.001);
+}
+
+TEST(JournalEntry, SaysWhatFailedAndWhatWasNotDone) {
+  auto result = three_actions();
+  result.outcome = Outcome::Failed;
+  result.error = fail(ErrorCode::HookFailed, "no map", "a");
+  result.actions[1].error = result.error;
+  result.actions[2].executed = false;
+  const auto entry = journal_entry(result, one_task(), transition_of(result), {});
+  EXPECT_EQ(entry.outcome, "failed");
+  EXPECT_EQ(entry.error, "a: no map");
+  EXPECT_EQ(entry.actions[1].outcome, "failed");
+  EXPECT_EQ(entry.actions[1].error, "a: no map");
+  EXPECT_EQ(entry.actions[2].outcome, "skipped");
+  EXPECT_EQ(entry.total, 34ms);
+}
+
+TEST(JournalEntry, TakesActionsOfAnotherWayAsTheyAre) {
+  auto result = three_actions();
+  const auto transition = transition_of(result);
+  result.actions.push_back(record(1, ActionKind::Stop, Phase::Commit, {}, 50ms, 2ms));
+  const auto entry = journal_entry(result, one_task(), transition, {});
+  ASSERT_EQ(entry.actions.size(), 4U);
+  EXPECT_EQ(entry.actions[3].waited, Duration(0));
+  EXPECT_EQ(entry.total, 52ms);
+}
+
+}  // namespace
+}  // namespace segue::runtime

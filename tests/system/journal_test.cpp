@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/journal/journal.hpp>
+
+#include "system_test.hpp"
+
+namespace segue::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A robot that does not run any more, and what it left.
+class JournalFiles : public SystemTest {
+ protected:
+  static journal::TransitionEntry transition(std::uint64_t request) {
+    journal::TransitionEntry entry;
+    entry.request = request;
+    entry.time = std::chrono::system_clock::time_point(1'800'000'000s);
+    entry.from = "explore";
+    entry.to = "manual";
+    entry.outcome = journal::kDone;
+    entry.total = 30ms;
+    entry.commit = 5ms;
+    entry.actions = {{1,
+                      model::ActionKind::Configure,
+                      model::Phase::Prepare,
+                      "configure a",
+                      "demo::Drive",
+                      model::kLocalHost,
+                      {},
+                      {},
+                      {},
+                      25ms,
+                      journal::kDone,
+                      {}}};
+    if (request > 1) entry.predicted = journal::Prediction{{20ms, 25ms, 40ms}, {1ms, 2ms, 4ms}};
+    return entry;
+  }
+
+  void leave(const std::string& file, std::uint64_t requests = 3) const {
+    journal::Journal journal(folder_ / file);
+    for (std::uint64_t i = 1; i <= requests; ++i)
+      journal.add(transition(i));
+    journal.add(journal::DifferenceEntry{{}, "slam", "task 'slam' is in exception", "restarted"});
+    ASSERT_TRUE(journal.flush(RealClock::instance().now() + kPatience));
+  }
+};
+
+TEST_F(JournalFiles, HistoryIsReadWhereNoRobotRuns) {
+  leave("state/segue/rover/journal.sqlite");
+  const auto finished = segue({"history"});
+  EXPECT_EQ(finished.status, 0) << finished.errors;
+  EXPECT_TRUE(
+      contains(finished.output,
+               "2027-01-15 08:00:00  explore -> manual: done, 1 action in 30 ms (commit 5 ms); expected "
+               "20 ms to 40 ms (commit 1 ms to 4 ms)"))
+      << finished.output;
+  EXPECT_TRUE(contains(finished.output, "as expected: 2 of 2 in all, 0 of 2 in commit")) << finished.output;
+  const auto entries = json({"history", "--robot", "rover", "-n", "2"});
+  ASSERT_EQ(entries.as_list().size(), 2U);
+  EXPECT_EQ(entries.as_list()[0].find("request")->as_int(), 2);
+  EXPECT_NE(entries.as_list()[0].find("predicted_s"), nullptr);
+}
+
+TEST_F(JournalFiles, AGivenFileIsRead) {
+  leave("old.sqlite");
+  EXPECT_EQ(json({"history", "--journal", "old.sqlite"}).as_list().size(), 3U);
+  const auto differences = segue({"history", "--journal", "old.sqlite", "--differences"});
+  EXPECT_TRUE(contains(differences.output, "task 'slam' is in exception: restarted")) << differences.output;
+}
+
+TEST_F(JournalFiles, WhatIsMissingOrBrokenIsSaid) {
+  EXPECT_EQ(segue({"history"}).status, 3);
+  EXPECT_EQ(segue({"history", "--robot", "nobody"}).status, 3);
+  EXPECT_EQ(segue({"history", "--journal", "none.sqlite"}).status, 1);
+  write("broken.sqlite", std::string(5000, 'x'));
+  const auto broken = segue({"history", "--journal", "broken.sqlite"});
+  EXPECT_EQ(broken.status, 1);
+  EXPECT_TRUE(contains(broken.errors, "cannot read the journal")) << broken.errors;
+  leave("state/segue/rover/journal.sqlite");
+  leave("state/segue/crane/journal.sqlite");
+  const auto unclear = segue({"history", "--all"});
+  EXPECT_EQ(unclear.status, 1);
+  EXPECT_TRUE(contains(unclear.errors, "crane and rover")) << unclear.errors;
+}
+
+TEST_F(JournalFiles, ATransitionIsEstimated) {
+  leave("old.sqlite", 30);
+  write("one.yaml", "network: one\ntasks:\n  a: {component: \"demo::Drive\", state: stopped}\n");
+  const auto text = segue({"diff", "-", "one.yaml", "--estimate", "--journal", "old.sqlite"});
+  EXPECT_EQ(text.status, 0) << text.errors;
+  EXPECT_TRUE(contains(text.output, "critical path")) << text.output;
+  EXPECT_TRUE(contains(text.output, "1 of 2 actions were never measured")) << text.output;
+  const auto value = json({"diff", "-", "one.yaml", "--estimate", "--journal", "old.sqlite"});
+  const auto* estimate = value.find("estimate_s");
+  ASSERT_NE(estimate, nullptr);
+  EXPECT_EQ(estimate->find("never_measured")->as_int(), 1);
+  EXPECT_EQ(estimate->find("critical_path")->as_list().size(), 2U);
+  EXPECT_EQ(segue({"diff", "-", "one.yaml", "--estimate"}).status, 1);
+  EXPECT_EQ(segue({"diff", "-", "one.yaml", "--journal", "old.sqlite"}).status, 2);
+}
+
+}  // namespace
+}  // namespace segue::testing
