@@ -192,7 +192,7 @@ double median(std::vector<double> values) {
 
 TEST(EstimateCalibration, AfterTenTransitionsNineOfTenUnseenOnesLieWithinTheirRange) {
   Score score;
-  for (std::uint64_t seed = 1; seed <= 30; ++seed)
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
     score_robot(seed, score);
   const double asked = score.asked;
   RecordProperty("total_within_percent", static_cast<int>(100 * score.total_within / asked));
