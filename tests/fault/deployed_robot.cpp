@@ -5,6 +5,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "../support/sanitizer_reports.hpp"
 #include "deployed_robot.hpp"
 
 #include <segue/host/component_library.hpp>
@@ -13,7 +14,6 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <thread>
 
 namespace segue::testing {
 
@@ -59,6 +59,7 @@ void DeployedRobotTest::SetUp() {
   folder_ = pattern;
   ::setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
   ::setenv("SEGUE_LIBRARY_PATH", SEGUE_FAULT_LIBRARIES, 1);
+  collect_sanitizer_reports(folder_);
   launch_.robot = "patient";
   launch_.libraries = {kLibrary};
   begin_life();
@@ -70,14 +71,8 @@ void DeployedRobotTest::TearDown() {
     EXPECT_EQ(ended.outcome, runtime::Outcome::Done) << (ended.error ? to_string(*ended.error) : "");
   }
   life_.reset();
-  EXPECT_TRUE(eventually([&] { return processes_of(folder_).empty(); })) << "a process is left";
-  for (const auto& [pid, program] : processes_of(folder_)) {
-    ADD_FAILURE() << program << ' ' << pid << " is left";
-    ::kill(pid, SIGKILL);
-  }
-  for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-    EXPECT_NE(entry.path().extension(), ".sock") << entry.path() << " is left";
-  }
+  expect_nothing_left(folder_);
+  EXPECT_EQ(sanitizer_reports(folder_), "");
   fs::remove_all(folder_);
 }
 
@@ -116,12 +111,6 @@ void DeployedRobotTest::recover_to(const model::Network& target) {
                          << ::testing::PrintToString(differences(host().observe(), target));
 }
 
-pid_t DeployedRobotTest::pid_of(const std::string& deployment) const {
-  const auto all = deployments();
-  const auto found = all.find(deployment);
-  return found == all.end() ? -1 : found->second;
-}
-
 void DeployedRobotTest::kill(const std::string& deployment) {
   const pid_t pid = pid_of(deployment);
   ASSERT_GT(pid, 0) << "there is no process " << deployment;
@@ -142,14 +131,7 @@ Sight DeployedRobotTest::sight(const std::string& watcher) {
 }
 
 void DeployedRobotTest::expect_undisturbed(const std::string& watcher) {
-  const Sight before = sight(watcher);
-  Sight now = before;
-  EXPECT_TRUE(eventually([&] { return (now = sight(watcher)).beats > before.beats + 5; }))
-      << watcher << " sees no beats any more";
-  EXPECT_EQ(now.gaps, 0U) << watcher;
-  EXPECT_EQ(now.restarts, 0U) << watcher;
-  EXPECT_EQ(now.torn, 0U) << watcher;
-  EXPECT_EQ(now.starts, 1U) << watcher << " itself was started again";
+  testing::expect_undisturbed(watcher, [&] { return sight(watcher); });
 }
 
 void DeployedRobotTest::expect_event(runtime::EventKind kind, const std::string& words) {
@@ -164,15 +146,6 @@ void DeployedRobotTest::expect_event(runtime::EventKind kind, const std::string&
   for (const auto& event : runtime().events())
     all += std::string(to_string(event.kind)) + ' ' + event.subject + ": " + event.message + '\n';
   EXPECT_TRUE(came) << "no such event with '" << words << "' among\n" << all;
-}
-
-bool DeployedRobotTest::eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return true;
 }
 
 }  // namespace segue::testing

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "processes.hpp"
-#include "sight.hpp"
+#include "robot_checks.hpp"
 
 /// A robot of which this program is the runtime, with real deployment processes. What a test through the
 /// command line cannot do: stop between two actions, and short deadlines.
@@ -67,7 +67,9 @@ class DeployedRobotTest : public ::testing::Test {
   void recover_to(const model::Network& target);
 
   [[nodiscard]] std::map<std::string, pid_t> deployments() const { return deployments_of(folder_); }
-  [[nodiscard]] pid_t pid_of(const std::string& deployment) const;
+  [[nodiscard]] pid_t pid_of(const std::string& deployment) const {
+    return testing::pid_of(folder_, deployment);
+  }
   /// SIGKILL, and waits until the process is gone.
   void kill(const std::string& deployment);
 
@@ -76,7 +78,6 @@ class DeployedRobotTest : public ::testing::Test {
   void expect_undisturbed(const std::string& watcher = "watcher");
   /// Waits for an event of which subject or message have `words`.
   void expect_event(runtime::EventKind kind, const std::string& words);
-  [[nodiscard]] static bool eventually(const std::function<bool()>& condition);
 
   std::filesystem::path folder_;
   deploy::Launch launch_;

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fault_test.hpp"
 
-#include <thread>
-
 namespace segue::testing {
 
 namespace {
 
-namespace fs = std::filesystem;
 using type::Value;
 
 }  // namespace
@@ -20,15 +17,7 @@ void FaultTest::SetUp() {
 
 void FaultTest::TearDown() {
   if (robot_) stop();
-  const fs::path runtime = folder_ / "runtime";
-  EXPECT_TRUE(eventually([&] { return processes_of(runtime).empty(); })) << "a process is left";
-  for (const auto& [pid, program] : processes_of(runtime)) {
-    ADD_FAILURE() << program << " " << pid << " is left";
-    ::kill(pid, SIGKILL);
-  }
-  for (const auto& entry : fs::recursive_directory_iterator(runtime)) {
-    EXPECT_NE(entry.path().extension(), ".sock") << entry.path() << " is left";
-  }
+  expect_nothing_left(folder_ / "runtime");
   SystemTest::TearDown();
 }
 
@@ -60,12 +49,6 @@ void FaultTest::kill_runtime() {
 
 std::map<std::string, pid_t> FaultTest::deployments() const {
   return deployments_of(folder_ / "runtime");
-}
-
-pid_t FaultTest::pid_of(const std::string& deployment) const {
-  const auto all = deployments();
-  const auto found = all.find(deployment);
-  return found == all.end() ? -1 : found->second;
 }
 
 void FaultTest::expect_deployments(const std::vector<std::string>& names) {
@@ -118,14 +101,7 @@ Sight FaultTest::sight(const std::string& watcher) {
 }
 
 void FaultTest::expect_undisturbed(const std::string& watcher) {
-  const Sight before = sight(watcher);
-  Sight now = before;
-  EXPECT_TRUE(eventually([&] { return (now = sight(watcher)).beats > before.beats + 5; }))
-      << watcher << " sees no beats any more";
-  EXPECT_EQ(now.gaps, 0U) << watcher;
-  EXPECT_EQ(now.restarts, 0U) << watcher;
-  EXPECT_EQ(now.torn, 0U) << watcher;
-  EXPECT_EQ(now.starts, 1U) << watcher << " itself was started again";
+  testing::expect_undisturbed(watcher, [&] { return sight(watcher); });
 }
 
 std::string FaultTest::expect_event(const std::string& kind, const std::string& words) {
@@ -143,15 +119,6 @@ std::string FaultTest::expect_event(const std::string& kind, const std::string& 
   });
   EXPECT_TRUE(came) << "no event '" << kind << "' with '" << words << "'\n" << segue({"events"}).output;
   return found;
-}
-
-bool FaultTest::eventually(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
 }
 
 }  // namespace segue::testing

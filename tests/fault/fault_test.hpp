@@ -8,7 +8,7 @@
 
 #include "../system/system_test.hpp"
 #include "processes.hpp"
-#include "sight.hpp"
+#include "robot_checks.hpp"
 
 /// A robot whose tasks live in several real processes, and what may happen to them.
 ///
@@ -33,7 +33,9 @@ class FaultTest : public SystemTest {
 
   /// The processes of the robot's deployments as the system sees them, by name.
   [[nodiscard]] std::map<std::string, pid_t> deployments() const;
-  [[nodiscard]] pid_t pid_of(const std::string& deployment) const;
+  [[nodiscard]] pid_t pid_of(const std::string& deployment) const {
+    return testing::pid_of(folder_ / "runtime", deployment);
+  }
   /// Waits until the deployments are just these.
   void expect_deployments(const std::vector<std::string>& names);
 
@@ -49,8 +51,6 @@ class FaultTest : public SystemTest {
   void expect_undisturbed(const std::string& watcher = "watcher");
   /// Waits for an event of this kind whose text has `words`; answers its message.
   std::string expect_event(const std::string& kind, const std::string& words);
-
-  [[nodiscard]] static bool eventually(const std::function<bool()>& condition);
 
   std::vector<std::string> run_options_;
 };

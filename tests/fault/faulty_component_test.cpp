@@ -14,6 +14,12 @@ struct Fault {
   const char* how;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr const char* kLimits = "{core: 0}";  // they need all address space themselves
+#else
+constexpr const char* kLimits = "{memory: 400MB, core: 0}";
+#endif
+
 std::string name_of(const ::testing::TestParamInfo<Fault>& fault) {
   return std::string(fault.param.how) + "_in_" + fault.param.hook;
 }
@@ -25,7 +31,7 @@ class FaultyComponent : public DeployedRobotTest, public ::testing::WithParamInt
     return network(
         "faulty",
         "  bad: {component: \"fault::Faulty\", properties: {hook: \"" + hook + "\", how: " + how + "}}\n",
-        "  bad: {tasks: [bad], limits: {memory: 400MB, core: 0}}\n");
+        std::string("  bad: {tasks: [bad], limits: ") + kLimits + "}\n");
   }
   [[nodiscard]] TaskState state_of_bad() {
     const auto observed = host().observe();
@@ -133,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(All, Crash,
                                            Fault{"update", "exit"}),
                          name_of);
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they need all address space themselves
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // with them there is no limit to reach
 
 class Exhaustion : public FaultyComponent {};
 

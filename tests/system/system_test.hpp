@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/sanitizer_reports.hpp"
 #include "process.hpp"
 
 namespace segue::testing {
@@ -30,9 +31,11 @@ class SystemTest : public ::testing::Test {
     ::setenv("XDG_RUNTIME_DIR", (folder_ / "runtime").c_str(), 1);
     ::setenv("XDG_STATE_HOME", (folder_ / "state").c_str(), 1);
     ::unsetenv("SEGUE_LIBRARY_PATH");
+    collect_sanitizer_reports(folder_);
   }
   void TearDown() override {
     robot_.reset();
+    EXPECT_EQ(sanitizer_reports(folder_), "");
     std::filesystem::remove_all(folder_);
   }
 

@@ -42,6 +42,13 @@ void settle(kj::AsyncIoContext& io) {
   run_guarded([](kj::AsyncIoContext& context) { kj::evalLast([] {}).wait(context.waitScope); }, io);
 }
 
+/// One at a time: with its first use in a program kj fills tables that all use.
+kj::AsyncIoContext set_up() {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  return kj::setupAsyncIo();
+}
+
 }  // namespace
 
 EventLoop::EventLoop() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -104,7 +111,7 @@ void EventLoop::main(std::promise<void>& ready) {
   block_signals();
   std::optional<kj::AsyncIoContext> io;
   try {
-    io.emplace(kj::setupAsyncIo());
+    io.emplace(set_up());
     timer_ = &io->provider->getTimer();
   } catch (...) {
     ready.set_exception(std::make_exception_ptr(

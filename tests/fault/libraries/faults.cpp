@@ -153,11 +153,15 @@ class Faulty final : public Component {
     if (*how_ == "exhaust") exhaust();
     if (*how_ == "abort") std::abort();
     if (*how_ == "exit") std::_Exit(3);
-    if (*how_ == "crash") std::raise(SIGSEGV);
+    if (*how_ == "crash") crash();
     if (*how_ == "freeze") std::raise(SIGSTOP);
     while (*how_ == "hang")
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return {};
+  }
+  static void crash() {
+    std::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
+    std::raise(SIGSEGV);
   }
   /// Until the process gets no more. Ends by std::bad_alloc where its memory is limited.
   void exhaust() {

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+/// What thread sanitizer finds in the processes that a test starts. By itself it would tell it in logs that
+/// go with the test.
+namespace segue::testing {
+
+/// From now on the reports of processes that are started go into that folder.
+inline void collect_sanitizer_reports(const std::filesystem::path& folder) {
+  const char* set = std::getenv("TSAN_OPTIONS");
+  std::string options = set == nullptr ? "" : set;
+  options = options.substr(0, options.find(":log_path="));
+  options += ":log_path=" + (folder / "sanitizer_report").string();
+  ::setenv("TSAN_OPTIONS", options.c_str(), 1);
+}
+
+/// All of them; empty where there is none.
+inline std::string sanitizer_reports(const std::filesystem::path& folder) {
+  std::string reports;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    if (!file.path().filename().string().starts_with("sanitizer_report.")) continue;
+    std::ifstream stream(file.path());
+    reports += std::string(std::istreambuf_iterator<char>(stream), {}) + '\n';
+  }
+  return reports;
+}
+
+}  // namespace segue::testing
