@@ -14,6 +14,7 @@
 #include <atomic>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "connection.hpp"
@@ -65,19 +66,35 @@ class EventPrinter {
   ~EventPrinter() {
     ended_ = true;
     thread_.join();
-    print_new({});
+    print_new();
   }
   EventPrinter(const EventPrinter&) = delete;
   EventPrinter& operator=(const EventPrinter&) = delete;
 
- private:
-  void run() {
-    while (!ended_)
-      print_new(std::chrono::milliseconds(50));
+  /// Behind all events so far. Text for people only; in JSON every line is an event.
+  void announce(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    print_new_locked();
+    if (context_.json()) return;
+    progress_.clear();
+    print_line(text);
   }
 
-  void print_new(Duration wait) {
-    for (const runtime::Event& event : runtime_.events(last_, wait)) {
+ private:
+  void run() {
+    while (!ended_) {
+      static_cast<void>(runtime_.events(last_, std::chrono::milliseconds(50)));
+      print_new();
+    }
+  }
+
+  void print_new() {
+    const std::lock_guard lock(mutex_);
+    print_new_locked();
+  }
+
+  void print_new_locked() {
+    for (const runtime::Event& event : runtime_.events(last_)) {
       last_ = event.number;
       show(event);
     }
@@ -96,17 +113,13 @@ class EventPrinter {
   runtime::Runtime& runtime_;
   const Context& context_;
   bool verbose_;
-  std::uint64_t last_ = 0;
+  std::mutex mutex_;  ///< one prints at a time
+  std::atomic<std::uint64_t> last_{0};
   int actions_ = 0;
   Progress progress_;
   std::atomic<bool> ended_{false};
   std::thread thread_;
 };
-
-/// Text for people only; in JSON every line is an event.
-void announce(const Context& context, const std::string& text) {
-  if (!context.json()) print_line(text);
-}
 
 int explain_outcome(const runtime::SwitchResult& result) {
   if (result.outcome == runtime::Outcome::Done) return kDone;
@@ -131,7 +144,7 @@ Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runt
 }
 
 /// The controller, then until there is a reason to end.
-int operate(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const Context& context) {
+int operate(EmbeddedRobot& robot, const Options& options, StopSignal& stop, EventPrinter& printer) {
   std::optional<TimePoint> end;
   if (options.length > Duration(0)) end = deadline_in(options.length);
   if (!options.controller.empty()) {
@@ -139,7 +152,7 @@ int operate(EmbeddedRobot& robot, const Options& options, StopSignal& stop, cons
     if (status != kDone) return status;
   }
   const auto reason = stop.wait(end);
-  announce(context, reason ? *reason + "; stopping in order" : "time is up; stopping in order");
+  printer.announce(reason ? *reason + "; stopping in order" : "time is up; stopping in order");
   return kDone;
 }
 
@@ -158,11 +171,12 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   runtime::RuntimeService service(runtime, [&stop] { stop.request("asked to end"); });
   const auto server = control::Server::listen(*socket, &service);
   if (!server) return failed(context, server.error());
-  const EventPrinter printer(runtime, context, options.verbose);
-  announce(context,
-           fmt::format("robot {} runs (pid {}); Ctrl-C stops it in order, `segue status` looks at it",
-                       robot.robot().name, ::getpid()));
-  const int operated = operate(robot, options, stop, context);
+  if (!context.json()) {
+    print_line(fmt::format("robot {} runs (pid {}); Ctrl-C stops it in order, `segue status` looks at it",
+                           robot.robot().name, ::getpid()));
+  }
+  EventPrinter printer(runtime, context, options.verbose);
+  const int operated = operate(robot, options, stop, printer);
   const int ended = shut_down(robot);
   return operated == kDone ? ended : operated;
 }
@@ -181,7 +195,7 @@ int run(const Options& options, const Context& context) {
   if (!robot) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   const int status = serve(*robot, options, stop, context);
-  if (status == kDone) announce(context, "the robot is stopped");
+  if (status == kDone && !context.json()) print_line("the robot is stopped");
   return status;
 }
 
