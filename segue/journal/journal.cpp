@@ -34,8 +34,10 @@ bool is_refusal(const Error& error) {
 
 /// The queue, and the thread that empties it into the file.
 struct Journal::Implementation {
-  Implementation(std::filesystem::path file, const JournalOptions& wanted, OnTrouble listener)
-      : path(std::move(file)), options(wanted), on_trouble(std::move(listener)) {
+  Implementation(const std::filesystem::path& file, const JournalOptions& wanted, OnTrouble listener)
+      : path(std::filesystem::absolute(file).lexically_normal()),
+        options(wanted),
+        on_trouble(std::move(listener)) {
     thread = std::thread([this] { work(); });
     std::unique_lock lock(mutex);
     changed.wait_until(lock, RealClock::instance().now() + kFirstAttempt,
@@ -237,8 +239,8 @@ void Journal::Implementation::tell(Trouble::Kind kind, const std::string& messag
   if (on_trouble) on_trouble({kind, message, entries_lost});
 }
 
-Journal::Journal(std::filesystem::path path, const JournalOptions& options, OnTrouble on_trouble)
-    : implementation_(std::make_unique<Implementation>(std::move(path), options, std::move(on_trouble))) {}
+Journal::Journal(const std::filesystem::path& path, const JournalOptions& options, OnTrouble on_trouble)
+    : implementation_(std::make_unique<Implementation>(path, options, std::move(on_trouble))) {}
 
 Journal::~Journal() = default;
 

@@ -55,7 +55,8 @@ class Journal {
 
   /// Makes the file and its folders where they are missing. Waits for the first attempt, two seconds at
   /// most; what goes wrong is told and tried again.
-  explicit Journal(std::filesystem::path path, const JournalOptions& options = {}, OnTrouble on_trouble = {});
+  explicit Journal(const std::filesystem::path& path, const JournalOptions& options = {},
+                   OnTrouble on_trouble = {});
   /// Writes what waits, if one attempt does it.
   ~Journal();
   Journal(const Journal&) = delete;

@@ -66,6 +66,19 @@ TEST(Journal, WritesWhatWaitsWhenItEnds) {
     EXPECT_EQ(entries[i].request, i + 1);
 }
 
+TEST(Journal, TakesAPathInTheCurrentFolder) {
+  const Folder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder / "");
+  {
+    Journal journal("j");
+    std::filesystem::current_path(before);
+    journal.add(transition(1));
+    EXPECT_TRUE(journal.flush(soon()));
+  }
+  EXPECT_EQ(all_of(folder / "j").size(), 1U);
+}
+
 TEST(Journal, GoesOnWithAnEarlierFile) {
   const Folder folder;
   for (std::uint64_t i = 1; i <= 3; ++i) {
