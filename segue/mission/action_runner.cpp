@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/engine_core.hpp>
+#include <segue/mission/index.hpp>
+
+#include <algorithm>
+
+namespace segue::mission {
+
+using type::Value;
+
+void Completer::operator()(Ending ending, std::vector<Value> outputs) const {
+  if (mailbox_) mailbox_->post({activation_, generation_, std::move(ending), std::move(outputs)});
+}
+
+const Action& Call::action() const {
+  return engine_.program->mission().actions[engine_.program->node(activation_.state).action];
+}
+StateIndex Call::state() const {
+  return activation_.state;
+}
+const Program& Call::program() const {
+  return *engine_.program;
+}
+std::string Call::path() const {
+  return engine_.path(activation_);
+}
+std::span<const Value> Call::inputs() const {
+  return activation_.inputs;
+}
+std::span<Value> Call::outputs() {
+  return activation_.outputs;
+}
+
+const Value& Call::input(std::string_view name) const {
+  static const Value kNull;
+  const auto found = position(action().inputs, name);
+  return found ? activation_.inputs[*found] : kNull;
+}
+
+bool Call::set_output(std::string_view name, Value value) {
+  const auto found = position(action().outputs, name);
+  if (found) activation_.outputs[*found] = std::move(value);
+  return found.has_value();
+}
+
+std::optional<Outcome> Call::outcome(std::string_view name) const {
+  if (name == kAbortedName) return kAborted;
+  if (name == kPreemptedName) return kPreempted;
+  const auto& outcomes = action().outcomes;
+  const auto found = std::ranges::find(outcomes, name);
+  if (found == outcomes.end()) return std::nullopt;
+  return static_cast<Outcome>(found - outcomes.begin());
+}
+
+Globals& Call::globals() const {
+  return engine_.globals;
+}
+const std::string& Call::error_before() const {
+  return activation_.error_before;
+}
+std::uint64_t Call::iteration() const {
+  return activation_.iteration;
+}
+bool Call::backward() const {
+  return engine_.backward_;
+}
+
+std::span<const BranchResult> Call::branches() const {
+  if (activation_.parent == nullptr) return {};
+  return activation_.parent->branches;
+}
+
+Completer Call::defer(std::function<void()> preempt) {
+  activation_.deferred = true;
+  activation_.preempt = std::move(preempt);
+  ++engine_.open_calls_;
+  Completer completer;
+  completer.mailbox_ = engine_.mailbox;
+  completer.activation_ = &activation_;
+  completer.generation_ = activation_.generation;
+  return completer;
+}
+
+void Call::end_after(Duration duration, Ending ending) {
+  activation_.timed = std::move(ending);
+  engine_.timers_.push(
+      {engine_.now() + duration, ++engine_.timer_order_, &activation_, activation_.generation});
+}
+
+namespace {
+
+/// What is simulated, and what is expected of actions that say nothing else.
+class Simulation final : public ActionRunner {
+ public:
+  explicit Simulation(bool as_expected) : as_expected_(as_expected) {}
+
+  std::optional<Ending> start(Call& call) override {
+    if (call.backward()) return Ending{};
+    const Action& action = call.action();
+    const auto* declared = std::get_if<Simulated>(&action.run);
+    if (as_expected_ || declared == nullptr) {
+      const Outcome outcome = call.outcome(action.expected_outcome).value_or(0);
+      return after(call, action.expected_duration.value_or(Duration::zero()), {outcome, {}});
+    }
+    for (const PortValue& output : declared->outputs)
+      call.set_output(output.port, output.value);
+    Ending ending;
+    if (!declared->outcomes.empty()) {
+      const std::size_t turn = std::min<std::size_t>(call.iteration(), declared->outcomes.size() - 1);
+      ending.outcome = call.outcome(declared->outcomes[turn]).value_or(kAborted);
+    }
+    if (ending.outcome == kAborted)
+      ending.error = declared->error.empty() ? "simulated failure" : declared->error;
+    return after(call, declared->duration, std::move(ending));
+  }
+
+ private:
+  static std::optional<Ending> after(Call& call, Duration duration, Ending ending) {
+    if (duration == Duration::zero()) return ending;
+    call.end_after(duration, std::move(ending));
+    return std::nullopt;
+  }
+
+  bool as_expected_;
+};
+
+class Decisions final : public ActionRunner {
+ public:
+  std::optional<Ending> start(Call& call) override {
+    const auto& decision = std::get<Decision>(call.action().run);
+    for (const DecisionRule& rule : decision.rules) {
+      const bool fits = std::ranges::all_of(rule.when, [&](const auto& when) { return holds(call, when); });
+      if (fits) return Ending{call.outcome(rule.outcome).value_or(kAborted), {}};
+    }
+    return Ending{kAborted, "none of its rules fits how the states ended"};
+  }
+
+ private:
+  static bool holds(const Call& call, const std::pair<std::string, std::string>& when) {
+    return std::ranges::any_of(call.branches(), [&](const BranchResult& branch) {
+      return call.program().state(branch.state).id.str() == when.first &&
+             call.program().outcome_name(branch.state, branch.outcome) == when.second;
+    });
+  }
+};
+
+class FunctionRunner final : public ActionRunner {
+ public:
+  explicit FunctionRunner(Function function) : function_(std::move(function)) {}
+  std::optional<Ending> start(Call& call) override { return function_(call); }
+
+ private:
+  Function function_;
+};
+
+}  // namespace
+
+Runners::Runners()
+    : simulation_(std::make_shared<Simulation>(false)),
+      expectation_(std::make_shared<Simulation>(true)),
+      decisions_(std::make_shared<Decisions>()) {}
+Runners::~Runners() = default;
+
+void Runners::add(const std::string& callback, Function function) {
+  add(callback, std::make_shared<FunctionRunner>(std::move(function)));
+}
+void Runners::add(const std::string& callback, std::shared_ptr<ActionRunner> runner) {
+  callbacks_[callback] = std::move(runner);
+}
+void Runners::set_scripts(std::shared_ptr<ActionRunner> runner) {
+  scripts_ = std::move(runner);
+}
+void Runners::simulate_all() {
+  simulate_all_ = true;
+}
+
+Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission& mission) const {
+  std::vector<std::shared_ptr<ActionRunner>> result;
+  result.reserve(mission.actions.size());
+  for (const Action& action : mission.actions) {
+    auto runner = runner_of(action);
+    if (!runner) return runner.error();
+    result.push_back(std::move(*runner));
+  }
+  return result;
+}
+
+Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) const {
+  const std::string what = "action " + quote(action.name.str());
+  if (std::holds_alternative<Decision>(action.run)) return decisions_;
+  if (std::holds_alternative<Simulated>(action.run)) return simulation_;
+  if (simulate_all_) return expectation_;
+  if (const auto* callback = std::get_if<Callback>(&action.run)) {
+    const auto found = callbacks_.find(callback->name);
+    if (found != callbacks_.end()) return found->second;
+    return fail(
+        ErrorCode::NotFound,
+        what + ": this program has no callback " + quote(callback->name) + "; simulate it, or register one",
+        action.name.str(), action.where);
+  }
+  if (std::holds_alternative<Script>(action.run) && scripts_) return scripts_;
+  const bool script = std::holds_alternative<Script>(action.run);
+  return fail(ErrorCode::NotFound,
+              what + (script ? ": scripts cannot be run here; simulate it"
+                             : " does not say under 'run' how it runs; simulate it, or say it"),
+              action.name.str(), action.where);
+}
+
+}  // namespace segue::mission

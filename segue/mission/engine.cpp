@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+#include <segue/mission/engine_core.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/index.hpp>
+
+#include <algorithm>
+
+namespace segue::mission {
+
+using Mode = detail::EngineCore::Mode;
+
+Engine::Engine(std::unique_ptr<detail::EngineCore> core) : core_(std::move(core)) {}
+Engine::~Engine() = default;
+
+Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> program, const Runners& runners,
+                                               EngineOptions options) {
+  auto assigned = runners.assign(program->mission());
+  if (!assigned) return assigned.error();
+  auto core =
+      std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(options));
+  return std::unique_ptr<Engine>(new Engine(std::move(core)));
+}
+
+Result<void> Engine::set_input(std::string_view name, type::Value value) {
+  const auto& ports = *core_->program->node(0).input_ports;
+  const auto found = position(ports, name);
+  if (!found) {
+    return fail(ErrorCode::NotFound,
+                "the mission has no input " + quote(name) + detail::suggestion(ports, std::string(name)));
+  }
+  if (!accepts(ports[*found].type, value)) {
+    return fail(ErrorCode::TypeMismatch, "the input " + quote(name) + " is of type " + ports[*found].type +
+                                             ", not " + type::describe(value));
+  }
+  core_->given_inputs.emplace_back(*found, std::move(value));
+  return {};
+}
+
+Result<void> Engine::start_at(std::string_view path) {
+  const Program& program = *core_->program;
+  std::vector<StateIndex> states;
+  StateIndex around = 0;
+  for (std::string_view rest = path; !rest.empty();) {
+    while (program.node(around).kind == StateKind::Library)
+      around = program.node(around).library;
+    const std::string_view id = rest.substr(0, rest.find('/'));
+    rest.remove_prefix(std::min(rest.size(), id.size() + 1));
+    const auto& children = program.node(around).children;
+    const auto found =
+        std::ranges::find_if(children, [&](StateIndex i) { return program.state(i).id.str() == id; });
+    if (found == children.end()) return fail(ErrorCode::NotFound, "there is no state " + quote(path));
+    around = *found;
+    states.push_back(around);
+  }
+  core_->start_path.assign(states.rbegin(), states.rend());
+  return {};
+}
+
+Engine::Progress Engine::run() {
+  return core_->run();
+}
+const MissionResult& Engine::result() const {
+  return core_->result;
+}
+void Engine::pause() {
+  core_->mailbox->request_pause();
+}
+void Engine::stop() {
+  core_->mailbox->request_stop();
+}
+
+void Engine::resume() {
+  core_->release(Mode::Run);
+}
+void Engine::step_into() {
+  core_->release(Mode::Hold);
+}
+void Engine::step_over() {
+  core_->mark_held(false);
+  core_->release(Mode::Marked);
+}
+void Engine::step_out() {
+  core_->mark_held(true);
+  core_->release(Mode::Marked);
+}
+void Engine::run_to(std::string path) {
+  core_->until = std::move(path);
+  core_->release(Mode::Until);
+}
+Result<void> Engine::step_back() {
+  return core_->step_back();
+}
+std::vector<std::string> Engine::held_at() const {
+  return core_->held_at();
+}
+
+const Program& Engine::program() const {
+  return *core_->program;
+}
+const History& Engine::history() const {
+  return core_->history;
+}
+Globals& Engine::globals() {
+  return core_->globals;
+}
+std::uint64_t Engine::executions() const {
+  return core_->executions;
+}
+
+}  // namespace segue::mission

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/globals.hpp>
+#include <segue/mission/history.hpp>
+#include <segue/mission/program.hpp>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace segue::mission {
+
+struct EngineOptions {
+  /// With a VirtualClock time jumps to the next end of an action as soon as nothing else is to be done.
+  Clock* clock = &RealClock::instance();
+  bool history = true;
+  /// Keeps what is needed to step back: inputs, and the values that executions replaced.
+  bool backward = false;
+  /// How long an action that is preempted may go on, in real time; then it counts as aborted and is
+  /// forgotten.
+  Duration preemption_grace = std::chrono::seconds(10);
+  /// Told what is odd but no failure, such as an input of another type than declared.
+  std::function<void(std::string)> warn;
+};
+
+/// How a mission ended. Outputs are in the order of the root's declaration.
+struct MissionResult {
+  Outcome outcome = 0;
+  std::string outcome_name;
+  std::string error;  ///< why it aborted
+  std::vector<type::Value> outputs;
+};
+
+/// Runs a mission as it is written: the reference semantics, which is RAFCON's (docs/missions.md). One thread
+/// owns an engine and calls everything but what says otherwise. One run each.
+class Engine {
+ public:
+  /// NotFound where an action has no runner.
+  static Result<std::unique_ptr<Engine>> create(std::shared_ptr<const Program> program,
+                                                const Runners& runners, EngineOptions options = {});
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// Inputs of the root, by name, in place of their defaults. NotFound, TypeMismatch. Before the first run().
+  Result<void> set_input(std::string_view name, type::Value value);
+  /// Begins at that state ("fetch/grasp") instead of the start of the hierarchies around it. NotFound. Before
+  /// the first run().
+  Result<void> start_at(std::string_view path);
+
+  enum class Progress { Ended, Held };
+  /// Goes on until the mission has ended, or all that could go on is held (paused or stepped). Blocks.
+  Progress run();
+  /// Requires that run() has answered Ended.
+  [[nodiscard]] const MissionResult& result() const;
+
+  /// From any thread: hierarchies stop before their next state. Actions under way go on.
+  void pause();
+  /// From any thread: preempts everything under way; preemption handlers still run.
+  void stop();
+
+  /// What run() does next, once it has answered Held (or before its first call): everything; one state,
+  /// entering it where it has states; one state with all that is in it; the rest of the hierarchy; until this
+  /// state comes next.
+  void resume();
+  void step_into();
+  void step_over();
+  void step_out();
+  void run_to(std::string path);
+  /// Undoes the last action before where the mission is held, and blocks until that has ended. Its backward
+  /// execution is called, then all data is as it was before it. States side by side are undone together.
+  /// InvalidState where nothing is held or `backward` was not asked for, NotFound at the beginning.
+  Result<void> step_back();
+  /// The states that come next where it is held, as paths, in their order.
+  [[nodiscard]] std::vector<std::string> held_at() const;
+
+  [[nodiscard]] const Program& program() const;
+  [[nodiscard]] const History& history() const;
+  [[nodiscard]] Globals& globals();
+  /// Executions of states that have begun, actions and containers.
+  [[nodiscard]] std::uint64_t executions() const;
+
+ private:
+  explicit Engine(std::unique_ptr<detail::EngineCore> core);
+  std::unique_ptr<detail::EngineCore> core_;
+};
+
+}  // namespace segue::mission

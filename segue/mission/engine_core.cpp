@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/engine_core.hpp>
+
+#include <algorithm>
+
+namespace segue::mission::detail {
+
+namespace {
+
+/// Steps after which others that are ready have their turn.
+constexpr int kTurn = 64;
+
+}  // namespace
+
+EngineCore::EngineCore(std::shared_ptr<const Program> program_,
+                       std::vector<std::shared_ptr<ActionRunner>> runners_, EngineOptions options_)
+    : program(std::move(program_)),
+      runners(std::move(runners_)),
+      options(std::move(options_)),
+      globals(program->mission().globals),
+      iterations_(program->nodes().size()),
+      virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {}
+
+void EngineCore::begin() {
+  root_ = make(0, nullptr);
+  for (const Supply& supply : program->node(0).inputs)
+    root_->inputs.push_back(fallback(supply));
+  for (auto& [position, value] : given_inputs)
+    root_->inputs[position] = std::move(value);
+  ready_.push_back(root_);
+}
+
+Engine::Progress EngineCore::run() {
+  if (root_ == nullptr) begin();
+  while (!ended) {
+    if (mailbox->has_news()) read_news();
+    if (!ready_.empty()) {
+      Activation* next = ready_.front();
+      ready_.pop_front();
+      go_on(next);
+    } else if (!wait()) {
+      return Engine::Progress::Held;
+    }
+  }
+  return Engine::Progress::Ended;
+}
+
+void EngineCore::go_on(Activation* activation) {
+  for (int i = 0; activation != nullptr; ++i) {
+    if (i > 0 && mailbox->has_news()) return ready_.push_front(activation);
+    if (i == kTurn) return ready_.push_back(activation);
+    activation = step(*activation);
+  }
+}
+
+Activation* EngineCore::step(Activation& activation) {
+  switch (activation.phase) {
+    case Activation::Phase::Begin:
+      return enter(activation);
+    case Activation::Phase::Proceed:
+      return proceed(activation);
+    case Activation::Phase::Finish:
+      return finish(activation);
+    case Activation::Phase::Wait:
+    case Activation::Phase::Done:
+      break;
+  }
+  return nullptr;
+}
+
+/// False where nothing can come any more but through a release of what is held.
+bool EngineCore::wait() {
+  if (fire_timers()) return true;
+  const bool timed = !timers_.empty();
+  if (!timed && open_calls_ == 0) return mailbox->has_news();
+  if (timed && virtual_clock_ != nullptr && open_calls_ == 0) {
+    virtual_clock_->advance(timers_.top().when - now());
+    return true;
+  }
+  std::optional<TimePoint> deadline;
+  if (timed && virtual_clock_ == nullptr) deadline = timers_.top().when;
+  for (const auto& [when, late] : late_)
+    deadline = std::min(deadline.value_or(when), when);
+  mailbox->wait(deadline);
+  abandon_late();
+  return true;
+}
+
+void EngineCore::read_news() {
+  Mailbox::News news = mailbox->take();
+  for (Letter& letter : news.letters) {
+    Activation& activation = *letter.activation;
+    if (!activation.deferred || activation.generation != letter.generation) continue;
+    if (letter.outputs.size() == activation.outputs.size()) activation.outputs = std::move(letter.outputs);
+    complete(activation, std::move(letter.ending));
+  }
+  if (news.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
+  if (!news.stop) return;
+  mode_ = Mode::Run;
+  if (root_ != nullptr) preempt(*root_);
+}
+
+bool EngineCore::fire_timers() {
+  bool fired = false;
+  while (!timers_.empty()) {
+    const Timer timer = timers_.top();
+    const bool void_ = timer.activation->generation != timer.generation;
+    if (!void_ && timer.when > now()) break;
+    timers_.pop();
+    if (void_) continue;
+    complete(*timer.activation, std::move(timer.activation->timed));
+    fired = true;
+  }
+  return fired;
+}
+
+void EngineCore::abandon_late() {
+  if (late_.empty()) return;
+  const TimePoint real = RealClock::instance().now();
+  std::erase_if(late_, [&](const auto& late) {
+    Activation& activation = *late.second.activation;
+    if (activation.generation != late.second.generation) return true;
+    if (late.first > real) return false;
+    activation.preempted = false;  // it did not do as it was told: that is a failure
+    complete(activation, {kAborted, "it was preempted, but went on; given up"});
+    return true;
+  });
+}
+
+void EngineCore::complete(Activation& activation, Ending ending) {
+  ++activation.generation;
+  if (activation.deferred) --open_calls_;
+  activation.deferred = false;
+  activation.preempt = nullptr;
+  check(activation, ending);
+  activation.phase = Activation::Phase::Finish;
+  ready_.push_back(&activation);
+}
+
+void EngineCore::preempt(Activation& root) {
+  std::vector<Activation*> open = {&root};
+  while (!open.empty()) {
+    Activation& activation = *open.back();
+    open.pop_back();
+    activation.preempted = true;
+    open.insert(open.end(), activation.children.begin(), activation.children.end());
+    if (activation.held) let_go(activation);
+    if (is_container(program->node(activation.state).kind) || activation.phase != Activation::Phase::Wait)
+      continue;
+    if (activation.deferred) {
+      late_.emplace_back(RealClock::instance().now() + options.preemption_grace,
+                         Timer{{}, 0, &activation, activation.generation});
+      if (const auto told = std::exchange(activation.preempt, nullptr)) told();
+    } else if (program->node(activation.state).kind != StateKind::Library) {
+      complete(activation, {kPreempted, {}});
+    }
+  }
+}
+
+}  // namespace segue::mission::detail

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/engine_core.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/index.hpp>
+
+namespace segue::mission::detail {
+
+using type::Value;
+
+Activation* EngineCore::make(StateIndex state, Activation* parent) {
+  if (free_.empty()) {
+    pool_.emplace_back();
+    free_.push_back(&pool_.back());
+  }
+  Activation& activation = *free_.back();
+  free_.pop_back();
+  activation.state = state;
+  activation.parent = parent;
+  activation.phase = Activation::Phase::Begin;
+  activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
+  activation.item = History::kNone;
+  activation.outcome = activation.last = 0;
+  activation.pending = {};
+  activation.open = 0;
+  activation.first = nullptr;
+  return &activation;
+}
+
+void EngineCore::free(Activation& activation) {
+  ++activation.generation;
+  activation.error.clear();
+  activation.error_before.clear();
+  activation.inputs.clear();
+  activation.outputs.clear();
+  activation.children.clear();
+  activation.branches.clear();
+  activation.trail.clear();
+  free_.push_back(&activation);
+}
+
+void EngineCore::free_children(Activation& container) {
+  for (Activation* child : container.children)
+    free(*child);
+  container.children.clear();
+}
+
+Value EngineCore::fallback(const Supply& supply) {
+  if (supply.global.empty()) return supply.fallback;
+  auto value = globals.get(supply.global);
+  if (value) return std::move(*value);
+  if (options.warn) options.warn("there is no global variable " + supply.global);
+  return {};
+}
+
+const Slot* EngineCore::newest(const Supply& supply, const Activation& container) {
+  const Slot* found = nullptr;
+  for (const std::uint32_t index : supply.slots) {
+    const Slot& slot = container.slots[index];
+    if (slot.stamp > (found == nullptr ? 0 : found->stamp)) found = &slot;
+  }
+  return found;
+}
+
+/// A null never replaces a default.
+void EngineCore::fill_inputs(Activation& child, Activation& container) {
+  const Node& node = program->node(child.state);
+  child.inputs.clear();
+  child.inputs.reserve(node.inputs.size());
+  for (std::size_t i = 0; i < node.inputs.size(); ++i) {
+    const Slot* slot = newest(node.inputs[i], container);
+    const bool given = slot != nullptr && !slot->value.is_null();
+    child.inputs.push_back(given ? slot->value : fallback(node.inputs[i]));
+    const Port& port = (*node.input_ports)[i];
+    if (!options.warn || accepts(port.type, child.inputs.back())) continue;
+    warn(child, "input " + port.name + " is of type " + port.type + ", but gets " +
+                    type::describe(child.inputs.back()));
+  }
+  if (container.last != kAborted || container.error.empty()) return;
+  child.error_before = container.error;
+  if (const auto port = position(*node.input_ports, "error")) child.inputs[*port] = container.error;
+}
+
+void EngineCore::set_up(Activation& container) {
+  const Node& node = program->node(container.state);
+  container.slots.resize(node.slots);
+  for (Slot& slot : container.slots)
+    slot.stamp = 0;
+  // The variables' defaults are the oldest.
+  auto slot = static_cast<std::uint32_t>(container.inputs.size());
+  for (const Supply& variable : node.variables)
+    container.slots[slot++] = {fallback(variable), ++stamp_};
+  for (std::uint32_t i = 0; i < container.inputs.size(); ++i)
+    container.slots[i] = {container.inputs[i], ++stamp_};
+  for (const Copy& copy : node.at_begin)
+    container.slots[copy.to] = {container.slots[copy.from].value, ++stamp_};
+}
+
+void EngineCore::set(Activation& container, std::uint32_t slot, Value value) {
+  Slot& there = container.slots[slot];
+  if (options.backward) replaced_.emplace_back(slot, std::move(there));
+  there.value = std::move(value);
+  there.stamp = ++stamp_;
+}
+
+void EngineCore::take_outputs(Activation& container, const Activation& child) {
+  const Node& node = program->node(child.state);
+  for (std::uint32_t i = 0; i < child.outputs.size(); ++i)
+    set(container, node.first_output + i, child.outputs[i]);
+  for (const Copy& copy : node.into_variables)
+    set(container, copy.to, container.slots[copy.from].value);
+}
+
+void EngineCore::give_outputs(Activation& container) {
+  const Node& node = program->node(container.state);
+  container.outputs.clear();
+  for (const Supply& output : node.outputs) {
+    const Slot* slot = newest(output, container);
+    container.outputs.push_back(slot == nullptr ? fallback(output) : slot->value);
+  }
+}
+
+void EngineCore::warn(const Activation& activation, const std::string& message) const {
+  options.warn(path(activation) + ": " + message);
+}
+
+std::string EngineCore::path(const Activation& activation) const {
+  std::vector<const std::string*> ids;
+  for (const Activation* a = &activation; a != nullptr; a = a->parent) {
+    // A root has no name of its own within what uses it.
+    if (program->node(a->state).parent != kNoState) ids.push_back(&program->state(a->state).id.str());
+  }
+  std::string text;
+  for (auto id = ids.rbegin(); id != ids.rend(); ++id)
+    text += (text.empty() ? "" : "/") + **id;
+  return text;
+}
+
+}  // namespace segue::mission::detail

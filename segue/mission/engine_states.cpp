@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/engine_core.hpp>
+#include <segue/mission/index.hpp>
+
+#include <exception>
+
+namespace segue::mission::detail {
+
+using Phase = Activation::Phase;
+
+Activation* EngineCore::enter(Activation& activation) {
+  const Node& node = program->node(activation.state);
+  ++executions;
+  activation.iteration = iterations_[activation.state]++;
+  if (options.history) {
+    const std::uint32_t around = activation.parent == nullptr ? History::kNone : activation.parent->item;
+    activation.item =
+        history.begin({around, activation.state, activation.iteration, 0, false, false, now(), {}});
+  }
+  switch (node.kind) {
+    case StateKind::Execution:
+    case StateKind::Decider:
+      return enter_leaf(activation);
+    case StateKind::Library:
+      return enter_library(activation);
+    case StateKind::Hierarchy:
+      set_up(activation);
+      first_step(activation);
+      activation.phase = Phase::Proceed;
+      return &activation;
+    case StateKind::Barrier:
+    case StateKind::Preemptive:
+      break;
+  }
+  return enter_concurrency(activation);
+}
+
+/// Its start, or where a start at a path leads.
+void EngineCore::first_step(Activation& hierarchy) {
+  hierarchy.pending = program->node(hierarchy.state).start;
+  if (start_path.empty()) return;
+  const Node& wanted = program->node(start_path.back());
+  if (wanted.parent != hierarchy.state) return;
+  hierarchy.pending = {Step::Kind::Child, wanted.position, 0};
+  start_path.pop_back();
+}
+
+Activation* EngineCore::enter_leaf(Activation& leaf) {
+  for (const Supply& output : program->node(leaf.state).outputs)
+    leaf.outputs.push_back(fallback(output));
+  if (leaf.preempted) return leave(leaf, kPreempted);
+  bool under_way = false;
+  const Ending ending = call(leaf, under_way);
+  if (under_way) {
+    leaf.phase = Phase::Wait;
+    return nullptr;
+  }
+  check(leaf, ending);
+  leaf.phase = Phase::Finish;
+  return &leaf;
+}
+
+Ending EngineCore::call(Activation& leaf, bool& under_way) {
+  Call execution(*this, leaf);
+  try {
+    const auto ending = runners[program->node(leaf.state).action]->start(execution);
+    under_way = !ending.has_value();
+    return ending.value_or(Ending{});
+  } catch (const std::exception& exception) {
+    return {kAborted, exception.what()};
+  } catch (...) {
+    return {kAborted, "it threw something that is no exception"};
+  }
+}
+
+/// What a leaf answered, as its outcome.
+void EngineCore::check(Activation& leaf, const Ending& ending) {
+  const auto outcomes = static_cast<Outcome>(program->node(leaf.state).outcomes->size());
+  leaf.outcome = ending.outcome;
+  leaf.error = ending.error;
+  if (leaf.preempted) {
+    leaf.outcome = kPreempted;
+  } else if (ending.outcome < kPreempted || ending.outcome >= outcomes) {
+    leaf.outcome = kAborted;
+    leaf.error = "its action ended with an outcome that it does not have";
+  }
+}
+
+Activation* EngineCore::enter_library(Activation& library) {
+  Activation* root = make(program->node(library.state).library, &library);
+  root->inputs = std::move(library.inputs);
+  root->error_before = library.error_before;
+  root->preempted = library.preempted;
+  library.inputs.clear();
+  library.children.assign(1, root);
+  library.phase = Phase::Wait;
+  return root;
+}
+
+Activation* EngineCore::enter_concurrency(Activation& concurrency) {
+  const Node& node = program->node(concurrency.state);
+  set_up(concurrency);
+  concurrency.phase = Phase::Wait;
+  if (concurrency.preempted) return leave(concurrency, kPreempted);
+  for (const StateIndex state : node.children) {
+    if (state == node.decider) continue;
+    Activation* child = make(state, &concurrency);
+    fill_inputs(*child, concurrency);
+    concurrency.children.push_back(child);
+    ready_.push_back(child);
+  }
+  concurrency.open = static_cast<std::uint32_t>(concurrency.children.size());
+  return nullptr;
+}
+
+/// The next child of a hierarchy, unless it is held, preempted or at its end.
+Activation* EngineCore::proceed(Activation& hierarchy) {
+  const Step step = hierarchy.pending;
+  if (step.kind == Step::Kind::Leave) return leave(hierarchy, step.outcome);
+  if (mode_ != Mode::Run && !hierarchy.preempted && holds(hierarchy)) return nullptr;
+  // Only a child that handles the preemption of the one before still runs.
+  if (hierarchy.preempted && hierarchy.last != kPreempted) return leave(hierarchy, kPreempted);
+  Activation* child = make(program->node(hierarchy.state).children[step.child], &hierarchy);
+  fill_inputs(*child, hierarchy);
+  hierarchy.error.clear();
+  hierarchy.children.assign(1, child);
+  hierarchy.phase = Phase::Wait;
+  return child;
+}
+
+Activation* EngineCore::leave(Activation& activation, Outcome outcome) {
+  activation.outcome = outcome;
+  activation.phase = Phase::Finish;
+  return &activation;
+}
+
+Activation* EngineCore::finish(Activation& activation) {
+  const Node& node = program->node(activation.state);
+  if (is_container(node.kind)) {
+    give_outputs(activation);
+    if (activation.preempted) activation.outcome = kPreempted;
+    if (!options.backward) free_children(activation);
+  }
+  if (!activation.error.empty()) {
+    if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
+  }
+  if (activation.item != History::kNone)
+    history.end(activation.item, activation.outcome, now(), activation.error);
+  Activation* around = activation.parent;
+  if (around == nullptr) {
+    result = {activation.outcome, program->outcome_name(activation.state, activation.outcome),
+              activation.error, activation.outputs};
+    ended = true;
+    return nullptr;
+  }
+  if (activation.mark) around->mark = true;
+  const Node& outer = program->node(around->state);
+  if (outer.kind == StateKind::Hierarchy) return child_of_hierarchy(*around, activation);
+  if (outer.kind != StateKind::Library) return child_of_concurrency(*around, activation);
+  around->outputs = std::move(activation.outputs);
+  for (std::size_t i = 0; i < around->outputs.size(); ++i) {
+    if (around->outputs[i].is_null()) around->outputs[i] = fallback(outer.outputs[i]);
+  }
+  around->outcome = activation.outcome;
+  around->error = activation.error;
+  if (!options.backward) {
+    around->children.clear();
+    free(activation);
+  }
+  around->phase = Phase::Finish;
+  return around;
+}
+
+Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& child) {
+  const Outcome outcome = child.outcome;
+  replaced_.clear();
+  take_outputs(hierarchy, child);
+  hierarchy.pending = program->node(child.state).next[static_cast<std::size_t>(outcome + 2)];
+  hierarchy.phase = Phase::Proceed;
+  hierarchy.children.clear();
+  std::string error = child.error;
+  if (options.backward) {
+    remember(hierarchy, child);
+  } else {
+    free(child);
+  }
+  hierarchy.last = outcome;
+  hierarchy.error = std::move(error);
+  // What nobody handles goes up; outcomes of its own lead somewhere, or the mission is not valid.
+  if (hierarchy.pending.kind == Step::Kind::Nowhere)
+    return leave(hierarchy, outcome == kAborted ? kAborted : kPreempted);
+  return &hierarchy;
+}
+
+Activation* EngineCore::child_of_concurrency(Activation& concurrency, Activation& child) {
+  child.phase = Phase::Done;
+  const Node& node = program->node(concurrency.state);
+  if (child.state == node.decider) return follow(concurrency, child);
+  if (node.kind == StateKind::Preemptive && concurrency.first == nullptr) {
+    concurrency.first = &child;
+    for (Activation* other : concurrency.children) {
+      if (other != &child && !other->preempted) preempt(*other);
+    }
+  }
+  return --concurrency.open == 0 ? join(concurrency) : nullptr;
+}
+
+/// All children have ended.
+Activation* EngineCore::join(Activation& concurrency) {
+  const Node& node = program->node(concurrency.state);
+  for (const Activation* child : concurrency.children) {
+    take_outputs(concurrency, *child);
+    concurrency.branches.push_back({child->state, child->outcome, child->error});
+  }
+  if (concurrency.preempted) return leave(concurrency, kPreempted);
+  if (node.kind == StateKind::Preemptive) {
+    take_outputs(concurrency, *concurrency.first);
+    return follow(concurrency, *concurrency.first);
+  }
+  Activation* decider = make(node.decider, &concurrency);
+  fill_inputs(*decider, concurrency);
+  concurrency.children.push_back(decider);
+  return decider;
+}
+
+/// Leaves as the transition of the child that counts says.
+Activation* EngineCore::follow(Activation& concurrency, const Activation& child) {
+  if (program->node(child.state).kind == StateKind::Decider) take_outputs(concurrency, child);
+  const Step step = program->node(child.state).next[static_cast<std::size_t>(child.outcome + 2)];
+  if (child.outcome == kAborted) concurrency.error = child.error.empty() ? "state aborted" : child.error;
+  const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : child.outcome;
+  return leave(concurrency, outcome);
+}
+
+}  // namespace segue::mission::detail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/program.hpp>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace segue::mission {
+
+/// What was executed, as a tree: every execution of a state, in the order in which they began. Owned by an
+/// engine; read it in the engine's thread.
+class History {
+ public:
+  static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
+
+  struct Item {
+    std::uint32_t parent = kNone;  ///< the item of the state around
+    StateIndex state = kNoState;
+    std::uint32_t iteration = 0;  ///< how often the state had begun before
+    Outcome outcome = 0;
+    bool ended = false;
+    bool undone = false;  ///< a later step back took it back
+    TimePoint began{};
+    TimePoint end{};
+  };
+
+  [[nodiscard]] const std::vector<Item>& items() const { return items_; }
+  /// What an item aborted with; empty where it did not.
+  [[nodiscard]] std::string_view error(std::uint32_t item) const {
+    const auto found = errors_.find(item);
+    return found == errors_.end() ? std::string_view{} : std::string_view(found->second);
+  }
+  /// "fetch/grasp": through libraries too.
+  [[nodiscard]] std::string path(const Program& program, std::uint32_t item) const;
+
+  std::uint32_t begin(Item item) {
+    items_.push_back(item);
+    return static_cast<std::uint32_t>(items_.size() - 1);
+  }
+  void end(std::uint32_t item, Outcome outcome, TimePoint when, const std::string& error) {
+    items_[item].outcome = outcome;
+    items_[item].ended = true;
+    items_[item].end = when;
+    if (!error.empty()) errors_[item] = error;
+  }
+  void undo(std::uint32_t item) { items_[item].undone = true; }
+
+ private:
+  std::vector<Item> items_;
+  std::unordered_map<std::uint32_t, std::string> errors_;
+};
+
+}  // namespace segue::mission

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/files.hpp>
+#include <segue/mission/index.hpp>
+#include <segue/mission/program.hpp>
+
+#include <algorithm>
+
+namespace segue::mission {
+namespace {
+
+/// Resolves the names of a mission without errors.
+class Compiler {
+ public:
+  Compiler(const Mission& mission, std::vector<Node>& nodes)
+      : mission_(mission), index_(mission), nodes_(nodes) {}
+
+  void run() {
+    nodes_.resize(mission_.states.size());
+    for (StateIndex i = 0; i < nodes_.size(); ++i)
+      interface(i);
+    for (StateIndex i = 0; i < nodes_.size(); ++i) {
+      if (is_container(nodes_[i].kind)) container(i);
+    }
+    for (StateIndex i = 0; i < nodes_.size(); ++i) {
+      if (nodes_[i].parent != kNoState) transitions(i);
+    }
+  }
+
+ private:
+  void interface(StateIndex i) {
+    const State& state = mission_.states[i];
+    Node& node = nodes_[i];
+    node.kind = state.kind;
+    node.parent = state.parent;
+    node.children = state.children;
+    const Interface shown = *index_.interface(i);
+    node.input_ports = shown.inputs;
+    node.output_ports = shown.outputs;
+    node.outcomes = shown.outcomes;
+    node.inputs = supplies(*shown.inputs, state.input_values);
+    node.outputs = supplies(*shown.outputs, state.output_values);
+    node.variables = supplies(state.variables, {});
+    node.next.resize(shown.outcomes->size() + 2);
+    if (state.kind == StateKind::Library) {
+      node.library = index_.library(state.library)->root;
+    } else if (!is_container(state.kind)) {
+      node.action = static_cast<std::uint32_t>(index_.action(state.action) - mission_.actions.data());
+    }
+  }
+
+  static std::vector<Supply> supplies(const std::vector<Port>& ports, const std::vector<PortValue>& given) {
+    std::vector<Supply> result;
+    result.reserve(ports.size());
+    for (const Port& port : ports) {
+      const auto own = std::ranges::find(given, port.name, &PortValue::port);
+      result.push_back(supply(own == given.end() ? port.value : own->value));
+    }
+    return result;
+  }
+
+  static Supply supply(const type::Value& value) {
+    Supply result;
+    if (!value.is_string() || !value.as_string().starts_with('$')) {
+      result.fallback = value;
+    } else if (value.as_string().starts_with("$$")) {
+      result.fallback = value.as_string().substr(1);
+    } else {
+      result.global = value.as_string().substr(1);
+    }
+    return result;
+  }
+
+  void container(StateIndex i) {
+    const State& state = mission_.states[i];
+    Node& node = nodes_[i];
+    auto slot = static_cast<std::uint32_t>(state.inputs.size() + state.variables.size());
+    for (std::uint32_t position = 0; position < state.children.size(); ++position) {
+      Node& child = nodes_[state.children[position]];
+      child.position = position;
+      child.first_output = slot;
+      slot += static_cast<std::uint32_t>(child.output_ports->size());
+      if (child.kind == StateKind::Decider) node.decider = state.children[position];
+    }
+    node.slots = slot;
+    if (state.start) node.start = step(i, *state.start);
+    for (const DataFlow& flow : state.flows)
+      connect(i, flow);
+  }
+
+  void connect(StateIndex i, const DataFlow& flow) {
+    const State& state = mission_.states[i];
+    const std::uint32_t from = slot_of(i, flow.from);
+    switch (flow.to.owner) {
+      case Owner::Child: {
+        Node& child = nodes_[index_.child(i, flow.to.state)];
+        child.inputs[*position(*child.input_ports, flow.to.port)].slots.push_back(from);
+        return;
+      }
+      case Owner::Outputs:
+        nodes_[i].outputs[*position(state.outputs, flow.to.port)].slots.push_back(from);
+        return;
+      default:
+        break;
+    }
+    const Copy copy{from, slot_of(i, flow.to)};
+    if (flow.from.owner == Owner::Child) {
+      nodes_[index_.child(i, flow.from.state)].into_variables.push_back(copy);
+    } else {
+      nodes_[i].at_begin.push_back(copy);
+    }
+  }
+
+  [[nodiscard]] std::uint32_t slot_of(StateIndex i, const PortRef& ref) const {
+    const State& state = mission_.states[i];
+    if (ref.owner == Owner::Inputs) return static_cast<std::uint32_t>(*position(state.inputs, ref.port));
+    if (ref.owner == Owner::Variables)
+      return static_cast<std::uint32_t>(state.inputs.size() + *position(state.variables, ref.port));
+    const Node& child = nodes_[index_.child(i, ref.state)];
+    return child.first_output + static_cast<std::uint32_t>(*position(*child.output_ports, ref.port));
+  }
+
+  void transitions(StateIndex i) {
+    const State& state = mission_.states[i];
+    for (const Transition& transition : state.transitions) {
+      const Outcome outcome = number(*nodes_[i].outcomes, transition.outcome);
+      nodes_[i].next[static_cast<std::size_t>(outcome + 2)] = step(state.parent, transition.to);
+    }
+  }
+
+  [[nodiscard]] Step step(StateIndex container, const Target& target) const {
+    if (target.leaves()) return {Step::Kind::Leave, 0, number(*nodes_[container].outcomes, target.outcome)};
+    return {Step::Kind::Child, nodes_[index_.child(container, target.state)].position, 0};
+  }
+
+  static Outcome number(const std::vector<std::string>& outcomes, std::string_view name) {
+    if (name == kAbortedName) return kAborted;
+    if (name == kPreemptedName) return kPreempted;
+    return static_cast<Outcome>(std::ranges::find(outcomes, name) - outcomes.begin());
+  }
+
+  const Mission& mission_;
+  MissionIndex index_;
+  std::vector<Node>& nodes_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const Program>> Program::compile(Mission mission) {
+  const Diagnostics problems = validate(mission);
+  if (problems.has_errors()) return problems.to_error();
+  auto program = std::make_shared<Program>(std::move(mission));
+  Compiler(program->mission_, program->nodes_).run();
+  return std::shared_ptr<const Program>(std::move(program));
+}
+
+std::string Program::outcome_name(StateIndex state, Outcome outcome) const {
+  if (outcome == kAborted) return std::string(kAbortedName);
+  if (outcome == kPreempted) return std::string(kPreemptedName);
+  return (*nodes_[state].outcomes)[static_cast<std::size_t>(outcome)];
+}
+
+}  // namespace segue::mission
