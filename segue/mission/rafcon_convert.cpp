@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/rafcon_state.hpp>
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+namespace segue::mission::detail {
+namespace {
+
+using type::Value;
+
+/// Numbers beyond this mean a machine that contains itself many times over; they stay there.
+constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
+
+/// A name as an id: letters, digits, '_' and '-'.
+std::string identifier(const std::string& name) {
+  std::string id;
+  for (const char c : name) {
+    const bool fits =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    id += fits ? c : '_';
+  }
+  if (id.empty() || id.front() == '-') id.insert(0, "_");
+  if (id == "inputs" || id == "outputs" || id == "variables") id += "_";
+  return id.substr(0, 200);
+}
+
+/// The name, or with a number behind it where it is taken.
+std::string unique(std::string name, std::set<std::string>& taken) {
+  std::string candidate = name;
+  for (int i = 2; !taken.insert(candidate).second; ++i)
+    candidate = name + "_" + std::to_string(i);
+  return candidate;
+}
+
+/// Ports and outcomes of a state by RAFCON's numbers, under the names they have in the mission.
+struct Names {
+  std::map<std::int64_t, std::string> inputs;
+  std::map<std::int64_t, std::string> outputs;
+  std::map<std::int64_t, std::string> variables;
+  std::map<std::int64_t, std::string> outcomes;
+};
+
+class Converter {
+ public:
+  Converter(const RafconFiles& files, Diagnostics& diagnostics) : files_(files), diagnostics_(diagnostics) {}
+
+  std::optional<RafconImport> run() {
+    const std::size_t errors_before = diagnostics_.error_count();
+    name_libraries();
+    mission_.name = identifier(files_.root->name.empty() ? files_.root->id : files_.root->name);
+    add(*files_.root, kNoState, mission_.name);
+    mission_.states.front().title = files_.root->name == mission_.name ? "" : files_.root->name;
+    for (const auto& [path, root] : files_.libraries) {
+      const StateIndex index = add(*root, kNoState, library_names_[path]);
+      mission_.libraries.push_back({library_names_[path], index, {}});
+    }
+    RafconImport result{{}, count(*files_.root)};
+    if (diagnostics_.error_count() > errors_before) return std::nullopt;
+    result.mission = std::move(mission_);
+    return result;
+  }
+
+ private:
+  void error(std::string code, const std::string& message, const SourceLocation& where) {
+    diagnostics_.error(std::move(code), message, where);
+  }
+
+  void name_libraries() {
+    std::set<std::string> taken;
+    for (const auto& [path, root] : files_.libraries) {
+      std::string name;
+      for (std::size_t begin = 0; begin <= path.size();) {
+        const auto slash = std::min(path.find('/', begin), path.size());
+        name += (begin == 0 ? "" : "/") + identifier(path.substr(begin, slash - begin));
+        begin = slash + 1;
+      }
+      library_names_[path] = unique(name, taken);
+    }
+  }
+
+  static std::map<std::int64_t, std::string> names_of(const RafconPorts& ports) {
+    std::map<std::int64_t, std::string> names;
+    std::set<std::string> taken;
+    for (const auto& [id, port] : ports)
+      names[id] = unique(port.name.empty() ? "port" : port.name, taken);
+    return names;
+  }
+
+  /// What a state shows: a library state's is that of its machine, through any number of uses.
+  const Names& names(const RafconState& state) {
+    const RafconState* shown = &state;
+    for (std::size_t steps = 0; shown->kind == StateKind::Library && steps <= files_.libraries.size();
+         ++steps)
+      shown = files_.libraries.at(shown->library).get();
+    const auto [found, fresh] = names_.try_emplace(shown);
+    if (!fresh) return found->second;
+    Names& names = found->second;
+    names.inputs = names_of(shown->inputs);
+    names.outputs = names_of(shown->outputs);
+    names.variables = names_of(shown->variables);
+    std::set<std::string> taken = {std::string(kAbortedName), std::string(kPreemptedName)};
+    for (const auto& [id, name] : shown->outcomes)
+      names.outcomes[id] = id < 0 ? name : unique(name.empty() ? "outcome" : name, taken);
+    return names;
+  }
+
+  static std::vector<Port> ports(const RafconPorts& ports, const std::map<std::int64_t, std::string>& names) {
+    std::vector<Port> result;
+    for (const auto& [id, port] : ports)
+      result.push_back({names.at(id), port.type, port.value, {}});
+    return result;
+  }
+
+  static std::vector<std::string> outcomes(const Names& names) {
+    std::vector<std::string> result;
+    for (const auto& [id, name] : names.outcomes) {
+      if (id >= 0) result.push_back(name);
+    }
+    return result;
+  }
+
+  /// The state and all below it, parents first.
+  StateIndex add(const RafconState& raw, StateIndex parent, const std::string& id) {
+    State state;
+    state.id = StateId(id);
+    if (parent != kNoState && raw.name != id) state.title = raw.name;
+    state.description = raw.description;
+    state.kind = raw.kind;
+    state.notes = raw.notes;
+    state.where = raw.where;
+    const Names& shown = names(raw);
+    if (raw.kind == StateKind::Library) {
+      state.library = library_names_.at(raw.library);
+      give(state.input_values, raw.input_values, shown.inputs);
+      give(state.output_values, raw.output_values, shown.outputs);
+    } else if (!is_container(raw.kind)) {
+      state.action = add_action(raw, shown, id);
+    } else {
+      state.inputs = ports(raw.inputs, shown.inputs);
+      state.outputs = ports(raw.outputs, shown.outputs);
+      state.outcomes = outcomes(shown);
+      state.variables = ports(raw.variables, shown.variables);
+    }
+    const StateIndex index = mission_.add(parent, std::move(state));
+    if (is_container(raw.kind)) add_inside(raw, index);
+    return index;
+  }
+
+  static void give(std::vector<PortValue>& values, const std::map<std::int64_t, Value>& given,
+                   const std::map<std::int64_t, std::string>& names) {
+    for (const auto& [id, value] : given) {
+      if (const auto name = names.find(id); name != names.end()) values.push_back({name->second, value, {}});
+    }
+  }
+
+  ActionName add_action(const RafconState& raw, const Names& shown, const std::string& id) {
+    Action action;
+    action.description = raw.description;
+    action.inputs = ports(raw.inputs, shown.inputs);
+    action.outputs = ports(raw.outputs, shown.outputs);
+    action.outcomes = outcomes(shown);
+    action.where = raw.where;
+    if (!raw.script.empty()) action.run = Script{{}, raw.script};
+    std::string name = id;
+    std::ranges::replace(name, '/', ':');
+    action.name = ActionName(unique(std::move(name), action_names_));
+    mission_.actions.push_back(action);
+    return action.name;
+  }
+
+  /// Children by RAFCON's ids.
+  struct Inside {
+    const RafconState* raw = nullptr;
+    StateIndex index = kNoState;
+  };
+  using Children = std::unordered_map<std::string, Inside>;
+
+  void add_inside(const RafconState& raw, StateIndex index) {
+    Children children;
+    std::set<std::string> taken;
+    for (const auto& child : raw.children) {
+      const std::string id = unique(identifier(child->name.empty() ? child->id : child->name), taken);
+      const StateIndex added = add(*child, index, id);
+      if (!children.emplace(child->id, Inside{child.get(), added}).second)
+        error("duplicate-state", "two states have the id " + quote(child->id), child->where);
+    }
+    for (const RafconLink& transition : raw.transitions)
+      add_transition(raw, index, transition, children);
+    for (const RafconLink& flow : raw.flows)
+      add_flow(raw, index, flow, children);
+  }
+
+  std::optional<Target> target(const RafconState& raw, const RafconLink& link, const Children& children) {
+    if (link.to_state.empty() || link.to_state == raw.id) {
+      const auto& outcomes = names(raw).outcomes;
+      const auto found = link.to ? outcomes.find(*link.to) : outcomes.end();
+      if (found != outcomes.end()) return Target{StateId(), found->second};
+      error("unknown-outcome", "a transition leads to an outcome that " + quote(raw.name) + " does not have",
+            link.where);
+      return std::nullopt;
+    }
+    const auto found = children.find(link.to_state);
+    if (found != children.end()) return Target{mission_.states[found->second.index].id, {}};
+    error("unknown-state",
+          "a transition leads to " + quote(link.to_state) + ", which is not in " + quote(raw.name),
+          link.where);
+    return std::nullopt;
+  }
+
+  void add_transition(const RafconState& raw, StateIndex index, const RafconLink& link,
+                      const Children& children) {
+    const bool start = link.from_state.empty() || link.from_state == raw.id;
+    const auto from = children.find(link.from_state);
+    if (!start && from == children.end()) {
+      return error(
+          "unknown-state",
+          "a transition comes from " + quote(link.from_state) + ", which is not in " + quote(raw.name),
+          link.where);
+    }
+    std::string outcome;
+    if (!start) {
+      const auto& outcomes = names(*from->second.raw).outcomes;
+      const auto found = link.from ? outcomes.find(*link.from) : outcomes.end();
+      if (found == outcomes.end()) {
+        return error(
+            "unknown-outcome",
+            "a transition comes from an outcome that " + quote(from->second.raw->name) + " does not have",
+            link.where);
+      }
+      outcome = found->second;
+    }
+    // What joins the states of a barrier to its decider is decoration there.
+    const bool decoration =
+        raw.kind == StateKind::Barrier && (start || from->second.raw->kind != StateKind::Decider);
+    if (decoration) return;
+    auto to = target(raw, link, children);
+    if (!to) return;
+    if (start) {
+      mission_.states[index].start = std::move(*to);
+      return;
+    }
+    // Of several from one outcome, RAFCON takes the last.
+    auto& transitions = mission_.states[from->second.index].transitions;
+    std::erase_if(transitions, [&](const Transition& earlier) { return earlier.outcome == outcome; });
+    transitions.push_back({outcome, std::move(*to), link.where});
+  }
+
+  void add_flow(const RafconState& raw, StateIndex index, const RafconLink& link, const Children& children) {
+    auto from = port(raw, link.from_state, link.from, true, children);
+    auto to = port(raw, link.to_state, link.to, false, children);
+    if (from && to) {
+      mission_.states[index].flows.push_back({std::move(*from), std::move(*to), link.where});
+      return;
+    }
+    diagnostics_.warning("dropped-flow",
+                         "a data flow in " + quote(raw.name) + " joins ports that are not there", link.where);
+  }
+
+  std::optional<PortRef> port(const RafconState& raw, const std::string& state,
+                              std::optional<std::int64_t> id, bool source, const Children& children) {
+    if (!id) return std::nullopt;
+    const auto inside = children.find(state);
+    const Names& shown = names(inside == children.end() ? raw : *inside->second.raw);
+    const auto look = [&](const std::map<std::int64_t, std::string>& names,
+                          Owner owner) -> std::optional<PortRef> {
+      const auto found = names.find(*id);
+      if (found == names.end()) return std::nullopt;
+      const StateId child = owner == Owner::Child ? mission_.states[inside->second.index].id : StateId();
+      return PortRef{owner, child, found->second};
+    };
+    if (inside != children.end()) return look(source ? shown.outputs : shown.inputs, Owner::Child);
+    if (state != raw.id) return std::nullopt;
+    if (auto own = source ? look(shown.inputs, Owner::Inputs) : look(shown.outputs, Owner::Outputs))
+      return own;
+    return look(shown.variables, Owner::Variables);
+  }
+
+  /// With all libraries in place; each is counted once and added as often as it is used.
+  RafconCounts count(const RafconState& state) {
+    RafconCounts counts{1, 0, state.transitions.size(), state.flows.size()};
+    const auto plus = [&](const RafconCounts& more) {
+      counts.states = std::min(counts.states + more.states, kMost);
+      counts.library_states = std::min(counts.library_states + more.library_states, kMost);
+      counts.transitions = std::min(counts.transitions + more.transitions, kMost);
+      counts.data_flows = std::min(counts.data_flows + more.data_flows, kMost);
+    };
+    for (const auto& child : state.children)
+      plus(count(*child));
+    if (state.kind != StateKind::Library) return counts;
+    counts.library_states = 1;
+    const auto [known, fresh] = counted_.try_emplace(state.library);
+    if (fresh) {
+      open_.insert(state.library);
+      const RafconCounts inside = count(*files_.libraries.at(state.library));
+      open_.erase(state.library);
+      counted_[state.library] = inside;
+    } else if (open_.contains(state.library)) {
+      error("library-recursion", "library " + quote(state.library) + " contains itself", state.where);
+    }
+    plus(counted_[state.library]);
+    return counts;
+  }
+
+  const RafconFiles& files_;
+  Diagnostics& diagnostics_;
+  Mission mission_;
+  std::map<std::string, std::string> library_names_;
+  std::map<const RafconState*, Names> names_;
+  std::set<std::string> action_names_;
+  std::map<std::string, RafconCounts> counted_;
+  std::set<std::string> open_;
+};
+
+}  // namespace
+
+std::optional<RafconImport> convert(const RafconFiles& files, Diagnostics& diagnostics) {
+  return Converter(files, diagnostics).run();
+}
+
+}  // namespace segue::mission::detail

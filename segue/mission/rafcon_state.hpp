@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/rafcon.hpp>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What stands in RAFCON's files, before it becomes a mission. Internal.
+namespace segue::mission::detail {
+
+struct RafconPort {
+  std::string name;
+  std::string type;
+  type::Value value;
+};
+using RafconPorts = std::map<std::int64_t, RafconPort>;
+
+/// An end of a transition or data flow: state ids, and numbers of outcomes or ports.
+struct RafconLink {
+  std::string from_state;  ///< empty: null
+  std::optional<std::int64_t> from;
+  std::string to_state;
+  std::optional<std::int64_t> to;
+  SourceLocation where;
+};
+
+struct RafconState {
+  std::string id;
+  std::string name;
+  std::string description;
+  StateKind kind = StateKind::Execution;
+  RafconPorts inputs;
+  RafconPorts outputs;
+  RafconPorts variables;
+  std::map<std::int64_t, std::string> outcomes;  ///< also -1 and -2
+  std::vector<RafconLink> transitions;
+  std::vector<RafconLink> flows;
+  std::string library;  ///< "path/name"
+  std::map<std::int64_t, type::Value> input_values;
+  std::map<std::int64_t, type::Value> output_values;
+  std::string script;
+  type::Value notes{type::ValueMap{}};
+  std::vector<std::unique_ptr<RafconState>> children;
+  SourceLocation where;
+};
+
+/// The content of a core_data.json; children, script and notes stand in other files.
+std::unique_ptr<RafconState> read_core_data(std::string_view text, const std::string& file,
+                                            Diagnostics& diagnostics);
+
+/// A machine and the libraries it uses, by "path/name".
+struct RafconFiles {
+  std::unique_ptr<RafconState> root;
+  std::map<std::string, std::unique_ptr<RafconState>> libraries;
+};
+
+/// Nothing where there are errors.
+std::optional<RafconImport> convert(const RafconFiles& files, Diagnostics& diagnostics);
+
+}  // namespace segue::mission::detail

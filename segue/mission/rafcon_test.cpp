@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/rafcon.hpp>
+#include <segue/type/json.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+namespace segue::mission {
+namespace {
+
+using std::filesystem::path;
+using ::testing::HasSubstr;
+
+const path kOurs = SEGUE_SOURCE_DIR "/tests/rafcon";
+const path kReal = SEGUE_SOURCE_DIR "/../shared/data/rafcon/DLR-RM+RAFCON";
+
+/// Where RAFCON's own tests look for libraries.
+std::vector<RafconLibraryPath> real_paths() {
+  const path share = kReal / "source/rafcon/share/rafcon";
+  const path tests = kReal / "tests/assets/unit_test_state_machines";
+  return {{"generic", share / "libraries/generic"},
+          {"tutorials", share / "examples/tutorials"},
+          {"turtle_libraries", share / "examples/libraries/turtle_libraries"},
+          {"ros", share / "examples/libraries/ros_libraries"},
+          {"ros_libraries", share / "examples/libraries/ros_libraries"},
+          {"develop_test", tests / "start_from_here_test/develop_test_libraries"},
+          {"unit_test_state_machines", tests}};
+}
+
+/// What RAFCON said: the counts, or an error.
+struct Expected {
+  path folder;
+  bool ok = false;
+  RafconCounts counts;
+  std::string error;
+};
+
+std::vector<Expected> oracle() {
+  std::vector<Expected> rows;
+  std::istringstream lines(read_file(kReal.parent_path() / "oracle_load.jsonl").value_or(""));
+  const auto number = [](const type::Value& row, std::string_view key) {
+    const type::Value* value = row.find(key);
+    return value == nullptr ? 0 : value->as_uint();
+  };
+  for (std::string line; std::getline(lines, line);) {
+    const auto row = type::parse_json(line);
+    if (!row) continue;
+    Expected expected;
+    expected.folder = kReal / row->find("path")->as_string();
+    expected.ok = row->find("ok")->as_bool();
+    expected.counts = {number(*row, "states_expanded"), number(*row, "library_states"),
+                       number(*row, "transitions"), number(*row, "data_flows")};
+    if (!expected.ok) expected.error = row->find("error")->as_string();
+    rows.push_back(std::move(expected));
+  }
+  return rows;
+}
+
+std::string told(const RafconCounts& counts) {
+  return std::to_string(counts.states) + " states, " + std::to_string(counts.library_states) +
+         " library states, " + std::to_string(counts.transitions) + " transitions, " +
+         std::to_string(counts.data_flows) + " data flows";
+}
+
+TEST(RafconRealMachines, loadAsRafconLoadsThem) {
+  if (!std::filesystem::exists(kReal)) GTEST_SKIP() << "no " << kReal;
+  const auto rows = oracle();
+  ASSERT_GT(rows.size(), 100U);
+  for (const Expected& expected : rows) {
+    Diagnostics diagnostics;
+    const auto import = import_rafcon(expected.folder, real_paths(), diagnostics);
+    // A module that Python lacked is nothing to us.
+    if (expected.error.starts_with("ModuleNotFoundError")) continue;
+    EXPECT_EQ(import.has_value(), expected.ok) << expected.folder << "\n"
+                                               << to_string(diagnostics) << expected.error;
+    if (expected.error.starts_with("LibraryNotFound")) {
+      EXPECT_THAT(to_string(diagnostics), HasSubstr("missing-library"));
+    }
+    if (!import) continue;
+    EXPECT_EQ(told(import->counts), told(expected.counts)) << expected.folder;
+    Diagnostics again;
+    const auto copy = read_mission(write_mission(import->mission), "written.yaml", again);
+    EXPECT_TRUE(copy) << expected.folder << "\n" << to_string(again);
+    EXPECT_TRUE(copy && *copy == import->mission) << expected.folder;
+  }
+}
+
+class OwnMachine : public ::testing::Test {
+ protected:
+  std::optional<RafconImport> import(const std::string& name) {
+    return import_rafcon(kOurs / name, {{"own", kOurs / "libraries"}}, diagnostics_);
+  }
+  Diagnostics diagnostics_;
+};
+
+TEST_F(OwnMachine, ofTheNewFormatIsRead) {
+  const auto machine = import("count_down");
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  EXPECT_EQ(told(machine->counts), told({4, 1, 4, 4}));
+  const Mission& mission = machine->mission;
+  EXPECT_EQ(mission.name, "Count_down");
+  EXPECT_EQ(mission.root().title, "Count down");
+  EXPECT_EQ(mission.libraries.front().name, "own/tools/show_value");
+  EXPECT_TRUE(validate(mission).empty()) << to_string(validate(mission));
+}
+
+TEST_F(OwnMachine, keepsScriptsNotesAndValues) {
+  const auto machine = import("count_down");
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const auto find = [&](std::string_view title) {
+    return *std::ranges::find_if(machine->mission.states,
+                                 [&](const State& s) { return s.title == title || s.id.str() == title; });
+  };
+  const State step = find("step down");
+  EXPECT_NE(step.notes.find("resources"), nullptr);
+  const auto action = std::ranges::find(machine->mission.actions, step.action, &Action::name);
+  EXPECT_THAT(std::get<Script>(action->run).text, HasSubstr("def execute"));
+  EXPECT_EQ(action->outcomes, (std::vector<std::string>{">0", "==0"}));
+  EXPECT_EQ(find("show").input_values, (std::vector<PortValue>{{"text", "left: ", {}}}));
+}
+
+TEST_F(OwnMachine, ofTheOldFormatIsRead) {
+  const auto machine = import("side_by_side");
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  EXPECT_EQ(told(machine->counts), told({8, 0, 10, 0}));
+  EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
+}
+
+TEST_F(OwnMachine, withAMissingLibraryIsRefused) {
+  EXPECT_FALSE(import_rafcon(kOurs / "count_down", {}, diagnostics_));
+  EXPECT_THAT(to_string(diagnostics_), HasSubstr("there is no library 'own/tools/show value'"));
+}
+
+TEST_F(OwnMachine, thatIsNotThereIsRefused) {
+  EXPECT_FALSE(import("nothing"));
+  EXPECT_THAT(to_string(diagnostics_), HasSubstr("unreadable-file"));
+}
+
+}  // namespace
+}  // namespace segue::mission
