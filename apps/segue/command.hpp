@@ -60,6 +60,7 @@ void add_log(CLI::App& app, Context& context);
 void add_reset_belief(CLI::App& app, Context& context);
 void add_host(CLI::App& app, Context& context);
 void add_component(CLI::App& app, Context& context);
+void add_mission(CLI::App& app, Context& context);
 void add_bench(CLI::App& app, Context& context);
 void add_completion(CLI::App& app, Context& context);
 

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/rafcon.hpp>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "mission_run.hpp"
+#include "models.hpp"
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+int check(const std::vector<std::string>& files, const MissionOptions& options, const Context& context) {
+  Diagnostics diagnostics;
+  for (const std::string& file : files)
+    (void)mission::load_mission(file, options.folders(), diagnostics);
+  diagnostics.sort();
+  print_diagnostics(diagnostics);
+  if (context.json()) {
+    print_json(to_value(diagnostics));
+  } else if (diagnostics.empty()) {
+    print_line(files.size() == 1 ? "no problems" : fmt::format("{} files: no problems", files.size()));
+  }
+  return diagnostics.has_errors() ? kFailed : kDone;
+}
+
+struct ImportOptions {
+  std::string folder;
+  std::string output;
+  std::vector<std::string> libraries;
+};
+
+std::vector<mission::RafconLibraryPath> library_paths(const std::vector<std::string>& given) {
+  std::vector<mission::RafconLibraryPath> paths;
+  for (const std::string& entry : given) {
+    const auto equals = entry.find('=');
+    const std::filesystem::path folder = equals == std::string::npos ? entry : entry.substr(equals + 1);
+    paths.push_back(
+        {equals == std::string::npos ? folder.filename().string() : entry.substr(0, equals), folder});
+  }
+  return paths;
+}
+
+int import(const ImportOptions& options, const Context& context) {
+  Diagnostics diagnostics;
+  const auto machine = mission::import_rafcon(options.folder, library_paths(options.libraries), diagnostics);
+  if (!machine) return report_failure(context, diagnostics);
+  const std::string text = mission::write_mission(machine->mission);
+  if (options.output.empty()) {
+    print(text);
+  } else if (const auto written = write_file(options.output, text); !written) {
+    return failed(context, written.error());
+  }
+  // Its problems are told with places in the new file, where they can be mended.
+  if (!options.output.empty()) (void)mission::load_mission(options.output, {}, diagnostics);
+  print_diagnostics(diagnostics);
+  const auto& counts = machine->counts;
+  if (!options.output.empty())
+    print_note(fmt::format("{}: {} states, {} of them libraries, {} transitions, {} data flows",
+                           options.output, counts.states, counts.library_states, counts.transitions,
+                           counts.data_flows));
+  return kDone;
+}
+
+void add_runner(CLI::App& verb, Context& context) {
+  const auto options = std::make_shared<MissionOptions>();
+  CLI::App* runner = add_verb(verb, context, "run", "run a mission as it is written",
+                              "  segue mission run fetch.yaml\n"
+                              "  segue mission run fetch.yaml --clock virtual --simulate --format json",
+                              [options, &context] { return run_mission(*options, context); });
+  runner->add_option("FILE", options->file, "a mission file")->required()->type_name("");
+  runner->add_option("--mode", options->mode, "sequential: as it is written")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"sequential"}).description(""));
+  runner->add_option("--clock", options->clock, "real (default), or virtual: simulated actions take no time")
+      ->type_name("CLOCK")
+      ->check(CLI::IsMember({"real", "virtual"}).description(""));
+  runner->add_flag("--simulate", options->simulate, "simulate every action by what is expected of it");
+  runner->add_option("--input", options->inputs, "an input of the mission")->type_name("NAME=VALUE");
+  runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
+      ->type_name("PATH");
+  add_library_option(*runner, *options);
+}
+
+}  // namespace
+
+void add_library_option(CLI::App& verb, MissionOptions& options) {
+  verb.add_option("--libraries", options.libraries, "folders with the state machines that missions use")
+      ->type_name("DIR");
+}
+
+void add_mission(CLI::App& app, Context& context) {
+  CLI::App* verb = add_verb(
+      app, context, "mission", "plans as state machines",
+      "  segue mission run fetch.yaml\n  segue mission import --rafcon machine -o machine.yaml", nullptr);
+  verb->require_subcommand(1);
+  add_runner(*verb, context);
+
+  const auto files = std::make_shared<std::vector<std::string>>();
+  const auto options = std::make_shared<MissionOptions>();
+  CLI::App* checker =
+      add_verb(*verb, context, "check", "validate missions", "  segue mission check missions/*.yaml",
+               [files, options, &context] { return check(*files, *options, context); });
+  checker->add_option("FILE", *files, "mission files")->required()->type_name("");
+  add_library_option(*checker, *options);
+
+  const auto source = std::make_shared<ImportOptions>();
+  CLI::App* importer = add_verb(*verb, context, "import", "other plans as mission files",
+                                "  segue mission import --rafcon my_machine --libraries "
+                                "generic=/opt/rafcon/libraries/generic -o m.yaml",
+                                [source, &context] { return import(*source, context); });
+  importer->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine")
+      ->required()
+      ->type_name("DIR");
+  importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
+  importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mission_run.hpp"
+
+#include <segue/mission/engine.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <thread>
+
+#include "models.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+/// More are no help to a reader; --format json has all.
+constexpr std::size_t kMostRows = 1000;
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Processor time of this thread.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+bool is_leaf(const mission::Program& program, mission::StateIndex state) {
+  const auto kind = program.node(state).kind;
+  return kind == mission::StateKind::Execution || kind == mission::StateKind::Decider;
+}
+
+/// One run from its options to what is shown of it.
+class MissionRun {
+ public:
+  MissionRun(const MissionOptions& options, const Context& context) : options_(options), context_(context) {}
+
+  int run() {
+    Diagnostics diagnostics;
+    auto loaded = mission::load_mission(options_.file, options_.folders(), diagnostics);
+    if (!loaded) return report_failure(context_, diagnostics);
+    print_diagnostics(diagnostics);
+    if (auto prepared = prepare(std::move(*loaded)); !prepared) return failed(context_, prepared.error());
+    begin_ = clock().now();
+    const double before = thread_seconds();
+    execute();
+    const double used = thread_seconds() - before;
+    engine_us_ = engine_->executions() == 0 ? 0 : used * 1e6 / static_cast<double>(engine_->executions());
+    makespan_ = clock().now() - begin_;
+    context_.json() ? show_json() : show_text();
+    return engine_->result().outcome < 0 ? kFailed : kDone;
+  }
+
+ private:
+  Clock& clock() {
+    if (options_.clock == "virtual") return virtual_clock_;
+    return RealClock::instance();
+  }
+
+  Result<void> prepare(mission::Mission loaded) {
+    auto program = mission::Program::compile(std::move(loaded));
+    if (!program) return program.error();
+    mission::Runners runners;
+    if (options_.simulate) runners.simulate_all();
+    mission::EngineOptions settings;
+    settings.clock = &clock();
+    settings.warn = [](const std::string& text) { print_note(text); };
+    auto engine = mission::Engine::create(*program, runners, std::move(settings));
+    if (!engine) return engine.error();
+    engine_ = std::move(*engine);
+    for (const std::string& input : options_.inputs) {
+      if (auto set = set_input(input); !set) return set;
+    }
+    return options_.start_at.empty() ? Result<void>{} : engine_->start_at(options_.start_at);
+  }
+
+  Result<void> set_input(const std::string& input) {
+    const auto equals = input.find('=');
+    if (equals == std::string::npos) {
+      return fail(ErrorCode::InvalidArgument, "--input must be NAME=VALUE, got '" + input + "'");
+    }
+    auto value = type::parse_yaml(input.substr(equals + 1));
+    if (!value) return value.error();
+    return engine_->set_input(input.substr(0, equals), std::move(*value));
+  }
+
+  /// The engine in this thread; another waits for a signal meanwhile.
+  void execute() {
+    StopSignal signal;
+    std::thread watch([&] {
+      signal.wait(std::nullopt);
+      engine_->stop();
+    });
+    engine_->run();
+    signal.request("the mission has ended");
+    watch.join();
+  }
+
+  [[nodiscard]] double since_begin(TimePoint when) const { return seconds(when - begin_); }
+
+  void show_text() {
+    using Align = Table::Align;
+    Table table({{"START", Align::Right},
+                 {"DURATION", Align::Right},
+                 {"STATE", Align::Left},
+                 {"OUTCOME", Align::Left}});
+    const auto& history = engine_->history();
+    std::size_t actions = 0;
+    for (std::uint32_t i = 0; i < history.items().size(); ++i) {
+      const auto& item = history.items()[i];
+      if (!is_leaf(engine_->program(), item.state)) continue;
+      if (++actions > kMostRows) continue;
+      const std::string path = history.path(engine_->program(), i);
+      table.add({format_seconds(since_begin(item.began)), format_seconds(seconds(item.end - item.began)),
+                 printable(path.empty() ? name() : path), printable(outcome(item))});
+    }
+    print(table.text());
+    if (actions > kMostRows) print_note(fmt::format("{} more actions are not shown", actions - kMostRows));
+    const auto& result = engine_->result();
+    print_line(fmt::format("{}: {} after {}, {} action{}", printable(name()), printable(result.outcome_name),
+                           format_seconds(seconds(makespan_)), actions, actions == 1 ? "" : "s"));
+    if (!result.error.empty()) print_note(printable(result.error));
+    for (const auto& [port, value] : outputs())
+      print_line(fmt::format("{}: {}", printable(port), one_line(value)));
+  }
+
+  [[nodiscard]] const std::string& name() const { return engine_->program().mission().name; }
+
+  [[nodiscard]] std::string outcome(const mission::History::Item& item) const {
+    return item.ended ? engine_->program().outcome_name(item.state, item.outcome) : "under way";
+  }
+
+  [[nodiscard]] ValueMap outputs() const {
+    ValueMap map;
+    const auto& ports = *engine_->program().node(0).output_ports;
+    for (std::size_t i = 0; i < ports.size(); ++i)
+      map.append(ports[i].name, engine_->result().outputs[i]);
+    return map;
+  }
+
+  void show_json() {
+    Value::List nodes;
+    const auto& history = engine_->history();
+    for (std::uint32_t i = 0; i < history.items().size(); ++i) {
+      if (is_leaf(engine_->program(), history.items()[i].state)) nodes.push_back(node(i));
+    }
+    const auto& result = engine_->result();
+    ValueMap map;
+    map.append("outcome", result.outcome_name);
+    if (!result.error.empty()) map.append("error", result.error);
+    map.append("makespan_s", seconds(makespan_));
+    map.append("nodes", std::move(nodes));
+    map.append("outputs", outputs());
+    map.append("globals", engine_->globals().snapshot());
+    map.append("engine_us_per_node", engine_us_);
+    print_json(map);
+  }
+
+  [[nodiscard]] Value node(std::uint32_t i) const {
+    const auto& history = engine_->history();
+    const auto& item = history.items()[i];
+    const mission::Program& program = engine_->program();
+    const mission::Action& action = program.mission().actions[program.node(item.state).action];
+    Value::List resources;
+    for (const mission::ResourceUse& use : action.resources)
+      resources.emplace_back(use.resource);
+    const std::string path = history.path(program, i);
+    Value node = Value::map({{"name", path.empty() ? name() : path},
+                             {"iteration", static_cast<std::uint64_t>(item.iteration)},
+                             {"start_s", since_begin(item.began)},
+                             {"end_s", since_begin(item.end)},
+                             {"status", outcome(item)},
+                             {"pia", !action.pure},
+                             {"resources", std::move(resources)}});
+    if (const auto error = history.error(i); !error.empty()) node.as_map().append("error", error);
+    return node;
+  }
+
+  const MissionOptions& options_;
+  const Context& context_;
+  VirtualClock virtual_clock_;
+  std::unique_ptr<mission::Engine> engine_;
+  TimePoint begin_{};
+  Duration makespan_{};
+  double engine_us_ = 0;
+};
+
+}  // namespace
+
+int run_mission(const MissionOptions& options, const Context& context) {
+  return MissionRun(options, context).run();
+}
+
+}  // namespace segue::cli

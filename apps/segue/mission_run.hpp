@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+namespace segue::cli {
+
+struct MissionOptions {
+  std::string file;
+  std::string mode = "sequential";
+  std::string clock = "real";
+  bool simulate = false;
+  std::vector<std::string> inputs;
+  std::string start_at;
+  std::vector<std::string> libraries;
+  [[nodiscard]] std::vector<std::filesystem::path> folders() const {
+    return {libraries.begin(), libraries.end()};
+  }
+};
+
+/// --libraries
+void add_library_option(CLI::App& verb, MissionOptions& options);
+
+/// Runs the mission and shows what was executed. SIGINT and SIGTERM preempt it.
+int run_mission(const MissionOptions& options, const Context& context);
+
+}  // namespace segue::cli
