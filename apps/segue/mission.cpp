@@ -8,6 +8,7 @@
 
 #include <memory>
 
+#include "mission_network.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -68,16 +69,33 @@ int import(const ImportOptions& options, const Context& context) {
   return kDone;
 }
 
+/// A mission as it is written, a task network concurrently unless something else is asked.
+int run_plan(const MissionOptions& options, NetworkOptions network, const Context& context) {
+  if (is_task_network(options.file)) {
+    network.mode = options.mode;
+    network.clock = options.clock;
+    return run_task_network(options.file, network, context);
+  }
+  if (options.mode == "concurrent")
+    return failed(context, fail(ErrorCode::Unsupported, "only task networks run concurrently", options.file));
+  return run_mission(options, context);
+}
+
 void add_runner(CLI::App& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
-  CLI::App* runner = add_verb(verb, context, "run", "run a mission as it is written",
+  const auto network = std::make_shared<NetworkOptions>();
+  options->mode.clear();
+  CLI::App* runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
                               "  segue mission run fetch.yaml\n"
-                              "  segue mission run fetch.yaml --clock virtual --simulate --format json",
-                              [options, &context] { return run_mission(*options, context); });
-  runner->add_option("FILE", options->file, "a mission file")->required()->type_name("");
-  runner->add_option("--mode", options->mode, "sequential: as it is written")
+                              "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
+                              "  segue mission run fetch.json --clock virtual",
+                              [options, network, &context] { return run_plan(*options, *network, context); });
+  runner->add_option("FILE", options->file, "a mission file or a task network")->required()->type_name("");
+  runner
+      ->add_option("--mode", options->mode,
+                   "sequential: as it is written; concurrent: a task network's default")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"sequential"}).description(""));
+      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
   runner->add_option("--clock", options->clock, "real (default), or virtual: simulated actions take no time")
       ->type_name("CLOCK")
       ->check(CLI::IsMember({"real", "virtual"}).description(""));
@@ -86,6 +104,7 @@ void add_runner(CLI::App& verb, Context& context) {
   runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
       ->type_name("PATH");
   add_library_option(*runner, *options);
+  add_network_options(*runner, *network);
 }
 
 }  // namespace
@@ -111,15 +130,24 @@ void add_mission(CLI::App& app, Context& context) {
   add_library_option(*checker, *options);
 
   const auto source = std::make_shared<ImportOptions>();
-  CLI::App* importer = add_verb(*verb, context, "import", "other plans as mission files",
-                                "  segue mission import --rafcon my_machine --libraries "
-                                "generic=/opt/rafcon/libraries/generic -o m.yaml",
-                                [source, &context] { return import(*source, context); });
-  importer->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine")
-      ->required()
-      ->type_name("DIR");
+  const auto pddl = std::make_shared<PddlOptions>();
+  CLI::App* importer =
+      add_verb(*verb, context, "import", "other plans as mission files and task networks",
+               "  segue mission import --rafcon my_machine --libraries "
+               "generic=/opt/rafcon/libraries/generic -o m.yaml",
+               [source, pddl, &context] {
+                 pddl->output = source->output;
+                 return pddl->files.empty() ? import(*source, context) : import_pddl(*pddl, context);
+               });
+  CLI::App* kinds = importer->add_option_group("kind of plan");
+  kinds->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine")->type_name("DIR");
+  kinds->add_option("--pddl", pddl->files, "a domain, a problem and a sequential plan, as a task network")
+      ->expected(3)
+      ->type_name("DOMAIN PROBLEM PLAN");
+  kinds->require_option(1);
   importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
   importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
+  add_mission_gantt(*verb, context);
 }
 
 }  // namespace segue::cli

@@ -228,7 +228,7 @@ void Engine::Implementation::advance_prefix() {
   const auto size = static_cast<std::uint32_t>(states_.size());
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
-  if (prefix_ < size && states_[prefix_].phase == Phase::Parked) work_.push_back(NodeId{prefix_});
+  if (prefix_ < size && network_[NodeId{prefix_}].reads_world) work_.push_back(NodeId{prefix_});
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;
   while (!strict_.empty() && *strict_.begin() <= safe_) {

@@ -54,7 +54,8 @@ void Engine::Implementation::check(NodeId node) {
     state.phase = Phase::Waiting;
   }
   if (state.phase != Phase::Waiting || state.active) return;
-  if (irreversible(node) ? open : state.ahead == 0 && (open || may_run_ahead(node))) try_start(node);
+  const bool final = open && (!network_[node].reads_world || prefix_ == index(node));
+  if (irreversible(node) ? open : state.ahead == 0 && (final || may_run_ahead(node))) try_start(node);
 }
 
 /// Not where units are taken in program order: a node that is repeated would come too late for its own.

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mission_network.hpp"
+
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/pddl.hpp>
+#include <segue/cdtn/priority.hpp>
+#include <segue/cdtn/report.hpp>
+#include <segue/cdtn/sequential.hpp>
+#include <segue/type/json.hpp>
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <ctime>
+#include <memory>
+#include <thread>
+
+#include "models.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Processor time of this thread.
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+/// One run from its options to what is shown of it.
+class NetworkRun {
+ public:
+  NetworkRun(cdtn::FlatNetwork flat, const NetworkOptions& options)
+      : flat_(std::move(flat)), options_(options) {}
+
+  Result<void> run() {
+    for (const std::string& resource : options_.resources) {
+      if (auto set = set_count(resource); !set) return set;
+    }
+    const auto rule = options_.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch;
+    order_ = cdtn::derive_order(flat_.network, rule);
+    const double before = thread_seconds();
+    result_ = options_.mode == "sequential" ? run_sequentially(clock()) : run_concurrently();
+    used_ = thread_seconds() - before;
+    summary_.sequential = clock() == cdtn::ClockKind::Virtual && options_.mode == "sequential"
+                              ? result_.makespan
+                              : run_sequentially(cdtn::ClockKind::Virtual).makespan;
+    summary_.critical_path = cdtn::critical_path(flat_.network, order_, result_).length;
+    if (flat_.network.size() > 0) summary_.engine_us_per_node = used_ * 1e6 / flat_.network.size();
+    return write_drawings();
+  }
+
+  void show(const Context& context) const {
+    if (context.json()) return print_json(cdtn::to_value(flat_.network, order_, result_, summary_));
+    Table table({{"node"},
+                 {"start", Table::Align::Right},
+                 {"end", Table::Align::Right},
+                 {"status"},
+                 {"waited last for"}});
+    for (std::uint32_t i = 0; i < flat_.network.size(); ++i)
+      table.add(row(cdtn::NodeId{i}));
+    print(table.text());
+    print_line(fmt::format("{} in {:.2f} s; one after the other {:.2f} s, critical path {:.2f} s",
+                           result_.done() ? "done" : "ended", seconds(result_.makespan),
+                           seconds(summary_.sequential), seconds(summary_.critical_path)));
+  }
+
+  [[nodiscard]] const cdtn::RunResult& result() const { return result_; }
+  [[nodiscard]] std::string gantt() const { return cdtn::to_gantt(flat_.network, order_, result_); }
+
+ private:
+  [[nodiscard]] cdtn::ClockKind clock() const {
+    return options_.clock == "virtual" ? cdtn::ClockKind::Virtual : cdtn::ClockKind::Real;
+  }
+
+  Result<void> set_count(const std::string& text) {
+    const auto equals = text.rfind('=');
+    const auto id = flat_.network.resources.find(text.substr(0, equals));
+    if (!id) return fail(ErrorCode::NotFound, "no node uses a resource " + quote(text.substr(0, equals)));
+    std::uint32_t count = 0;
+    const char* first = text.data() + (equals == std::string::npos ? text.size() : equals + 1);
+    const auto [end, error] = std::from_chars(first, text.data() + text.size(), count);
+    if (error != std::errc() || end != text.data() + text.size())
+      return fail(ErrorCode::InvalidArgument, quote(text) + " is not NAME=COUNT");
+    flat_.network.resources[*id].count = count;
+    return {};
+  }
+
+  cdtn::RunResult run_sequentially(cdtn::ClockKind kind) {
+    cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
+    return cdtn::run_sequential(flat_.network, environment, kind);
+  }
+
+  cdtn::RunResult run_concurrently() {
+    cdtn::EngineOptions options;
+    options.clock = clock();
+    options.strict = options_.strict;
+    options.workers = options_.workers;
+    options.world_copies = options_.world_copies;
+    options.priorities = cdtn::choose_priorities(flat_.network, order_, flat_.trials, options);
+    cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
+    cdtn::Engine engine(flat_.network, order_, environment, options);
+    if (options.clock == cdtn::ClockKind::Virtual) return engine.run();
+    StopSignal signal;
+    std::thread watch([&] {
+      if (const auto reason = signal.wait({}); reason && !reason->empty()) engine.stop();
+    });
+    cdtn::RunResult result = engine.run();
+    signal.request("");
+    watch.join();
+    return result;
+  }
+
+  Result<void> write_drawings() const {
+    if (!options_.gantt.empty()) {
+      if (auto written = write_file(options_.gantt, gantt()); !written) return written;
+    }
+    if (options_.trace.empty()) return {};
+    return write_file(options_.trace, cdtn::to_trace(flat_.network, order_, result_));
+  }
+
+  [[nodiscard]] std::vector<std::string> row(cdtn::NodeId node) const {
+    const cdtn::NodeResult& own = result_.nodes[cdtn::index(node)];
+    std::string last;
+    if (const auto waits = cdtn::waits_of(flat_.network, order_, result_, node); !waits.empty()) {
+      const cdtn::Wait& wait = waits.back();
+      last = fmt::format("{} {}", to_string(wait.kind), wait.subject);
+      if (cdtn::index(wait.node) != cdtn::kNone) last += " of " + flat_.network.label(wait.node);
+    }
+    const auto time = [&](TimePoint point) {
+      return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));
+    };
+    return {printable(flat_.network.label(node)), time(own.started), time(own.ended),
+            std::string(to_string(own.status)), printable(last)};
+  }
+
+  cdtn::FlatNetwork flat_;
+  const NetworkOptions& options_;
+  cdtn::Order order_;
+  cdtn::RunResult result_;
+  cdtn::RunSummary summary_;
+  double used_ = 0;
+};
+
+std::optional<cdtn::FlatNetwork> load(const std::string& file, Diagnostics& diagnostics) {
+  auto flat = cdtn::load_flat_network(file, diagnostics);
+  if (flat) print_diagnostics(diagnostics);
+  return flat;
+}
+
+int draw(const std::string& file, const std::string& output, NetworkOptions options, const Context& context) {
+  Diagnostics diagnostics;
+  auto flat = load(file, diagnostics);
+  if (!flat) return report_failure(context, diagnostics);
+  options.clock = "virtual";
+  options.gantt = output;
+  NetworkRun run(std::move(*flat), options);
+  if (const auto done = run.run(); !done) return failed(context, done.error());
+  if (output.empty()) print(run.gantt());
+  return run.result().error ? failed(context, *run.result().error) : kDone;
+}
+
+}  // namespace
+
+bool is_task_network(const std::filesystem::path& file) {
+  const auto text = read_file(file);
+  if (!text) return false;
+  const auto first = text->find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || (*text)[first] != '{') return false;
+  const auto value = type::parse_json(*text);
+  return !value || value->find("nodes") != nullptr;
+}
+
+int run_task_network(const std::string& file, const NetworkOptions& options, const Context& context) {
+  Diagnostics diagnostics;
+  auto flat = load(file, diagnostics);
+  if (!flat) return report_failure(context, diagnostics);
+  NetworkRun run(std::move(*flat), options);
+  if (const auto done = run.run(); !done) return failed(context, done.error());
+  run.show(context);
+  if (run.result().done()) return kDone;
+  if (run.result().error && !context.json()) return failed(context, *run.result().error);
+  return kFailed;
+}
+
+int import_pddl(const PddlOptions& options, const Context& context) {
+  Diagnostics diagnostics;
+  auto network = cdtn::load_pddl(options.files[0], options.files[1], options.files[2], diagnostics);
+  if (!network) return report_failure(context, diagnostics);
+  print_diagnostics(diagnostics);
+  const std::string text = cdtn::write_flat_network({std::move(*network), {}});
+  if (options.output.empty()) {
+    print(text);
+    return kDone;
+  }
+  const auto written = write_file(options.output, text);
+  return written ? kDone : failed(context, written.error());
+}
+
+void add_network_options(CLI::App& verb, NetworkOptions& options) {
+  verb.add_option("--order", options.order,
+                  "of a task network: epoch (default) keeps the whole final world, goal only its goal")
+      ->type_name("ORDER")
+      ->check(CLI::IsMember({"epoch", "goal"}).description(""));
+  verb.add_option("--seed", options.seed,
+                  "vary durations of simulated nodes, the same way for the same number; 0: as expected")
+      ->type_name("N");
+  verb.add_option("--workers", options.workers, "nodes that run at the same time; 0: any number")
+      ->type_name("N");
+  verb.add_option("--world-copies", options.world_copies, "projected worlds at the same time; 0: any number")
+      ->type_name("N");
+  verb.add_option("--resource", options.resources, "that many of a resource, such as process:planner=2")
+      ->type_name("NAME=COUNT");
+  verb.add_flag("--strict", options.strict, "nothing happens behind a node that may still fail");
+  verb.add_option("--trace", options.trace, "also write a trace for Perfetto")->type_name("FILE");
+}
+
+void add_mission_gantt(CLI::App& parent, Context& context) {
+  struct Options {
+    std::string file;
+    std::string output;
+    NetworkOptions network;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
+      "  segue mission gantt fetch.json -o fetch.svg\n"
+      "  segue mission gantt fetch.json --mode sequential -o before.svg",
+      [options, &context] { return draw(options->file, options->output, options->network, context); });
+  verb->add_option("FILE", options->file, "a task network")->required()->type_name("");
+  verb->add_option("--mode", options->network.mode, "concurrent (default) or sequential")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
+  verb->add_option("-o,--output", options->output, "a file instead of standard output")->type_name("FILE");
+  add_network_options(*verb, options->network);
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "command.hpp"
+
+/// `segue mission` for task networks.
+namespace segue::cli {
+
+struct NetworkOptions {
+  std::string mode;  ///< "" is concurrent
+  std::string clock = "real";
+  std::string order = "epoch";
+  std::uint64_t seed = 0;
+  std::uint32_t workers = 0;
+  std::uint32_t world_copies = 0;
+  bool strict = false;
+  std::vector<std::string> resources;  ///< NAME=COUNT
+  std::string gantt;                   ///< where the drawing goes
+  std::string trace;                   ///< where the trace goes
+};
+
+/// The options of a run that only task networks have.
+void add_network_options(CLI::App& verb, NetworkOptions& options);
+
+/// Whether the file is a task network rather than a mission: JSON with nodes at its top.
+bool is_task_network(const std::filesystem::path& file);
+
+/// Runs it with simulated nodes. SIGINT and SIGTERM preempt it.
+int run_task_network(const std::string& file, const NetworkOptions& options, const Context& context);
+
+struct PddlOptions {
+  std::vector<std::string> files;  ///< domain, problem, plan
+  std::string output;
+};
+int import_pddl(const PddlOptions& options, const Context& context);
+
+/// `segue mission gantt`.
+void add_mission_gantt(CLI::App& parent, Context& context);
+
+}  // namespace segue::cli

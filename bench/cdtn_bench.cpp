@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the engine costs for each node: random layered graphs of trivial nodes, each after three of the layer
+// before. Beside it, in the same run, what runs such graphs without worlds, resources, conditions or
+// failures: arrays and counters in one thread, a plain thread pool, oneTBB's flow graph where it is
+// installed.
+#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/order.hpp>
+#include <segue/cdtn/simulation.hpp>
+
+#include <benchmark/benchmark.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <vector>
+
+#ifdef SEGUE_BENCH_TBB
+#include <oneapi/tbb/flow_graph.h>
+#include <oneapi/tbb/global_control.h>
+#endif
+
+namespace {
+
+using namespace segue;
+using namespace segue::cdtn;
+
+constexpr std::uint32_t kLayer = 100;
+constexpr std::uint32_t kDegree = 3;
+
+using Before = std::vector<std::vector<std::uint32_t>>;
+
+Before make_graph(std::uint32_t nodes) {
+  std::mt19937 random(1);
+  Before before(nodes);
+  for (std::uint32_t i = kLayer; i < nodes; ++i) {
+    const std::uint32_t layer = i / kLayer * kLayer;
+    for (std::uint32_t k = 0; k < kDegree; ++k)
+      before[i].push_back(layer - kLayer + random() % kLayer);
+  }
+  return before;
+}
+
+struct Graph {
+  explicit Graph(std::uint32_t nodes) : before(make_graph(nodes)), after(nodes) {
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+      for (const std::uint32_t from : before[i])
+        after[from].push_back(i);
+    }
+  }
+  Before before;
+  Before after;
+};
+
+enum class Kind { Data, Facts };
+
+/// Either three inputs each, or facts that carry the order: each node changes one and relies on two.
+Network make_network(const Graph& graph, Kind kind) {
+  Network network;
+  std::vector<FactId> facts;
+  for (std::uint32_t i = 0; kind == Kind::Facts && i < kLayer; ++i)
+    facts.push_back(*network.facts.intern("f(" + std::to_string(i) + ")"));
+  const std::uint32_t port = network.names.intern("value");
+  NodeSpec spec;
+  spec.name = "node";
+  for (std::uint32_t i = 0; i < graph.before.size(); ++i) {
+    spec.inputs.clear();
+    spec.preconditions.clear();
+    spec.effects.clear();
+    const std::uint32_t layer = i / kLayer;
+    if (kind == Kind::Facts) spec.effects.push_back({facts[i % kLayer], layer % 2 == 0});
+    for (const std::uint32_t from : graph.before[i]) {
+      const std::uint32_t fact = from % kLayer;
+      const std::uint32_t changed = fact < i % kLayer ? layer : layer - 1;  // where it was last
+      if (kind == Kind::Data)
+        spec.inputs.push_back({NodeId{from}, port, port});
+      else if (fact != i % kLayer && spec.preconditions.size() < kDegree - 1)
+        spec.preconditions.push_back({facts[fact], changed % 2 == 0});
+    }
+    network.append(spec);
+  }
+  return network;
+}
+
+void per_node(benchmark::State& state) {
+  state.counters["per_node"] =
+      benchmark::Counter(static_cast<double>(state.range(0)),
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+void append_nodes(benchmark::State& state, Kind kind) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(make_network(graph, kind));
+  per_node(state);
+}
+
+void derive(benchmark::State& state, Kind kind) {
+  const Network network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(derive_order(network));
+  per_node(state);
+}
+
+/// Virtual time, nodes that take none.
+void run_engine(benchmark::State& state, Kind kind) {
+  const Network network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
+  const Order order = derive_order(network);
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    SimulatedEnvironment environment(network);
+    Engine engine(network, order, environment);
+    const RunResult result = engine.run();
+    if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
+    bytes = engine.bytes();
+  }
+  per_node(state);
+  state.counters["bytes_per_node"] =
+      static_cast<double>(network.bytes() + order.bytes() + bytes) / static_cast<double>(network.size());
+}
+
+/// A chain of nodes beside which others wait for a unit that the chain's first node holds to the end.
+void step_beside_waiting(benchmark::State& state) {
+  constexpr std::uint32_t kSteps = 10'000;
+  Network network;
+  const ResourceId arm = network.resources.intern("system:arm");
+  NodeSpec spec;
+  spec.name = "holder";
+  spec.kind = NodeClass::Pure;
+  spec.duration = std::chrono::seconds(kSteps + 1);
+  spec.claims = {{arm}};
+  network.append(spec);
+  spec.duration = {};
+  spec.name = "waiting";
+  for (std::int64_t i = 0; i < state.range(0); ++i)
+    network.append(spec);
+  spec.claims.clear();
+  spec.duration = std::chrono::seconds(1);
+  for (std::uint32_t i = 0; i < kSteps; ++i) {
+    const NodeId node = network.append(spec);
+    spec.inputs = {{node, 0, 0}};
+  }
+  const Order order = derive_order(network);
+  struct Stop final : Environment {
+    Stop(const Network& network, NodeId last) : inner(network), last_(last) {}
+    void start(Launch& launch, Completions& completions) override {
+      if (launch.node() == last_) end = std::chrono::steady_clock::now();
+      inner.start(launch, completions);
+      if (launch.node() == NodeId{index(last_) - kSteps + 1}) begin = std::chrono::steady_clock::now();
+    }
+    void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
+      inner.cancel(node, attempt, completions);
+    }
+    SimulatedEnvironment inner;
+    NodeId last_;
+    std::chrono::steady_clock::time_point begin, end;
+  };
+  for (auto _ : state) {
+    Stop environment(network, NodeId{network.size() - 1});
+    Engine(network, order, environment).run();
+    state.SetIterationTime(std::chrono::duration<double>(environment.end - environment.begin).count() /
+                           kSteps);
+  }
+}
+
+/// The least that anything must do.
+void run_counters(benchmark::State& state) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  for (auto _ : state) {
+    std::vector<std::uint32_t> open(graph.before.size());
+    std::vector<std::uint32_t> ready;
+    for (std::uint32_t i = 0; i < open.size(); ++i) {
+      open[i] = static_cast<std::uint32_t>(graph.before[i].size());
+      if (open[i] == 0) ready.push_back(i);
+    }
+    std::size_t done = 0;
+    while (!ready.empty()) {
+      const std::uint32_t node = ready.back();
+      ready.pop_back();
+      ++done;
+      for (const std::uint32_t next : graph.after[node]) {
+        if (--open[next] == 0) ready.push_back(next);
+      }
+    }
+    benchmark::DoNotOptimize(done);
+  }
+  per_node(state);
+}
+
+/// Two threads, one queue behind a mutex.
+void run_pool(benchmark::State& state) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  for (auto _ : state) {
+    std::vector<std::atomic<std::uint32_t>> open(graph.before.size());
+    std::deque<std::uint32_t> ready;
+    for (std::uint32_t i = 0; i < open.size(); ++i) {
+      open[i] = static_cast<std::uint32_t>(graph.before[i].size());
+      if (graph.before[i].empty()) ready.push_back(i);
+    }
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::size_t left = open.size();
+    const auto work = [&] {
+      std::unique_lock lock(mutex);
+      for (;;) {
+        changed.wait(lock, [&] { return !ready.empty() || left == 0; });
+        if (left == 0) return;
+        const std::uint32_t node = ready.front();
+        ready.pop_front();
+        lock.unlock();
+        std::vector<std::uint32_t> freed;
+        for (const std::uint32_t next : graph.after[node]) {
+          if (--open[next] == 0) freed.push_back(next);
+        }
+        lock.lock();
+        ready.insert(ready.end(), freed.begin(), freed.end());
+        if (--left == 0 || freed.size() > 1) changed.notify_all();
+      }
+    };
+    std::thread other(work);
+    work();
+    other.join();
+  }
+  per_node(state);
+}
+
+#ifdef SEGUE_BENCH_TBB
+void run_tbb(benchmark::State& state) {
+  namespace flow = oneapi::tbb::flow;
+  using Step = flow::continue_node<flow::continue_msg>;
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 2);
+  flow::graph whole;
+  std::deque<Step> nodes;
+  std::atomic<std::size_t> done{0};
+  for (std::size_t i = 0; i < graph.before.size(); ++i)
+    nodes.emplace_back(whole,
+                       [&](const flow::continue_msg&) { done.fetch_add(1, std::memory_order_relaxed); });
+  for (std::size_t i = 0; i < graph.before.size(); ++i) {
+    for (const std::uint32_t from : graph.before[i])
+      flow::make_edge(nodes[from], nodes[i]);
+  }
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < graph.before.size(); ++i) {
+      if (graph.before[i].empty()) nodes[i].try_put({});
+    }
+    whole.wait_for_all();
+  }
+  per_node(state);
+}
+BENCHMARK(run_tbb)->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
+#endif
+
+void sizes(benchmark::internal::Benchmark* bench) {
+  bench->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(run_counters)->Apply(sizes);
+BENCHMARK(run_pool)->Apply(sizes)->UseRealTime();
+BENCHMARK_CAPTURE(run_engine, data, Kind::Data)->Apply(sizes);
+BENCHMARK_CAPTURE(run_engine, facts, Kind::Facts)->Apply(sizes);
+BENCHMARK_CAPTURE(append_nodes, data, Kind::Data)->Apply(sizes);
+BENCHMARK_CAPTURE(derive, data, Kind::Data)->Apply(sizes);
+BENCHMARK_CAPTURE(derive, facts, Kind::Facts)->Apply(sizes);
+BENCHMARK(step_beside_waiting)->Arg(0)->Arg(1000)->Arg(100'000)->UseManualTime()->Iterations(1);
+
+}  // namespace
+
+BENCHMARK_MAIN();

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "priority.hpp"
+
+#include <segue/cdtn/critical_path.hpp>
+
+namespace segue::cdtn {
+
+std::vector<std::uint64_t> choose_priorities(const Network& network, const Order& order,
+                                             std::vector<Trial> trials, EngineOptions options) {
+  options.clock = ClockKind::Virtual;
+  options.log = false;
+  SimulatedEnvironment environment(network, std::move(trials));
+  const auto simulate = [&](std::vector<std::uint64_t> priorities) {
+    options.priorities = std::move(priorities);
+    return Engine(network, order, environment, options).run();
+  };
+  const RunResult in_order = simulate({});
+  const RunResult by_path = simulate(critical_path_priorities(network, order));
+  const bool better = by_path.done() && in_order.done() && by_path.makespan < in_order.makespan;
+  return better ? critical_path_priorities(network, order) : std::vector<std::uint64_t>{};
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/simulation.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// Whom the engine should prefer among nodes that could go: program order or the longest way to the end,
+/// whichever a simulation in virtual time with these options finds shorter. The answer is for
+/// EngineOptions::priorities; empty is program order, which is also the answer at a tie.
+std::vector<std::uint64_t> choose_priorities(const Network& network, const Order& order,
+                                             std::vector<Trial> trials, EngineOptions options);
+
+}  // namespace segue::cdtn
