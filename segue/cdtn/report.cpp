@@ -45,12 +45,12 @@ Wait::Kind kind_of(Reason reason) {
   }
 }
 
-/// When the dependency was met.
-TimePoint met(const RunResult& result, const Dependency& dependency, bool firm) {
+/// When the dependency was met. Outputs are there when the run has ended; what holds back that they count
+/// holds back whoever takes them too.
+TimePoint met(const RunResult& result, const Dependency& dependency) {
   const NodeResult& from = result.nodes[index(dependency.from)];
   if (dependency.reason() == Reason::Resource) return from.started;
-  if (dependency.reason() == Reason::Data && !firm) return from.ended;
-  return from.committed;
+  return dependency.reason() == Reason::Data ? from.ended : from.committed;
 }
 
 /// The last one that used the same resource before: whose end let the node start.
@@ -75,10 +75,9 @@ std::vector<Wait> waits_of(const Network& network, const Order& order, const Run
   const NodeResult& own = result.nodes[index(node)];
   std::vector<Wait> waits;
   if (own.attempts == 0) return waits;
-  const bool firm = network[node].kind == NodeClass::Irreversible;
   TimePoint ready{};
   for (const Dependency& dependency : order.before(node)) {
-    const TimePoint until = met(result, dependency, firm);
+    const TimePoint until = met(result, dependency);
     if (until > own.started || until == TimePoint{})
       continue;  // that held back what comes of it, not the start
     waits.push_back(

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/priority.hpp>
+#include <segue/cdtn/report.hpp>
+#include <segue/cdtn/sequential.hpp>
+#include <segue/type/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include <future>
+#include <list>
+#include <thread>
+
+namespace segue::cdtn {
+namespace {
+
+using testing::HasSubstr;
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+FlatNetwork read(const std::string& nodes, const std::string& head = "") {
+  Diagnostics diagnostics;
+  auto flat = read_flat_network("{" + head + "\"nodes\": [" + nodes + "]}", "test.json", diagnostics);
+  EXPECT_TRUE(flat) << to_string(diagnostics);
+  return flat ? std::move(*flat) : FlatNetwork{};
+}
+
+RunResult run(const FlatNetwork& flat, EngineOptions options = {}) {
+  const Order order = derive_order(flat.network);
+  SimulatedEnvironment environment(flat.network, flat.trials);
+  return Engine(flat.network, order, environment, options).run();
+}
+
+TEST(Engine, RunsAnEmptyNetwork) {
+  EXPECT_TRUE(run(read("")).done());
+}
+
+TEST(Engine, TakesTheBranchThatWasChosen) {
+  const auto flat = read(R"j({"name": "ask", "duration_s": 2, "pia": false, "outcome": "no"},
+    {"name": "yes", "duration_s": 5, "pia": false, "condition_deps": ["ask"]},
+    {"name": "no", "duration_s": 1, "pia": true, "effects": ["+done()"], "resources": [],
+     "condition_deps": [{"node": "ask", "outcome": "no"}]})j");
+  const RunResult result = run(flat);
+  ASSERT_TRUE(result.done());
+  EXPECT_EQ(result.nodes[1].status, NodeStatus::Skipped);
+  EXPECT_EQ(seconds(result.makespan), 3);
+  EXPECT_EQ(result.statistics.wasted, 1U) << "it ran ahead for nothing";
+  EXPECT_THAT(result.world.texts(flat.network.facts), testing::ElementsAre("done()"));
+}
+
+TEST(Engine, AnAbortWithAHandlerIsABranch) {
+  const RunResult result = run(read(R"j({"name": "grasp", "pia": true, "effects": [], "fails": true},
+    {"name": "lift", "pia": true, "effects": [], "condition_deps": ["grasp"]},
+    {"name": "retry", "pia": true, "effects": [], "condition_deps": [{"node": "grasp", "outcome": "aborted"}]})j"));
+  ASSERT_TRUE(result.done());
+  EXPECT_EQ(result.nodes[1].status, NodeStatus::Skipped);
+  EXPECT_EQ(result.nodes[2].status, NodeStatus::Done);
+}
+
+TEST(Engine, EndsWithTheErrorOfTheLowestNode) {
+  const RunResult result = run(read(R"j(
+    {"name": "slow", "duration_s": 9, "pia": true, "effects": [], "fails": true},
+    {"name": "quick", "duration_s": 1, "pia": true, "effects": [], "fails": true},
+    {"name": "last", "duration_s": 20, "pia": true, "effects": []})j"));
+  ASSERT_TRUE(result.failed);
+  EXPECT_EQ(*result.failed, NodeId{0});
+  EXPECT_EQ(result.nodes[2].status, NodeStatus::Preempted);
+  EXPECT_EQ(seconds(result.makespan), 9);
+}
+
+TEST(Engine, AnEffectThatIsNotDeclaredNamesItsNode) {
+  const RunResult result =
+      run(read(R"j({"name": "push", "pia": true, "effects": ["+at(a)"], "uncertain": false,
+    "actual_effects": ["+at(b)"]})j"));
+  ASSERT_TRUE(result.error);
+  EXPECT_THAT(to_string(*result.error), HasSubstr("push"));
+  EXPECT_THAT(to_string(*result.error), HasSubstr("at(b)"));
+}
+
+TEST(Engine, RunsAPureNodeAgainWhereThePredictionWasWrong) {
+  const auto flat = read(R"j({"name": "push", "duration_s": 3, "pia": true, "effects": ["+at(a)"],
+     "actual_effects": ["+at(a)", "-open()"]},
+    {"name": "plan", "duration_s": 1, "pia": false, "preconditions": ["at(a)"], "effects": []})j");
+  EXPECT_TRUE(run(flat).error) << "open() is not among the declared facts";
+  const RunResult result =
+      run(read(R"j({"name": "push", "duration_s": 3, "pia": true, "effects": ["+at(a)", "+open()"],
+     "actual_effects": ["+at(a)"]
+  },
+    {"name": "plan", "duration_s": 1, "pia": false, "preconditions": ["at(a)", "!open()"], "effects": []})j"));
+  ASSERT_TRUE(result.done());
+  EXPECT_EQ(seconds(result.makespan), 4) << "it could not run ahead";
+}
+
+TEST(Engine, SaysWhoWaitsForWhat) {
+  Network network;
+  const ResourceId arm = network.resources.intern("system:arm");
+  NodeSpec spec;
+  spec.name = "lift";
+  spec.claims = {{arm, ResourceOp::Block, 2}};
+  network.append(spec);
+  spec.name = "turn";
+  network.append(spec);
+  const Order order = derive_order(network);
+  SimulatedEnvironment environment(network);
+  const RunResult result = Engine(network, order, environment).run();
+  ASSERT_TRUE(result.error);
+  EXPECT_THAT(to_string(*result.error), HasSubstr("'lift' waits for 2 of 'system:arm' (1 there, 1 free)"));
+  EXPECT_THAT(to_string(*result.error), HasSubstr("'turn' waits for 'lift' (resource: system:arm)"));
+}
+
+/// Nodes that run on threads of their own.
+class Threads final : public Environment {
+ public:
+  ~Threads() override {
+    for (std::thread& thread : threads_)
+      thread.join();
+  }
+  void start(Launch& launch, Completions& completions) override {
+    threads_.emplace_back(
+        [&completions, node = launch.node(), attempt = launch.attempt(), world = launch.world()] {
+          auto report = std::make_unique<Report>();
+          report->outputs = std::make_shared<type::Value>(static_cast<std::uint64_t>(world.facts().size()));
+          completions.finish(node, attempt, std::move(report));
+        });
+  }
+  void cancel(NodeId, std::uint32_t, Completions&) override {}
+
+ private:
+  std::list<std::thread> threads_;
+};
+
+TEST(Engine, TakesEndsFromOtherThreads) {
+  Network network;
+  NodeSpec spec;
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    spec.name = "n" + std::to_string(i);
+    spec.kind = i % 3 == 0 ? NodeClass::Pure : NodeClass::Irreversible;
+    spec.reads_world = true;
+    spec.effects = {{*network.facts.intern("f(" + std::to_string(i) + ")"), true}};
+    network.append(spec);
+  }
+  const Order order = derive_order(network);
+  Threads environment;
+  EngineOptions options;
+  options.clock = ClockKind::Real;
+  Engine engine(network, order, environment, options);
+  const RunResult result = engine.run();
+  ASSERT_TRUE(result.done()) << to_string(*result.error);
+  for (std::uint32_t i = 0; i < 50; ++i)
+    EXPECT_EQ(result.outputs[i]->as_uint(), i) << "each saw what came before it in the program";
+}
+
+/// A node that only ends when it is told to.
+class Endless final : public Environment {
+ public:
+  void start(Launch&, Completions&) override { started.set_value(); }
+  void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
+    auto report = std::make_unique<Report>();
+    report->outcome = kPreempted;
+    completions.finish(node, attempt, std::move(report));
+  }
+  std::promise<void> started;
+};
+
+TEST(Engine, StopsOnRequest) {
+  const auto flat = read(R"j({"name": "wait", "pia": true, "effects": []})j");
+  const Order order = derive_order(flat.network);
+  Endless environment;
+  EngineOptions options;
+  options.clock = ClockKind::Real;
+  Engine engine(flat.network, order, environment, options);
+  std::thread stopper([&] {
+    environment.started.get_future().wait();
+    engine.stop();
+  });
+  const RunResult result = engine.run();
+  stopper.join();
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.nodes[0].status, NodeStatus::Preempted);
+}
+
+/// A loop of a sensing and an irreversible node, unrolled until it has gone round often enough.
+class Loop final : public Expansion {
+ public:
+  explicit Loop(int rounds) : rounds_(rounds) {}
+  void expand(Network& network, std::size_t wanted) override {
+    const FactId ready = *network.facts.intern("ready()");
+    for (std::size_t i = 0; i < wanted && !finished(); i += 2, --rounds_) {
+      NodeSpec look;
+      look.name = "look";
+      look.iteration = network.size() / 2;
+      look.kind = NodeClass::Sensing;
+      look.preconditions = {{ready, look.iteration % 2 == 0}};
+      network.append(look);
+      NodeSpec act = look;
+      act.name = "act";
+      act.kind = NodeClass::Irreversible;
+      act.effects = {{ready, look.iteration % 2 == 1}};
+      network.append(act);
+    }
+    largest = std::max(largest, network.size() - ended_);
+  }
+  void ended(NodeId, OutcomeId) override { ++ended_; }
+  [[nodiscard]] bool finished() const override { return rounds_ == 0; }
+  std::uint32_t largest = 0;
+
+ private:
+  int rounds_;
+  std::uint32_t ended_ = 0;
+};
+
+TEST(Engine, UnrollsALoopAHorizonAhead) {
+  Network network;
+  network.initial_world.set({*network.facts.intern("ready()"), true});
+  Loop loop(500);
+  SimulatedEnvironment environment(network);
+  EngineOptions options;
+  options.horizon = 10;
+  const RunResult result = Engine(network, loop, environment, options).run();
+  ASSERT_TRUE(result.done()) << to_string(*result.error);
+  EXPECT_EQ(result.nodes.size(), 1000U);
+  EXPECT_LE(loop.largest, 12U);
+}
+
+TEST(FlatNetwork, IsWrittenAsItIsRead) {
+  const auto flat = read(R"j({"name": "a", "duration_s": 1.5, "pia": true, "effects": ["+p(x)"],
+      "resources": [{"name": "system:arm", "op": "block"}]},
+    {"name": "b", "pia": false, "sensing": true, "preconditions": ["!q()"], "condition_deps": ["a"],
+     "data_flows": [["a", "o", "b", "i"]]},
+    {"name": "c", "pia": true, "resources": [{"name": "system:arm", "op": "release"}]})j");
+  Diagnostics diagnostics;
+  const std::string text = write_flat_network(flat);
+  const auto again = read_flat_network(text, "again.json", diagnostics);
+  ASSERT_TRUE(again) << to_string(diagnostics);
+  EXPECT_EQ(write_flat_network(*again), text);
+}
+
+TEST(FlatNetwork, SaysWhatIsWrongAndWhere) {
+  const auto problems = [](const std::string& text) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(read_flat_network(text, "f.json", diagnostics)) << text;
+    return to_string(diagnostics);
+  };
+  EXPECT_THAT(problems("{"), HasSubstr("f.json:1:"));
+  EXPECT_THAT(problems("[]"), HasSubstr("must be a map"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a"}, {"name": "a"}]})j"), HasSubstr("a second node 'a'"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "condition_deps": ["a"]}]})j"),
+              HasSubstr("does not come before"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "effects": ["p"]}]})j"), HasSubstr("bad-effect"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "duration_s": -1}]})j"), HasSubstr("bad-duration"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "preconditions": ["p", "!p"]}]})j"),
+              HasSubstr("both true"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "resources": [{"name": "r", "op": "eat"}]}]})j"),
+              HasSubstr("unknown-operation"));
+  EXPECT_THAT(problems(R"j({"nodes": [{"name": "a", "resources": [{"name": "r", "op": "release"}]}]})j"),
+              HasSubstr("no node before it blocks"));
+  EXPECT_THAT(problems(R"j({"resources": {"r": {"count": 0}}, "nodes": [{"name": "a", "resources":
+      [{"name": "r", "op": "block"}]}, {"name": "b", "resources": [{"name": "r", "op": "create"}]}]})j"),
+              HasSubstr("missing-resource"));
+}
+
+TEST(Report, TellsWhoWaitedForWhat) {
+  const auto flat = read(R"j({"name": "a<b", "duration_s": 2, "pia": true, "effects": ["+p()"]},
+    {"name": "c", "duration_s": 1, "pia": true, "preconditions": ["p()"], "effects": []})j");
+  const Order order = derive_order(flat.network);
+  const RunResult result = run(flat);
+  const auto waits = waits_of(flat.network, order, result, NodeId{1});
+  ASSERT_EQ(waits.size(), 1U);
+  EXPECT_EQ(waits[0].kind, Wait::Kind::World);
+  EXPECT_EQ(waits[0].subject, "p()");
+  EXPECT_THAT(critical_chain(flat.network, order, result), testing::ElementsAre(NodeId{0}, NodeId{1}));
+  const std::string drawing = to_gantt(flat.network, order, result);
+  EXPECT_THAT(drawing, HasSubstr("waits for world p() of a&lt;b, until 2.00 s"));
+  EXPECT_TRUE(type::parse_json(to_trace(flat.network, order, result)));
+  EXPECT_TRUE(choose_priorities(flat.network, order, flat.trials, {}).empty()) << "a tie is program order";
+}
+
+}  // namespace
+}  // namespace segue::cdtn
