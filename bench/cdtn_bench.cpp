@@ -38,7 +38,7 @@ Before make_graph(std::uint32_t nodes) {
   for (std::uint32_t i = kLayer; i < nodes; ++i) {
     const std::uint32_t layer = i / kLayer * kLayer;
     for (std::uint32_t k = 0; k < kDegree; ++k)
-      before[i].push_back(layer - kLayer + random() % kLayer);
+      before[i].push_back(layer - kLayer + static_cast<std::uint32_t>(random() % kLayer));
   }
   return before;
 }
