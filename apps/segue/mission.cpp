@@ -81,6 +81,16 @@ int run_plan(const MissionOptions& options, NetworkOptions network, const Contex
   return run_mission(options, context);
 }
 
+int import(const ImportOptions& source, PddlOptions pddl, const Context& context) {
+  if (!source.folder.empty()) return import(source, context);
+  if (!pddl.files.empty()) {
+    pddl.output = source.output;
+    return import_pddl(pddl, context);
+  }
+  print_error(context, fail(ErrorCode::InvalidArgument, "say what to import: --rafcon or --pddl"));
+  return kUsage;
+}
+
 void add_runner(CLI::App& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
@@ -131,20 +141,17 @@ void add_mission(CLI::App& app, Context& context) {
 
   const auto source = std::make_shared<ImportOptions>();
   const auto pddl = std::make_shared<PddlOptions>();
-  CLI::App* importer =
-      add_verb(*verb, context, "import", "other plans as mission files and task networks",
-               "  segue mission import --rafcon my_machine --libraries "
-               "generic=/opt/rafcon/libraries/generic -o m.yaml",
-               [source, pddl, &context] {
-                 pddl->output = source->output;
-                 return pddl->files.empty() ? import(*source, context) : import_pddl(*pddl, context);
-               });
-  CLI::App* kinds = importer->add_option_group("kind of plan");
-  kinds->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine")->type_name("DIR");
-  kinds->add_option("--pddl", pddl->files, "a domain, a problem and a sequential plan, as a task network")
+  CLI::App* importer = add_verb(*verb, context, "import", "other plans as mission files and task networks",
+                                "  segue mission import --rafcon my_machine --libraries "
+                                "generic=/opt/rafcon/libraries/generic -o m.yaml",
+                                [source, pddl, &context] { return import(*source, *pddl, context); });
+  CLI::Option* rafcon =
+      importer->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine");
+  rafcon->type_name("DIR");
+  importer->add_option("--pddl", pddl->files, "a domain, a problem and a sequential plan, as a task network")
       ->expected(3)
+      ->excludes(rafcon)
       ->type_name("DOMAIN PROBLEM PLAN");
-  kinds->require_option(1);
   importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
   importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
   add_mission_gantt(*verb, context);
