@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+
+#include "svg.hpp"
 
 namespace segue::cli {
 
@@ -33,22 +34,6 @@ struct Scale {
     return kHeight - kBottom - share * (kHeight - kTop - kBottom);
   }
 };
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '>') {
-      safe += "&gt;";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
 
 Scale scale_for(const Chart& chart) {
   Scale scale;
@@ -78,17 +63,7 @@ double step_for(double most) {
   return std::max(1.0, 10 * power);
 }
 
-using Out = std::back_insert_iterator<std::string>;
-
-void draw_text(Out out, double x, double y, std::string_view anchor, const std::string& text) {
-  fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor,
-                 escaped(text));
-}
-
-void draw_line(Out out, double x1, double y1, double x2, double y2, std::string_view style) {
-  fmt::format_to(out, "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", x1, y1, x2, y2,
-                 style);
-}
+using svg::Out;
 
 void draw_grid(Out out, const Scale& scale) {
   constexpr std::string_view kGrid = "stroke=\"#dddddd\"";
@@ -96,21 +71,20 @@ void draw_grid(Out out, const Scale& scale) {
   for (double decade = scale.decade_low; decade <= scale.decade_high; ++decade) {
     const double value = std::pow(10, decade);
     for (int i = 2; i < 10 && decade < scale.decade_high; ++i)
-      draw_line(out, kLeft, scale.y(i * value), kWidth - kRight, scale.y(i * value), kFineGrid);
-    draw_line(out, kLeft, scale.y(value), kWidth - kRight, scale.y(value), kGrid);
-    draw_text(out, kLeft - 8, scale.y(value) + 4, "end", fmt::format("{:g}", value));
+      svg::line(out, kLeft, scale.y(i * value), kWidth - kRight, scale.y(i * value), kFineGrid);
+    svg::line(out, kLeft, scale.y(value), kWidth - kRight, scale.y(value), kGrid);
+    svg::text(out, kLeft - 8, scale.y(value) + 4, "end", fmt::format("{:g}", value));
   }
   const double step = step_for(scale.x_max);
   for (double x = 0; x <= scale.x_max * 1.001; x += step) {
-    draw_line(out, scale.x(x), kTop, scale.x(x), kHeight - kBottom, kGrid);
-    draw_text(out, scale.x(x), kHeight - kBottom + 18, "middle", fmt::format("{:g}", x));
+    svg::line(out, scale.x(x), kTop, scale.x(x), kHeight - kBottom, kGrid);
+    svg::text(out, scale.x(x), kHeight - kBottom + 18, "middle", fmt::format("{:g}", x));
   }
 }
 
 void draw_labels(Out out, const Chart& chart) {
-  fmt::format_to(out, "<text x=\"{}\" y=\"28\" text-anchor=\"middle\" font-size=\"16\">{}</text>\n",
-                 kWidth / 2, escaped(chart.title));
-  draw_text(out, (kLeft + kWidth - kRight) / 2, kHeight - kBottom + 40, "middle", chart.x_label);
+  svg::text(out, kWidth / 2, 28, "middle", chart.title, "font-size=\"16\"");
+  svg::text(out, (kLeft + kWidth - kRight) / 2, kHeight - kBottom + 40, "middle", chart.x_label);
   fmt::format_to(out,
                  "<text transform=\"translate(22 {:.1f}) rotate(-90)\" text-anchor=\"middle\">milliseconds"
                  "</text>\n",
@@ -144,7 +118,7 @@ void draw_data(Out out, const Chart::Line& line, std::size_t number, const Scale
     const double x = scale.x(point.x);
     path +=
         fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : " L", x, scale.y(median_of(point.seconds) * 1e3));
-    draw_line(out, x, scale.y(least * 1e3), x, scale.y(most * 1e3), style);
+    svg::line(out, x, scale.y(least * 1e3), x, scale.y(most * 1e3), style);
   }
   fmt::format_to(out, "<path d=\"{}\" fill=\"none\" {}/>\n", path, style);
   for (const Chart::Point& point : line.points)
@@ -157,7 +131,7 @@ void draw_legend(Out out, const std::vector<Chart::Line>& lines) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double x = kLeft + 12 + static_cast<double>(i) * width;
     draw_mark(out, i, x, kHeight - 18);
-    draw_text(out, x + 12, kHeight - 14, "start", lines[i].name);
+    svg::text(out, x + 12, kHeight - 14, "start", lines[i].name);
   }
 }
 
@@ -167,17 +141,15 @@ std::string to_svg(const Chart& chart) {
   Chart drawn = chart;
   std::erase_if(drawn.lines, [](const Chart::Line& line) { return line.points.empty(); });
   const Scale scale = scale_for(drawn);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
-      "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth, kHeight);
-  const Out out(svg);
+  std::string file;
+  const Out out(file);
+  svg::begin(out, kWidth, kHeight);
   draw_grid(out, scale);
   draw_labels(out, drawn);
   for (std::size_t i = 0; i < drawn.lines.size(); ++i)
     draw_data(out, drawn.lines[i], i, scale);
   draw_legend(out, drawn.lines);
-  return svg + "</svg>\n";
+  return file.append(svg::kEnd);
 }
 
 double median_of(std::vector<double> values) {

@@ -7,14 +7,15 @@
 
 #include <fmt/format.h>
 
-#include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "estimate_text.hpp"
 #include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
+#include "transition_picture.hpp"
 #include "transition_text.hpp"
 
 namespace segue::cli {
@@ -25,33 +26,14 @@ struct Options {
   std::string current;
   std::string target;
   std::string order = "seamless";
+  bool force = false;
   bool dot = false;
   bool estimate = false;
   std::string journal;
+  bool svg = false;
   std::string output;
   ModelSources sources;
 };
-
-/// The partial order as a graph for Graphviz.
-std::string to_dot(const model::Transition& transition) {
-  static const std::map<model::Phase, std::string_view> colours = {{model::Phase::Prepare, "lightblue"},
-                                                                   {model::Phase::Commit, "orange"},
-                                                                   {model::Phase::Retire, "lightgrey"}};
-  const auto escaped = [](const std::string& text) {
-    std::string result;
-    for (const char c : text)
-      result += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
-    return result;
-  };
-  std::string text = "digraph transition {\n  node [shape=box, style=filled];\n";
-  for (const model::Action& action : transition.actions) {
-    text += fmt::format("  {} [label=\"{}\", fillcolor={}];\n", action.id, escaped(action.label()),
-                        colours.at(action.phase));
-    for (const int before : action.after)
-      text += fmt::format("  {} -> {};\n", before, action.id);
-  }
-  return text + "}\n";
-}
 
 /// Nothing where no estimate is wanted.
 Result<std::optional<solve::Estimate>> estimate(const Options& options, const std::string& robot,
@@ -67,9 +49,11 @@ Result<std::optional<solve::Estimate>> estimate(const Options& options, const st
   return std::optional(solve::estimate(current, transition, *times));
 }
 
-void show(const model::Transition& transition, const std::optional<solve::Estimate>& expected, bool dot,
-          const Context& context) {
-  if (dot) return print(to_dot(transition));
+void show(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
+          const Options& options, const Context& context) {
+  const auto durations = expected ? expected->typical : std::vector<Duration>();
+  if (options.dot) return print(to_dot(transition, durations));
+  if (options.svg) return print(to_svg(transition, durations));
   if (!context.json()) return print(describe(transition) + (expected ? describe(*expected, transition) : ""));
   type::Value value = model::to_value(transition);
   if (expected) value.as_map().set("estimate_s", to_value(*expected));
@@ -83,8 +67,10 @@ int diff(const Options& options, const Context& context) {
   const auto target = load_valid_network(options.target, catalog, diagnostics);
   if (diagnostics.has_errors() || !current || !target) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
-  const auto order = options.order == "paper" ? model::Order::Paper : model::Order::Seamless;
-  const auto transition = solve::diff(*current, *target, catalog, {order});
+  solve::Options asked;
+  asked.order = options.order == "paper" ? model::Order::Paper : model::Order::Seamless;
+  asked.force = options.force;
+  const auto transition = solve::diff(*current, *target, catalog, asked);
   if (!transition) return failed(context, transition.error());
   if (!options.output.empty()) {
     const auto written = write_file(options.output, model::write_transition(*transition));
@@ -92,7 +78,7 @@ int diff(const Options& options, const Context& context) {
   }
   const auto expected = estimate(options, context.robot, *current, *transition);
   if (!expected) return failed(context, expected.error());
-  show(*transition, *expected, options.dot, context);
+  show(*transition, *expected, options, context);
   return kDone;
 }
 
@@ -104,14 +90,18 @@ void add_diff(CLI::App& app, Context& context) {
       add_verb(app, context, "diff", "the transition that turns one network into another",
                "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff - controllers/explore.yaml      # from the empty network\n"
-               "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml",
+               "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml\n"
+               "  segue diff a.yaml b.yaml --svg > switch.svg",
                [options, &context] { return diff(*options, context); });
   verb->add_option("CURRENT", options->current, "a network or CND file; '-' is the empty network")
       ->required()
       ->type_name("");
   verb->add_option("TARGET", options->target, "likewise")->required()->type_name("");
   add_order_option(*verb, options->order);
-  verb->add_flag("--dot", options->dot, "the partial order as a graph for Graphviz");
+  verb->add_flag("--force", options->force, "kill the processes that go, and do nothing else in them");
+  auto* dot = verb->add_flag("--dot", options->dot, "the partial order as a graph for Graphviz");
+  verb->add_flag("--svg", options->svg, "a picture: what happens when, and what decides how long it takes")
+      ->excludes(dot);
   verb->add_option("-o,--output", options->output, "also write the transition to a file, for `segue apply`")
       ->type_name("FILE");
   const std::string estimate_help =

@@ -49,6 +49,8 @@ std::string action_label(const Value& action) {
     const std::string suffix = policy.empty() || policy == "data" ? "" : " (" + policy + ")";
     return fmt::format("{} {} -> {}{}", kind, text_at(action, "from"), text_at(action, "to"), suffix);
   }
+  if (kind == "hand_over")
+    return fmt::format("{} {} -> {}", kind, text_at(action, "from"), text_at(action, "to"));
   if (kind == "deploy" || kind == "undeploy") {
     return fmt::format("{} {}/{}", kind, text_at(action, "host"), text_at(action, "process"));
   }

@@ -157,6 +157,51 @@ TEST_F(Files, DiffForPeopleIsGroupedByPhase) {
   EXPECT_EQ(graph.output.rfind("digraph", 0), 0U) << graph.output;
 }
 
+/// How often a text occurs.
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+TEST_F(Files, DiffDrawsWhatHappensWhen) {
+  const auto total = static_cast<std::size_t>(
+      json({"diff", "two.yaml", "one.yaml"}).find("counts")->find("total")->as_int());
+  ASSERT_GT(total, 3U);
+  for (const char* order : {"seamless", "paper"}) {
+    const auto picture = segue({"diff", "two.yaml", "one.yaml", "--order", order, "--svg"});
+    EXPECT_EQ(picture.status, 0) << picture.errors;
+    EXPECT_EQ(picture.output.rfind("<svg ", 0), 0U) << picture.output;
+    EXPECT_TRUE(contains(picture.output, "</svg>\n"));
+    EXPECT_EQ(occurrences(picture.output, "<title>"), total) << "one bar for each action";
+    EXPECT_TRUE(contains(picture.output, "commit")) << picture.output;
+    EXPECT_TRUE(contains(picture.output, "a.velocity -&gt; b.velocity")) << picture.output;
+    EXPECT_FALSE(contains(picture.output, "nan")) << picture.output;
+  }
+  const auto nothing = segue({"diff", "one.yaml", "one.yaml", "--svg"});
+  EXPECT_EQ(nothing.status, 0);
+  EXPECT_TRUE(contains(nothing.output, "nothing to do")) << nothing.output;
+  EXPECT_EQ(segue({"diff", "two.yaml", "one.yaml", "--svg", "--dot"}).status, 2);
+}
+
+TEST_F(Files, TheGraphOfADiffHoldsItsPhasesAndItsCriticalPath) {
+  const auto graph = segue({"diff", "two.yaml", "one.yaml", "--dot"});
+  EXPECT_TRUE(contains(graph.output, "subgraph cluster_commit")) << graph.output;
+  EXPECT_GT(occurrences(graph.output, "penwidth=3"), 1U) << graph.output;
+}
+
+TEST_F(Files, ForceKillsTheProcessesThatGo) {
+  write("deployed.yaml",
+        "network: deployed\ntasks: {a: {component: demo::Odometry}}\n"
+        "deployments: {p: {tasks: [a]}}\n");
+  const auto forced = json({"diff", "deployed.yaml", "empty", "--force"});
+  const auto& actions = forced.find("actions")->as_list();
+  ASSERT_EQ(actions.size(), 1U);
+  EXPECT_EQ(*actions[0].find("kind"), Value("undeploy"));
+  EXPECT_EQ(*actions[0].find("kill"), Value(true));
+}
+
 TEST_F(Files, ApplyPredictsTheTargetOfADiff) {
   ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
   EXPECT_EQ(segue({"check", "t.yaml"}).status, 0);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "svg.hpp"
+
+#include <fmt/format.h>
+
+namespace segue::cli::svg {
+
+void begin(Out out, double width, double height) {
+  fmt::format_to(out,
+                 "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 "
+                 "{0:g} {1:g}\" "
+                 "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"{0:g}\" height=\"{1:g}\" "
+                 "fill=\"white\"/>\n",
+                 width, height);
+}
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&') {
+      safe += "&amp;";
+    } else if (c == '<') {
+      safe += "&lt;";
+    } else if (c == '>') {
+      safe += "&gt;";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+void text(Out out, double x, double y, std::string_view anchor, std::string_view content,
+          std::string_view style) {
+  fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y, anchor,
+                 style.empty() ? "" : " ", style, escaped(content));
+}
+
+void line(Out out, double x1, double y1, double x2, double y2, std::string_view style) {
+  fmt::format_to(out, "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", x1, y1, x2, y2,
+                 style);
+}
+
+}  // namespace segue::cli::svg
