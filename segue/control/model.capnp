@@ -94,6 +94,7 @@ struct Action {
     deployment @6 :Deployment;
     config @7 :Config;
     call @8 :Call;
+    handOver @10 :HandOver;
   }
   kill @9 :Bool;  # the process of an undeploy, instead of shutting it down
 
@@ -102,6 +103,11 @@ struct Action {
     host @1 :Text;
     process @2 :Text;
     name @3 :Text;
+  }
+
+  struct HandOver {
+    from @0 :Text;
+    to @1 :Text;
   }
 
   struct Call {

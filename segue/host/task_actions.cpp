@@ -128,6 +128,9 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
     Result<void> operator()(const model::ConfigAction& what) const {
       return self.apply_config(what, deadline);
     }
+    Result<void> operator()(const model::HandOverAction& what) const {
+      return self.hand_over(what, deadline);
+    }
     Result<void> operator()(const model::CallAction& what) const {
       auto entry = self.table_.find(what.task);
       if (!entry) {
@@ -179,6 +182,35 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   auto done = kind == ActionKind::Configure ? task.configure(deadline)
               : kind == ActionKind::Cleanup ? task.cleanup(deadline)
                                             : task.recover(deadline);
+  table_.drop_dead_wires();
+  return done;
+}
+
+Result<void> TaskActions::hand_over(const model::HandOverAction& what, TimePoint deadline) {
+  auto from = table_.find(what.from);
+  if (!from) {
+    return std::move(from.error());
+  }
+  auto to = table_.find(what.to);
+  if (!to) {
+    return std::move(to.error());
+  }
+  const VerbWatch::Verb saving(verbs_, what.from, deadline);
+  auto state = from->task->save_state(deadline);
+  if (!state) {
+    return std::move(state.error());
+  }
+  if (!state->has_value()) {
+    return {};
+  }
+  const VerbWatch::Verb restoring(verbs_, what.to, deadline);
+  const Acting acting(*to->task);
+  // A component that breaks is cleaned up, with its ports.
+  const std::unique_lock ports(*to->ports, deadline);
+  if (!ports) {
+    return busy(*to);
+  }
+  auto done = to->task->restore_state(**state, deadline);
   table_.drop_dead_wires();
   return done;
 }

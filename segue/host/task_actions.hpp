@@ -26,6 +26,7 @@ class TaskActions {
 
  private:
   Result<void> perform_on_task(model::ActionKind kind, const model::TaskId& id, TimePoint deadline);
+  Result<void> hand_over(const model::HandOverAction& what, TimePoint deadline);
   Result<void> run_verb(model::ActionKind kind, const TaskEntry& entry, TimePoint deadline);
   Result<void> deploy(const model::Deployment& deployment);
   /// `kill`: whatever its tasks do, which are destroyed.

@@ -21,6 +21,9 @@ std::string subject(const ConfigAction& action) {
 std::string subject(const CallAction& action) {
   return action.task.str() + "." + action.operation;
 }
+std::string subject(const HandOverAction& action) {
+  return action.from.str() + " -> " + action.to.str();
+}
 
 }  // namespace
 
@@ -28,6 +31,7 @@ const TaskId* Action::task() const {
   if (const auto* action = std::get_if<TaskAction>(&what)) return &action->task;
   if (const auto* action = std::get_if<ConfigAction>(&what)) return &action->definition.id;
   if (const auto* action = std::get_if<CallAction>(&what)) return &action->task;
+  if (const auto* action = std::get_if<HandOverAction>(&what)) return &action->to;
   return nullptr;
 }
 

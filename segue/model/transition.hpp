@@ -14,8 +14,9 @@
 
 namespace segue::model {
 
-/// In the order of the paper's sequential execution (ours, transitions.md point 2; CallOperation stands where
-/// the request puts it).
+/// In the order of the paper's sequential execution (ours, transitions.md point 2). HandOver is not the
+/// paper's: what it takes the state from is cleaned up after it. CallOperation stands where the request puts
+/// it.
 enum class ActionKind : std::uint8_t {
   Recover,
   Stop,
@@ -26,12 +27,13 @@ enum class ActionKind : std::uint8_t {
   ApplyConfig,
   Configure,
   Connect,
+  HandOver,
   Start,
   CallOperation
 };
-inline constexpr std::array<std::string_view, 11> kActionKindNames = {
-    "recover",      "stop",      "disconnect", "cleanup", "undeploy",      "deploy",
-    "apply_config", "configure", "connect",    "start",   "call_operation"};
+inline constexpr std::array<std::string_view, 12> kActionKindNames = {
+    "recover",      "stop",      "disconnect", "cleanup",   "undeploy", "deploy",
+    "apply_config", "configure", "connect",    "hand_over", "start",    "call_operation"};
 inline std::string_view to_string(ActionKind kind) {
   return kActionKindNames.at(static_cast<std::size_t>(kind));
 }
@@ -68,6 +70,13 @@ struct ConfigAction {
   std::string name;  ///< inside the process
   friend bool operator==(const ConfigAction&, const ConfigAction&) = default;
 };
+/// HandOver: the state of `from`, which is stopped, becomes that of `to`, which is configured and does not
+/// run. Of one id: from the incarnation that goes to the one that comes.
+struct HandOverAction {
+  TaskId from;
+  TaskId to;
+  friend bool operator==(const HandOverAction&, const HandOverAction&) = default;
+};
 struct CallAction {
   TaskId task;
   std::string operation;
@@ -78,11 +87,12 @@ struct CallAction {
 struct Action {
   int id = 0;  ///< from 1, in the order of the list
   ActionKind kind = ActionKind::Recover;
-  std::variant<TaskAction, ConnectionAction, DeploymentAction, ConfigAction, CallAction> what;
+  std::variant<TaskAction, ConnectionAction, DeploymentAction, ConfigAction, CallAction, HandOverAction> what;
   Phase phase = Phase::Commit;
   std::vector<int> after;  ///< ids of actions that must be done before; always of earlier actions in the list
 
-  /// The task of a TaskAction, ConfigAction or CallAction; nullptr for the others.
+  /// The task of a TaskAction, ConfigAction or CallAction, and who a HandOverAction gives to; nullptr for the
+  /// others.
   [[nodiscard]] const TaskId* task() const;
   /// "stop area_explorer", "connect a.out -> b.in": for messages and events.
   [[nodiscard]] std::string label() const;

@@ -68,6 +68,9 @@ void read_subject(Action& action, Fields& fields, const Source& source) {
     case ActionKind::ApplyConfig:
       action.what = read_config(fields, source);
       return;
+    case ActionKind::HandOver:
+      action.what = HandOverAction{TaskId(fields.required_name("from")), TaskId(fields.required_name("to"))};
+      return;
     case ActionKind::CallOperation:
       action.what = read_call(fields);
   }
@@ -163,6 +166,10 @@ void write_subject(ValueMap& map, const ConfigAction& action, ActionKind) {
   if (!action.process.is_runtime()) map.append("process", action.process.process.str());
   if (action.name != action.definition.id.str()) map.append("name", action.name);
   map.append("definition", detail::write_task(action.definition));
+}
+void write_subject(ValueMap& map, const HandOverAction& action, ActionKind) {
+  map.append("from", action.from.str());
+  map.append("to", action.to.str());
 }
 void write_subject(ValueMap& map, const CallAction& action, ActionKind) {
   map.append("task", action.task.str());

@@ -99,6 +99,7 @@ class Finder {
 
   void add_task(int task) {
     const TaskPlan& plan = plan_.task(task);
+    add_take_over(task);
     if (plan.fate == TaskFate::Kept) {
       add_kept(task, plan.live);
       return;
@@ -113,7 +114,7 @@ class Finder {
     if (live) {
       chain(task, {ApplyConfig, Start});
     } else {
-      chain(task, {Recover, Stop, Cleanup, ApplyConfig, Configure, Start});
+      chain(task, {Recover, Stop, Cleanup, ApplyConfig, Configure, HandOver, Start});
     }
   }
 
@@ -142,13 +143,27 @@ class Finder {
   /// Two incarnations of a task, or a task and the one whose state it continues, never run at a time.
   void add_new(int task) {
     using enum ActionKind;
-    chain(task, {ApplyConfig, Configure, Start});
+    chain(task, {ApplyConfig, Configure, HandOver, Start});
     const TaskEntry& entry = index_.task(task);
     add(nodes_.deploy[as_index(entry.target().process)], node(task, ApplyConfig));
     if (plan_.task(task).fate == TaskFate::Replaced && entry.current().process != entry.target().process) {
-      add(halt(task), node(task, Start));
+      if (entry.takes_over != task) add(halt(task), node(task, Start));
     }
-    if (entry.takes_over != kNone) add(halt(entry.takes_over), node(task, Start));
+  }
+
+  /// The old task is at rest when its state is taken, and is there until then.
+  void add_take_over(int task) {
+    using enum ActionKind;
+    const int from = index_.task(task).takes_over;
+    if (from == kNone) return;
+    const int hand_over = node(task, HandOver);
+    if (hand_over == kNone) {
+      if (has_new(plan_.task(task).fate)) add(halt(from), node(task, Start));
+      return;
+    }
+    add(node(from, Stop), hand_over);
+    const int cleanup = node(from, Cleanup);
+    add(hand_over, cleanup == kNone ? node(from, Start) : cleanup);
   }
 
   void add_old_wire(std::size_t number) {
@@ -262,6 +277,24 @@ class Finder {
 };
 
 }  // namespace
+
+bool drop_impossible_hand_overs(Plan& plan, const Nodes& nodes, const Constraints& constraints) {
+  // Whatever else there is has an order, so every cycle holds a hand-over.
+  const Sequence found = sequence(static_cast<int>(nodes.list.size()), constraints.edges);
+  std::vector<int> group_size(nodes.list.size());
+  for (const int group : found.group_of)
+    ++group_size[as_index(group)];
+  bool dropped = false;
+  plan.hands_over = false;
+  for (std::size_t i = 0; i < nodes.list.size(); ++i) {
+    if (nodes.list[i].kind != ActionKind::HandOver) continue;
+    const bool possible = group_size[as_index(found.group_of[i])] == 1;
+    if (!possible) plan.tasks[as_index(nodes.list[i].subject)].steps.remove(ActionKind::HandOver);
+    dropped |= !possible;
+    plan.hands_over |= possible;
+  }
+  return dropped;
+}
 
 Constraints find_constraints(const Index& index, const Plan& plan, const Nodes& nodes) {
   return Finder(index, plan, nodes).find();

@@ -5,6 +5,7 @@
 #include <segue/solve/solve.hpp>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace segue::solve {
@@ -55,6 +56,13 @@ void fill(Action& action, const Index& index, const Plan& plan, const Node& node
       what.name = task.name;
       return;
     }
+    case ActionKind::HandOver: {
+      const TaskEntry& entry = index.task(node.subject);
+      auto& what = action.what.emplace<model::HandOverAction>();
+      what.from = *entry.target().task->takes_over;
+      what.to = entry.target().task->id;
+      return;
+    }
     default: {
       const TaskEntry& entry = index.task(node.subject);
       const model::Task& task = *(entry.target().task ? entry.target() : entry.current()).task;
@@ -72,15 +80,25 @@ Action& add_action(model::Transition& transition, const Index& index, const Plan
   return action;
 }
 
-/// Positions of nodes in the order of their phases, otherwise as they are.
-std::vector<int> by_phase(const std::vector<Node>& nodes) {
-  std::vector<int> order;
-  order.reserve(nodes.size());
+/// The nodes in the order of their phases, otherwise as in `order`.
+std::vector<int> by_phase(const std::vector<Node>& nodes, const std::vector<int>& order) {
+  std::vector<int> sorted;
+  sorted.reserve(nodes.size());
   for (const Phase phase : {Phase::Prepare, Phase::Commit, Phase::Retire}) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (nodes[i].phase == phase) order.push_back(static_cast<int>(i));
+    for (const int node : order) {
+      if (nodes[as_index(node)].phase == phase) sorted.push_back(node);
     }
   }
+  return sorted;
+}
+
+/// All nodes, each after those before it: as they are listed, unless something must be handed over before the
+/// old one is cleaned up.
+std::vector<int> executable_order(const Plan& plan, const Nodes& nodes, const Constraints& constraints) {
+  const int count = static_cast<int>(nodes.list.size());
+  if (plan.hands_over) return sequence(count, constraints.edges).nodes;
+  std::vector<int> order(nodes.list.size());
+  std::iota(order.begin(), order.end(), 0);
   return order;
 }
 
@@ -95,11 +113,16 @@ std::vector<int> ids_before(const Predecessors& before, int node, const std::vec
   return ids;
 }
 
-void order_seamlessly(model::Transition& transition, const Index& index, const Plan& plan, Nodes& nodes) {
-  const Constraints constraints = find_constraints(index, plan, nodes);
+void order_seamlessly(model::Transition& transition, const Index& index, Plan& plan, Nodes& nodes) {
+  Constraints constraints = find_constraints(index, plan, nodes);
+  if (plan.hands_over && drop_impossible_hand_overs(plan, nodes, constraints)) {
+    nodes = make_nodes(index, plan);
+    constraints = find_constraints(index, plan, nodes);
+  }
+  const std::vector<int> listed = executable_order(plan, nodes, constraints);
   const Predecessors before(static_cast<int>(nodes.list.size()), constraints.edges);
-  assign_phases(nodes, plan, index, constraints, before);
-  const std::vector<int> order = by_phase(nodes.list);
+  assign_phases(nodes, plan, index, constraints, before, listed);
+  const std::vector<int> order = by_phase(nodes.list, listed);
   std::vector<int> id_of(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     id_of[as_index(order[i])] = static_cast<int>(i) + 1;

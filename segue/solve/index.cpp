@@ -63,7 +63,7 @@ class Builder {
   }
 
   Result<> add_task(Side side, const model::Task& task) {
-    if (side == kTarget && is_error(task.state)) {
+    if (side == kTarget && is_error(task.state) && !is_so_now(task)) {
       return fail(ErrorCode::InvalidArgument,
                   "task " + quote(task.id.str()) + of(side) + " is to be in state " +
                       std::string(to_string(task.state)) +
@@ -85,6 +85,14 @@ class Builder {
       if (task.takes_over) index_.tasks[as_index(number)].takes_over = ids_.find(task.takes_over->str());
     }
     return {};
+  }
+
+  /// An error that is there already may stay.
+  [[nodiscard]] bool is_so_now(const model::Task& task) const {
+    const int number = ids_.find(task.id.str());
+    if (number == kNone) return false;
+    const model::Task* now = index_.task(number).current().task;
+    return now != nullptr && now->state == task.state;
   }
 
   Result<> add_deployments(Side side) {

@@ -88,7 +88,8 @@ class SeatIndex {
 };
 
 /// Fails (InvalidArgument) where a network names what it does not have or names a thing twice, where a target
-/// state is an error, or where the target needs a dynamic port of a task that is not to be configured.
+/// state is an error that the task is not in already, or where the target needs a dynamic port of a task that
+/// is not to be configured.
 Result<Index> build_index(const model::Network& current, const model::Network& target,
                           const model::ComponentCatalog& catalog);
 

@@ -12,7 +12,7 @@ using model::ActionKind;
 class Lister {
  public:
   Lister(const Index& index, const Plan& plan) : index_(index), plan_(plan) {
-    std::array<int, 10> none;
+    std::array<int, 11> none;
     none.fill(kNone);
     nodes_.of_task.assign(index.tasks.size(), none);
     nodes_.undeploy.assign(index.processes.size(), kNone);
@@ -35,6 +35,7 @@ class Lister {
     add_tasks(ActionKind::ApplyConfig, index_.target_order);
     add_tasks(ActionKind::Configure, index_.target_order);
     add_wires(ActionKind::Connect, plan_.connect, nodes_.connect);
+    add_tasks(ActionKind::HandOver, index_.target_order);
     add_sequence(ActionKind::Start, index_.target_order);
     return std::move(nodes_);
   }

@@ -30,6 +30,7 @@ class Wishes {
         return joins_new(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Stop:
       case ActionKind::Disconnect:
+      case ActionKind::HandOver:
       case ActionKind::Start:
       case ActionKind::CallOperation:
         break;
@@ -56,22 +57,22 @@ class Wishes {
 }  // namespace
 
 void assign_phases(Nodes& nodes, const Plan& plan, const Index& index, const Constraints& constraints,
-                   const Predecessors& before) {
+                   const Predecessors& before, const std::vector<int>& order) {
   const Wishes wishes(plan, index, constraints);
   std::vector<Node>& list = nodes.list;
   // Nothing is prepared that waits for what is not.
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    list[i].phase = wishes.of(list[i]);
-    if (list[i].phase != Phase::Prepare) continue;
-    for (const int* node = before.begin(static_cast<int>(i)); node != before.end(static_cast<int>(i));
-         ++node) {
-      if (list[as_index(*node)].phase != Phase::Prepare) list[i].phase = Phase::Commit;
+  for (const int i : order) {
+    Phase& phase = list[as_index(i)].phase;
+    phase = wishes.of(list[as_index(i)]);
+    if (phase != Phase::Prepare) continue;
+    for (const int* node = before.begin(i); node != before.end(i); ++node) {
+      if (list[as_index(*node)].phase != Phase::Prepare) phase = Phase::Commit;
     }
   }
   // Nothing is retired that something else waits for.
-  for (int i = static_cast<int>(list.size()) - 1; i >= 0; --i) {
-    if (list[as_index(i)].phase == Phase::Retire) continue;
-    for (const int* node = before.begin(i); node != before.end(i); ++node) {
+  for (auto i = order.rbegin(); i != order.rend(); ++i) {
+    if (list[as_index(*i)].phase == Phase::Retire) continue;
+    for (const int* node = before.begin(*i); node != before.end(*i); ++node) {
       Phase& phase = list[as_index(*node)].phase;
       if (phase == Phase::Retire) phase = Phase::Commit;
     }

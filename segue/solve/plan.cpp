@@ -35,8 +35,8 @@ Steps steps_up(TaskState target) {
 
 /// Between two states without a new configuration.
 Steps steps_between(TaskState now, TaskState target) {
-  if (!is_configured(now) || !is_configured(target)) return steps_down(now) + steps_up(target);
   if (now == target) return {};
+  if (!is_configured(now) || !is_configured(target)) return steps_down(now) + steps_up(target);
   if (target == TaskState::Stopped) return {ActionKind::Stop};
   return now == TaskState::RunTimeError ? Steps{ActionKind::Recover} : Steps{ActionKind::Start};
 }
@@ -60,8 +60,11 @@ class Planner {
     if (auto done = redeploy_fatal(); !done) return done.error();
     redeploy_full_processes();
     plan_.tasks.reserve(index_.tasks.size());
-    for (const TaskEntry& task : index_.tasks)
+    for (const TaskEntry& task : index_.tasks) {
       plan_.tasks.push_back(plan_task(task));
+      if (auto done = check_lasting_error(task); !done) return done.error();
+    }
+    if (plan_.options.order != model::Order::Paper) plan_hand_overs();
     plan_wires();
     return std::move(plan_);
   }
@@ -90,7 +93,7 @@ class Planner {
   Result<> redeploy_fatal() {
     for (std::size_t i = 0; i < index_.current_tasks; ++i) {
       const Incarnation& task = index_.tasks[i].current();
-      if (task.task->state != TaskState::Fatal) continue;
+      if (task.task->state != TaskState::Fatal || stays_fatal(index_.tasks[i])) continue;
       if (task.process == kRuntime) {
         return fail(
             ErrorCode::Unsupported,
@@ -102,6 +105,23 @@ class Planner {
       redeploy(task.process);
     }
     return {};
+  }
+
+  static bool stays_fatal(const TaskEntry& entry) {
+    return entry.target().task != nullptr && entry.target().task->state == TaskState::Fatal;
+  }
+
+  /// Nothing can be done to a task whose error is to stay; the last one planned.
+  [[nodiscard]] Result<> check_lasting_error(const TaskEntry& entry) const {
+    if (entry.target().task == nullptr || !is_error(entry.target().task->state)) return {};
+    const TaskPlan& plan = plan_.tasks.back();
+    if (plan.fate == TaskFate::Kept && plan.steps.empty()) return {};
+    const model::Task& task = *entry.target().task;
+    return fail(ErrorCode::Unsupported,
+                "task " + quote(task.id.str()) + " is to stay in state " +
+                    std::string(to_string(task.state)) +
+                    ", but has to be made or configured anew; ask for another state of it",
+                task.id.str(), task.where);
   }
 
   /// A process that another deployer starts holds the tasks it was built with: another component under a name
@@ -164,6 +184,30 @@ class Planner {
     const Incarnation& then = entry.target();
     return now.process == then.process && !is_undeployed(plan_.process(now.process)) &&
            now.name == then.name && now.task->component == then.task->component;
+  }
+
+  void plan_hand_overs() {
+    for (const int number : index_.target_order) {
+      if (!can_hand_over(number)) continue;
+      plan_.tasks[as_index(number)].steps.add(ActionKind::HandOver);
+      plan_.hands_over = true;
+    }
+  }
+
+  /// From a task that can be found stopped to one that starts, or is at least ready when the other's state is
+  /// lost. In place nothing is handed over: the old incarnation is cleaned up before the new one is there.
+  [[nodiscard]] bool can_hand_over(int to) const {
+    const int from = index_.task(to).takes_over;
+    if (from == kNone || index_.task(from).current().task == nullptr) return false;
+    const Steps steps = plan_.task(to).steps;
+    const bool is_last_chance =
+        steps.has(ActionKind::Configure) && plan_.task(from).steps.has(ActionKind::Cleanup);
+    const bool begins = steps.has(ActionKind::Start) || is_last_chance;
+    if (!begins || is_killed(from)) return false;
+    if (from == to && plan_.task(to).fate != TaskFate::Replaced) return false;
+    const TaskState state = index_.task(from).current().task->state;
+    return state == TaskState::Stopped ||
+           (segue::is_configured(state) && plan_.task(from).steps.has(ActionKind::Stop));
   }
 
   void plan_wires() {

@@ -21,6 +21,7 @@ class Steps {
       add(kind);
   }
   void add(model::ActionKind kind) { bits_ = static_cast<std::uint16_t>(bits_ | bit(kind)); }
+  void remove(model::ActionKind kind) { bits_ = static_cast<std::uint16_t>(bits_ & ~bit(kind)); }
   [[nodiscard]] bool has(model::ActionKind kind) const { return (bits_ & bit(kind)) != 0; }
   [[nodiscard]] bool empty() const { return bits_ == 0; }
   friend Steps operator+(Steps a, Steps b) {
@@ -70,6 +71,7 @@ struct Plan {
   std::vector<bool> connect;           ///< the target's wires
   [[nodiscard]] const TaskPlan& task(int number) const { return tasks[as_index(number)]; }
   [[nodiscard]] ProcessFate process(int number) const { return processes[as_index(number)]; }
+  bool hands_over = false;  ///< some task has a HandOver step
   /// Whether the process goes without a word to its tasks.
   [[nodiscard]] bool is_killed(int process) const {
     return options.force && is_undeployed(processes[as_index(process)]);
@@ -85,6 +87,8 @@ bool exists(const Index& index, const Wire& wire);
 bool holds_any_component(const model::Deployment& deployment);
 
 /// Fails (Unsupported) where a task in Fatal lives in the runtime's own process, which cannot be restarted.
+/// Hand-overs are planned where there is something to hand over and somebody who can take it, whether an
+/// order of actions allows it or not; the paper's order never does.
 Result<Plan> make_plan(const Index& index, const Options& options);
 
 }  // namespace segue::solve::detail

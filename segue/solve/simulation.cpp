@@ -67,6 +67,9 @@ Result<> Simulation::execute(const model::Action& action) {
     case ActionKind::ApplyConfig:
       if (const auto* what = std::get_if<model::ConfigAction>(&action.what)) return apply(*what);
       break;
+    case ActionKind::HandOver:
+      if (const auto* what = std::get_if<model::HandOverAction>(&action.what)) return hand_over(*what);
+      break;
     default:
       if (action.task() != nullptr) return change_state(action);
   }
@@ -99,6 +102,21 @@ Result<> Simulation::change_state(const model::Action& action) {
   if (action.kind == ActionKind::Configure && from({PreOperational})) return claim_devices(number);
   return refuse(state_of(*action.task(), before) + ", from which no " + std::string(to_string(action.kind)) +
                 " leads");
+}
+
+Result<> Simulation::hand_over(const model::HandOverAction& action) const {
+  const int from = find_going(action.from);
+  const int to = find_newest(action.to);
+  if (from == kNone) return refuse("there is no task " + quote(action.from.str()));
+  if (to == kNone) return refuse("there is no task " + quote(action.to.str()));
+  if (from == to)
+    return refuse("task " + quote(action.to.str()) + " has no other incarnation to take over from");
+  for (const int end : {from, to}) {
+    if (task(end).state == TaskState::Stopped) continue;
+    return refuse(state_of(task(end).definition->id, task(end).state) +
+                  ", but a state is handed over between tasks that are stopped");
+  }
+  return {};
 }
 
 /// Dynamic ports go, and their wires with them.

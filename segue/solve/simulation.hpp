@@ -74,6 +74,7 @@ class Simulation {
   Simulation(const model::ComponentCatalog& catalog, Interner ids);
 
   Result<> change_state(const model::Action& action);
+  Result<> hand_over(const model::HandOverAction& action) const;
   Result<> leave_configured(int task);
   Result<> claim_devices(int task);
   void release_devices(int task);
@@ -96,6 +97,8 @@ class Simulation {
   [[nodiscard]] int find_newest(const model::TaskId& id) const;
   [[nodiscard]] int newest_of(const Pair& pair) const;
   [[nodiscard]] int subject_of(const model::Action& action) const;
+  /// The incarnation that the actions mean that lead out: the one that goes, or the only one.
+  [[nodiscard]] int find_going(const model::TaskId& id) const;
   [[nodiscard]] bool is_resting(int task) const;
   [[nodiscard]] bool is_newest(int task) const;
   [[nodiscard]] bool has_wires(int task) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/solve/index.hpp>
+#include <segue/solve/seats.hpp>
 #include <segue/solve/simulation.hpp>
 
 #include <utility>
@@ -96,14 +97,18 @@ int Simulation::newest_of(const Pair& pair) const {
 }
 
 int Simulation::subject_of(const model::Action& action) const {
-  const int id = ids_.find(action.task()->str());
-  if (id == kNone) return kNone;
-  const Pair& pair = pairs_[as_index(id)];
   const bool leads_out = action.kind == ActionKind::Recover || action.kind == ActionKind::Stop ||
                          action.kind == ActionKind::Cleanup;
+  return leads_out ? find_going(*action.task()) : find_newest(*action.task());
+}
+
+int Simulation::find_going(const model::TaskId& id) const {
+  const int number = ids_.find(id.str());
+  if (number == kNone) return kNone;
+  const Pair& pair = pairs_[as_index(number)];
   const bool is_out =
       pair.going == kNone || !task(pair.going).exists || task(pair.going).state == TaskState::PreOperational;
-  return leads_out && !is_out ? pair.going : newest_of(pair);
+  return is_out ? newest_of(pair) : pair.going;
 }
 
 std::size_t Simulation::Ends::hash() const {
@@ -144,14 +149,8 @@ bool Simulation::is_resting(int number) const {
 }
 
 std::vector<std::string> Simulation::devices_of(int number) const {
-  std::vector<std::string> devices = task(number).definition->exclusive;
-  if (const model::ComponentModel* model = task(number).component.model) {
-    devices.insert(devices.end(), model->exclusive.begin(), model->exclusive.end());
-  }
-  const model::HostName& host = processes_[as_index(task(number).process)].deployment->host;
-  for (std::string& device : devices)
-    device = device_key(host, device);
-  return devices;
+  const Instance& of = task(number);
+  return exclusive_devices(*of.definition, of.component, processes_[as_index(of.process)].deployment->key());
 }
 
 Result<> Simulation::remove(const model::TaskId& id) {

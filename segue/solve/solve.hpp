@@ -21,10 +21,10 @@ struct Options {
 };
 
 /// The minimal transition (under graceful semantics, but for `force`) from what runs (`current`: a network
-/// whose tasks may be in any state) to `target` (tasks PreOperational, Stopped or Running). Both must have
-/// passed validation of structure; components that `catalog` lacks count as having static ports and no live
-/// properties. Fails (Unsupported) where no transition exists: a task in Fatal inside the runtime's own
-/// process.
+/// whose tasks may be in any state) to `target` (tasks PreOperational, Stopped or Running, or in the error
+/// that they are in now: it stays). Both must have passed validation of structure; components that `catalog`
+/// lacks count as having static ports and no live properties. Fails (Unsupported) where no transition exists:
+/// a task in Fatal inside the runtime's own process, or one whose error is to stay where it cannot.
 Result<model::Transition> diff(const model::Network& current, const model::Network& target,
                                const model::ComponentCatalog& catalog, const Options& options = {});
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/held_ports.hpp>
 #include <segue/task/realtime_log.hpp>
@@ -79,6 +80,16 @@ void Component::on_stop() {}
 void Component::on_cleanup() {}
 Result<void> Component::on_recover() {
   return {};
+}
+
+std::optional<State> Component::save_state() {
+  return std::nullopt;
+}
+
+Result<void> Component::restore_state(const State& state) {
+  return fail(ErrorCode::Unsupported, "component " + quote(component_name_) +
+                                          " continues no other's state; it got " + quote(state.name) +
+                                          " version " + std::to_string(state.version));
 }
 
 void Component::declare_states(std::vector<std::string> nominal, std::vector<std::string> error) {

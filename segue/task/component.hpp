@@ -9,10 +9,12 @@
 #include <segue/task/operation.hpp>
 #include <segue/task/port.hpp>
 #include <segue/task/property.hpp>
+#include <segue/task/state.hpp>
 #include <segue/task/typed_port.hpp>
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -96,6 +98,12 @@ class Component {
   virtual void on_cleanup();
   /// Before RunTimeError -> Running and Exception -> PreOperational.
   virtual Result<void> on_recover();
+  /// What the task that takes over from this one shall know (state.hpp); nothing: it begins afresh. While
+  /// Stopped. Must leave the component as it is, since it may be started again: a throw does no harm.
+  virtual std::optional<State> save_state();
+  /// Before the first start, when on_configure is done: the state of the task that this one continues.
+  /// Refuses what it does not know (the default: everything); a refusal or throw fails the transition.
+  virtual Result<void> restore_state(const State& state);
 
   /// For constructors.
   void default_activity(Activity activity) { activity_ = std::move(activity); }

@@ -114,6 +114,30 @@ Result<void> Task::Implementation::recover() {
   return {};
 }
 
+/// A hook that throws has changed nothing that counts: whoever hands over may be needed again.
+Result<void> Task::Implementation::save_state(std::optional<State>& saved) {
+  if (state() != TaskState::Stopped) return illegal("save the state", "stopped");
+  request = Request::None;
+  try {
+    saved = ComponentAccess::save_state(*component);
+  } catch (const std::exception& thrown) {
+    return fail(ErrorCode::HookFailed, std::string("save_state threw: ") + thrown.what(), name);
+  } catch (...) {
+    return fail(ErrorCode::HookFailed, "save_state threw something that is no std::exception", name);
+  }
+  if (request != Request::None) return collapse("save_state", Reached::Configured);
+  return {};
+}
+
+Result<void> Task::Implementation::restore_state(const State& given) {
+  if (state() != TaskState::Stopped) return illegal("restore a state", "stopped");
+  HookEnd end = run_hook("restore_state",
+                         [&](Component& target) { return ComponentAccess::restore_state(target, given); });
+  if (end.broke) return collapse("restore_state", Reached::Configured);
+  if (end.refused) return refused("restore_state", std::move(*end.refused));
+  return {};
+}
+
 void Task::Implementation::shut_down() {
   const TaskState before = state();
   if (before == TaskState::Running || before == TaskState::RunTimeError) {

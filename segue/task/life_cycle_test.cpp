@@ -334,5 +334,122 @@ TEST_F(LifeCycle, PeriodOfZeroIsRefused) {
   EXPECT_EQ(made.error().code, ErrorCode::InvalidArgument);
 }
 
+class HandOverTest : public test::TaskTest {
+ protected:
+  static inline const State kState{"/probe/Count", 2, type::Value(7)};
+};
+
+TEST_F(HandOverTest, theStateOfAStoppedTaskIsSaved) {
+  probe->saved = kState;
+  bring_to(TaskState::Stopped);
+  const auto state = task->save_state(soon());
+  ASSERT_TRUE(state) << to_string(state.error());
+  EXPECT_EQ(*state, kState);
+  EXPECT_THAT(probe->hooks, ElementsAre("save_state"));
+  EXPECT_EQ(task->state(), TaskState::Stopped);
+}
+
+TEST_F(HandOverTest, whoeverRemembersNothingHandsNothingOver) {
+  bring_to(TaskState::Stopped);
+  const auto state = task->save_state(soon());
+  ASSERT_TRUE(state);
+  EXPECT_FALSE(state->has_value());
+}
+
+TEST_F(HandOverTest, aTaskThatIsNotStoppedNeitherGivesNorTakes) {
+  for (const TaskState state : {TaskState::PreOperational, TaskState::Running}) {
+    make({.trigger = Trigger::PortDriven});
+    bring_to(state);
+    EXPECT_EQ(task->save_state(soon()).error().code, ErrorCode::InvalidState);
+    EXPECT_EQ(task->restore_state(kState, soon()).error().code, ErrorCode::InvalidState);
+    EXPECT_THAT(probe->hooks, IsEmpty());
+  }
+}
+
+TEST_F(HandOverTest, savingThatThrowsLeavesATaskThatCanGoOn) {
+  bring_to(TaskState::Stopped);
+  probe->act = [](const std::string&) -> Result<void> { throw std::runtime_error("no memory of it"); };
+  const auto state = task->save_state(soon());
+  ASSERT_FALSE(state);
+  EXPECT_EQ(state.error().code, ErrorCode::HookFailed);
+  EXPECT_THAT(state.error().message, HasSubstr("no memory of it"));
+  EXPECT_EQ(task->state(), TaskState::Stopped);
+  probe->act = [](const std::string&) -> Result<void> { return {}; };
+  EXPECT_TRUE(task->start(soon()));
+}
+
+TEST_F(HandOverTest, savingThatAsksForFatalGetsIt) {
+  bring_to(TaskState::Stopped);
+  probe->act = [this](const std::string&) -> Result<void> {
+    probe->fatal("memory is corrupt");
+    return {};
+  };
+  EXPECT_FALSE(task->save_state(soon()));
+  EXPECT_EQ(task->state(), TaskState::Fatal);
+}
+
+TEST_F(HandOverTest, aStateIsRestoredBeforeTheStart) {
+  bring_to(TaskState::Stopped);
+  ASSERT_TRUE(task->restore_state(kState, soon()));
+  EXPECT_EQ(probe->restored, kState);
+  EXPECT_EQ(task->state(), TaskState::Stopped);
+  ASSERT_TRUE(task->start(soon()));
+  EXPECT_THAT(probe->hooks, ElementsAre("restore_state", "start"));
+}
+
+TEST_F(HandOverTest, aStateThatIsRefusedLeavesTheTaskStopped) {
+  bring_to(TaskState::Stopped);
+  probe->act = [](const std::string&) -> Result<void> {
+    return fail(ErrorCode::TypeMismatch, "version 3 is needed");
+  };
+  const auto done = task->restore_state(kState, soon());
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::HookFailed);
+  EXPECT_THAT(to_string(done.error()), HasSubstr("version 3 is needed"));
+  EXPECT_EQ(task->state(), TaskState::Stopped);
+}
+
+TEST_F(HandOverTest, restoringThatThrowsCleansUp) {
+  bring_to(TaskState::Stopped);
+  probe->act = [](const std::string& hook) -> Result<void> {
+    if (hook == "restore_state") throw std::runtime_error("half of it is missing");
+    return {};
+  };
+  EXPECT_FALSE(task->restore_state(kState, soon()));
+  EXPECT_EQ(task->state(), TaskState::Exception);
+  EXPECT_THAT(probe->hooks, ElementsAre("restore_state", "cleanup"));
+}
+
+TEST_F(HandOverTest, aComponentThatKnowsNoStateRefusesEveryOne) {
+  class Plain final : public Component {};
+  auto made = Task::create("plain", std::make_unique<Plain>(), Activity{}, executor);
+  ASSERT_TRUE(made);
+  ASSERT_TRUE((*made)->configure(soon()));
+  const auto none = (*made)->save_state(soon());
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(none->has_value());
+  const auto done = (*made)->restore_state(kState, soon());
+  ASSERT_FALSE(done);
+  EXPECT_THAT(to_string(done.error()), HasSubstr("'/probe/Count' version 2"));
+}
+
+TEST(State, ofATypeCarriesItsNameAndVersion) {
+  const State state = make_state(std::vector<double>{1.5, 2.0}, 3);
+  EXPECT_EQ(state.version, 3U);
+  const auto read = read_state<std::vector<double>>(state, 3);
+  ASSERT_TRUE(read) << to_string(read.error());
+  EXPECT_THAT(*read, ElementsAre(1.5, 2.0));
+}
+
+TEST(State, ofAnotherTypeOrVersionIsRefused) {
+  const State state = make_state(std::vector<double>{1.5}, 1);
+  const auto newer = read_state<std::vector<double>>(state, 2);
+  ASSERT_FALSE(newer);
+  EXPECT_EQ(newer.error().code, ErrorCode::TypeMismatch);
+  EXPECT_THAT(newer.error().message, HasSubstr("version 2, got"));
+  EXPECT_FALSE(read_state<int>(state));
+  EXPECT_FALSE(read_state<std::vector<double>>(State{state.name, 1, type::Value("text")}));
+}
+
 }  // namespace
 }  // namespace segue::task

@@ -9,6 +9,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -41,6 +42,8 @@ class Probe : public Component {
   using Component::trigger_fd;
 
   std::vector<std::string> hooks;
+  std::optional<State> saved;     ///< what it hands over
+  std::optional<State> restored;  ///< what it was given
   /// What to do in a hook, by its name ("start"). Throwing is fine.
   std::function<Result<void>(const std::string& hook)> act = [](const std::string&) -> Result<void> {
     return {};
@@ -54,6 +57,14 @@ class Probe : public Component {
   void on_stop() override { static_cast<void>(note("stop")); }
   void on_cleanup() override { static_cast<void>(note("cleanup")); }
   Result<void> on_recover() override { return note("recover"); }
+  std::optional<State> save_state() override {
+    static_cast<void>(note("save_state"));
+    return saved;
+  }
+  Result<void> restore_state(const State& state) override {
+    restored = state;
+    return note("restore_state");
+  }
 
  private:
   Result<void> note(const std::string& hook) {

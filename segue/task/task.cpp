@@ -209,6 +209,19 @@ Result<void> Task::recover(TimePoint deadline) {
   return implementation_->exclusive("recover", deadline, [this] { return implementation_->recover(); });
 }
 
+Result<std::optional<State>> Task::save_state(TimePoint deadline) {
+  std::optional<State> state;
+  auto done = implementation_->exclusive("save the state of", deadline,
+                                         [&] { return implementation_->save_state(state); });
+  if (!done) return std::move(done.error());
+  return state;
+}
+
+Result<void> Task::restore_state(const State& state, TimePoint deadline) {
+  return implementation_->exclusive("restore the state of", deadline,
+                                    [&] { return implementation_->restore_state(state); });
+}
+
 Result<void> Task::settle(TimePoint deadline) {
   return implementation_->exclusive("settle", deadline, []() -> Result<void> { return {}; });
 }

@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,6 +57,13 @@ class Task {
   Result<void> cleanup(TimePoint deadline);    ///< Stopped -> PreOperational
   /// RunTimeError -> Running; Exception -> PreOperational.
   Result<void> recover(TimePoint deadline);
+
+  /// What the component remembers, for the task that takes over from this one; nothing if it has no state.
+  /// While Stopped, and stays so, even where the hook throws (HookFailed).
+  Result<std::optional<State>> save_state(TimePoint deadline);
+  /// Continues another's state; while Stopped. Where the component refuses it the task stays Stopped, where
+  /// it throws Exception follows.
+  Result<void> restore_state(const State& state, TimePoint deadline);
 
   /// Waits until no hook or update is in progress; DeadlineExceeded where one does not return.
   Result<void> settle(TimePoint deadline);

@@ -30,6 +30,10 @@ class ComponentAccess {
   static void error(Component& component) { component.on_error(); }
   static void stop(Component& component) { component.on_stop(); }
   static void cleanup(Component& component) { component.on_cleanup(); }
+  static std::optional<State> save_state(Component& component) { return component.save_state(); }
+  static Result<void> restore_state(Component& component, const State& state) {
+    return component.restore_state(state);
+  }
   static void set_context(Component& component, TaskContext* context) { component.context_ = context; }
   static OutputPort<std::int32_t>& state_port(Component& component) { return component.state_port_; }
 };
@@ -63,6 +67,8 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   Result<void> cleanup();
   Result<void> recover();
   void shut_down();
+  Result<void> save_state(std::optional<State>& state);
+  Result<void> restore_state(const State& state);
 
   /// How far a component has come, and so which hooks undo it.
   enum class Reached { Nothing, Configured, Started };

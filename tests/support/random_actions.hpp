@@ -27,7 +27,7 @@ inline model::Action random_action(Random& random, const model::Network& network
   for (int i = up_to(random, 2); i > 0 && id > 1; --i)
     action.after.push_back(1 + up_to(random, id - 2));
   const model::Task task = random_task(random, everything(), "t" + std::to_string(id));
-  switch (up_to(random, 4)) {
+  switch (up_to(random, 5)) {
     case 0:
       action.kind = any_of(random, std::array{model::ActionKind::Recover, model::ActionKind::Stop,
                                               model::ActionKind::Cleanup, model::ActionKind::Start});
@@ -43,6 +43,10 @@ inline model::Action random_action(Random& random, const model::Network& network
           model::CallAction{task.id, "reset", type::Value::map({{"x", random_value(random, true)}})};
       break;
     case 3:
+      action.kind = model::ActionKind::HandOver;
+      action.what = model::HandOverAction{model::TaskId("old"), task.id};
+      break;
+    case 4:
       if (!network.connections.empty()) {
         action.kind = model::ActionKind::Connect;
         action.what = model::ConnectionAction{any_of(random, network.connections)};

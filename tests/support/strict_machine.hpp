@@ -51,6 +51,8 @@ class StrictMachine {
         return disconnect(std::get<model::ConnectionAction>(action.what).connection);
       case ActionKind::ApplyConfig:
         return apply(std::get<model::ConfigAction>(action.what));
+      case ActionKind::HandOver:
+        return hand_over(std::get<model::HandOverAction>(action.what));
       case ActionKind::CallOperation:
         return "";
       default:
@@ -254,6 +256,17 @@ class StrictMachine {
     return c.properties == d.properties;
   }
 
+  std::string hand_over(const model::HandOverAction& action) {
+    if (!exists(action.from.str()) || !exists(action.to.str())) return "nobody to hand over to or from";
+    const Place from = bodies_.at(action.from.str()).front();
+    const Place to = newest(action.to.str());
+    if (from == to) return "handed over to itself";
+    if (at(from).state != TaskState::Stopped) return action.from.str() + " is not stopped to hand over";
+    if (at(to).state != TaskState::Stopped) return action.to.str() + " is not ready to take over";
+    if (wanted_.at(action.to.str()).takes_over != action.from) return "nobody asked to hand over";
+    return handed_over_.insert(action.to.str()).second ? "" : "handed over twice";
+  }
+
   std::string step(model::ActionKind kind, const std::string& id) {
     if (!exists(id)) return id + " does not exist";
     using model::ActionKind;
@@ -333,6 +346,7 @@ class StrictMachine {
   std::map<std::string, std::vector<Place>> bodies_;  ///< per task, the older first
   std::vector<Wire> wires_;
   std::set<std::string> applied_;
+  std::set<std::string> handed_over_;
   std::set<Place> began_here_;
 };
 

@@ -71,6 +71,11 @@ void encode_what(const model::ConfigAction& what, wire::Action::Builder builder)
   config.setProcess(as_text(what.process.process.str()));
   config.setName(as_text(what.name));
 }
+void encode_what(const model::HandOverAction& what, wire::Action::Builder builder) {
+  auto hand_over = builder.initHandOver();
+  hand_over.setFrom(as_text(what.from.str()));
+  hand_over.setTo(as_text(what.to.str()));
+}
 void encode_what(const model::CallAction& what, wire::Action::Builder builder) {
   auto call = builder.initCall();
   call.setTask(as_text(what.task.str()));
@@ -107,6 +112,8 @@ wire::Action::Which subject_of(ActionKind kind) {
       return wire::Action::DEPLOYMENT;
     case ActionKind::ApplyConfig:
       return wire::Action::CONFIG;
+    case ActionKind::HandOver:
+      return wire::Action::HAND_OVER;
     case ActionKind::CallOperation:
       break;
   }
@@ -126,6 +133,10 @@ void decode_what(model::Action& action, wire::Action::Reader reader) {
       return;
     case wire::Action::CONFIG:
       action.what = decode_config(reader.getConfig());
+      return;
+    case wire::Action::HAND_OVER:
+      action.what = model::HandOverAction{TaskId(as_string(reader.getHandOver().getFrom())),
+                                          TaskId(as_string(reader.getHandOver().getTo()))};
       return;
     case wire::Action::CALL:
       action.what = decode_call(reader.getCall());

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/solve/component_facts.hpp>
+#include <segue/solve/index.hpp>
+#include <segue/solve/look_ahead.hpp>
+#include <segue/solve/seats.hpp>
+
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace segue::solve {
+
+namespace {
+
+using namespace detail;
+
+class Warmer {
+ public:
+  Warmer(const model::Network& running, const model::Network& wanted, const model::ComponentCatalog& catalog)
+      : wanted_(wanted), result_(running), components_(catalog), seats_(running), wanted_seats_(wanted) {}
+
+  model::Network warm() {
+    hold_devices();
+    add_processes();
+    for (const model::Task& task : wanted_.tasks)
+      add_task(task);
+    for (const model::Connection& connection : wanted_.connections)
+      add_connection(connection);
+    return std::move(result_);
+  }
+
+ private:
+  /// A task in Fatal may hold its devices until its process is gone, which no new task shall live in.
+  void hold_devices() {
+    for (const model::Task& task : result_.tasks) {
+      if (task.state == TaskState::Fatal) others_.insert(seats_.place_of(task.id).process);
+      if (!is_configured(task.state) && task.state != TaskState::Fatal) continue;
+      for (std::string& device : devices_of(task, seats_))
+        held_.insert(std::move(device));
+    }
+  }
+
+  std::vector<std::string> devices_of(const model::Task& task, const Seats& seats) {
+    return exclusive_devices(task, components_.of(task.component), seats.place_of(task.id).process);
+  }
+
+  void add_processes() {
+    for (std::size_t i = 0; i < result_.deployments.size(); ++i)
+      processes_.emplace(result_.deployments[i].key(), i);
+    for (const model::Deployment& process : wanted_.deployments) {
+      const auto [place, is_new] = processes_.emplace(process.key(), result_.deployments.size());
+      if (is_new) {
+        result_.deployments.push_back(process);
+        result_.deployments.back().tasks.clear();
+      } else if (!result_.deployments[place->second].same_process(process)) {
+        others_.insert(process.key());
+      }
+    }
+  }
+
+  void add_task(const model::Task& task) {
+    const Place place = wanted_seats_.place_of(task.id);
+    const bool can_be =
+        !seats_.has_task(task.id) && !others_.contains(place.process) && !seats_.is_taken(place);
+    if (!can_be) return;
+    model::Task made = task;
+    made.state =
+        is_configured(task.state) && take_devices(task) ? TaskState::Stopped : TaskState::PreOperational;
+    forget_empty_seat(task.id);
+    if (!place.process.is_runtime()) {
+      result_.deployments[processes_.at(place.process)].tasks.push_back({task.id, place.name});
+    }
+    made_.emplace(task.id.str(), made.state);
+    result_.tasks.push_back(std::move(made));
+  }
+
+  /// Deployments may name tasks that their network lacks.
+  void forget_empty_seat(const model::TaskId& id) {
+    const auto process = processes_.find(seats_.place_of(id).process);
+    if (process == processes_.end()) return;
+    std::erase_if(result_.deployments[process->second].tasks,
+                  [&](const model::Placement& seat) { return seat.task == id; });
+  }
+
+  /// All of them, or none where somebody has one.
+  bool take_devices(const model::Task& task) {
+    std::vector<std::string> wanted = devices_of(task, wanted_seats_);
+    for (const std::string& device : wanted) {
+      if (held_.contains(device)) return false;
+    }
+    for (std::string& device : wanted)
+      held_.insert(std::move(device));
+    return true;
+  }
+
+  void add_connection(const model::Connection& connection) {
+    if (has_port(connection.from, model::Direction::Output) &&
+        has_port(connection.to, model::Direction::Input)) {
+      result_.connections.push_back(connection);
+    }
+  }
+
+  bool has_port(const model::PortRef& port, model::Direction direction) {
+    const auto made = made_.find(port.task.str());
+    if (made == made_.end()) return false;
+    const model::Task& task = *wanted_seats_.task(port.task);
+    return is_configured(made->second) || !is_dynamic(components_.of(task.component), port.port, direction);
+  }
+
+  const model::Network& wanted_;
+  model::Network result_;
+  KnownComponents components_;
+  Seats seats_;
+  Seats wanted_seats_;
+  std::unordered_set<std::string> held_;                             ///< devices
+  std::unordered_map<model::DeploymentKey, std::size_t> processes_;  ///< of the result
+  std::unordered_set<model::DeploymentKey> others_;                  ///< that nothing can be made in
+  std::unordered_map<std::string_view, TaskState> made_;             ///< new tasks, by id
+};
+
+}  // namespace
+
+model::Network warmed(const model::Network& running, const model::Network& wanted,
+                      const model::ComponentCatalog& catalog) {
+  return Warmer(running, wanted, catalog).warm();
+}
+
+}  // namespace segue::solve

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/network.hpp>
+#include <segue/solve/component_facts.hpp>
+
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+/// Who sits where in one network, for what composes networks of others. The solver itself has its own index.
+namespace segue::solve::detail {
+
+/// A seat: a process, and a name inside it.
+struct Place {
+  model::DeploymentKey process;  ///< is_runtime(): the runtime's own
+  std::string name;
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+/// Refers to the network, which must outlive it.
+class Seats {
+ public:
+  explicit Seats(const model::Network& network);
+  [[nodiscard]] const model::Task* task(const model::TaskId& id) const;
+  [[nodiscard]] bool has_task(const model::TaskId& id) const { return task(id) != nullptr; }
+  /// Also of tasks that the network lacks, if a deployment names them.
+  [[nodiscard]] Place place_of(const model::TaskId& id) const;
+  /// The task of the network on that seat, or nullptr.
+  [[nodiscard]] const model::Task* occupant(const Place& place) const;
+  [[nodiscard]] bool is_taken(const Place& place) const { return occupant(place) != nullptr; }
+
+ private:
+  struct PlaceHash {
+    std::size_t operator()(const Place& place) const noexcept {
+      return model::combine_hashes(std::hash<model::DeploymentKey>{}(place.process),
+                                   std::hash<std::string>{}(place.name));
+    }
+  };
+  std::unordered_map<std::string_view, const model::Task*> tasks_;
+  std::unordered_map<std::string_view, Place> places_;  ///< of those that deployments name
+  std::unordered_map<Place, const model::Task*, PlaceHash> occupants_;
+};
+
+/// What the task and its component claim in that process, as names that are unique on all hosts.
+std::vector<std::string> exclusive_devices(const model::Task& task, const ComponentFacts& component,
+                                           const model::DeploymentKey& process);
+
+}  // namespace segue::solve::detail
