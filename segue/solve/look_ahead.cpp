@@ -2,6 +2,7 @@
 #include <segue/solve/component_facts.hpp>
 #include <segue/solve/index.hpp>
 #include <segue/solve/look_ahead.hpp>
+#include <segue/solve/plan.hpp>
 #include <segue/solve/seats.hpp>
 
 #include <string>
@@ -22,6 +23,7 @@ class Warmer {
   model::Network warm() {
     hold_devices();
     add_processes();
+    find_full_processes();
     for (const model::Task& task : wanted_.tasks)
       add_task(task);
     for (const model::Connection& connection : wanted_.connections)
@@ -55,6 +57,18 @@ class Warmer {
       } else if (!result_.deployments[place->second].same_process(process)) {
         others_.insert(process.key());
       }
+    }
+  }
+
+  /// Processes that hold the tasks they were built with go when another component is wanted there.
+  void find_full_processes() {
+    for (const model::Task& task : wanted_.tasks) {
+      const Place place = wanted_seats_.place_of(task.id);
+      const model::Task* occupant = seats_.occupant(place);
+      if (occupant == nullptr || place.process.is_runtime() || occupant->component == task.component)
+        continue;
+      const std::size_t process = processes_.at(place.process);
+      if (!holds_any_component(result_.deployments[process])) others_.insert(place.process);
     }
   }
 
