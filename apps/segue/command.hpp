@@ -48,6 +48,7 @@ void add_diff(CLI::App& app, Context& context);
 void add_apply(CLI::App& app, Context& context);
 void add_run(CLI::App& app, Context& context);
 void add_switch(CLI::App& app, Context& context);
+void add_prepare(CLI::App& app, Context& context);
 void add_status(CLI::App& app, Context& context);
 void add_top(CLI::App& app, Context& context);
 void add_task(CLI::App& app, Context& context);

@@ -13,7 +13,8 @@ namespace segue::cli {
 namespace {
 
 /// Verbs whose first word names something of the running robot, and what `complete-names` calls it.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {{{"switch", "controllers"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kNames = {{{"switch", "controllers"},
+                                                                                  {"prepare", "controllers"},
                                                                                   {"task", "tasks"},
                                                                                   {"read", "ports"},
                                                                                   {"set", "properties"},

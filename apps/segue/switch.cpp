@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -25,6 +27,7 @@ struct Options {
   std::string transition;  ///< a file; empty: to the controller
   std::string order;
   bool dry_run = false;
+  bool force = false;
   bool wait = true;
   Duration timeout = std::chrono::seconds(60);
 };
@@ -103,7 +106,12 @@ void suggest(control::RobotService& robot, const std::string& controller) {
 Result<Value> request(control::RobotService& robot, const Options& options) {
   const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
   if (options.transition.empty()) {
-    return robot.switch_to(options.controller, options.dry_run, options.order, deadline);
+    return robot.switch_to(options.controller,
+                           {.dry_run = options.dry_run,
+                            .force = options.force,
+                            .order = options.order,
+                            .who = fmt::format("segue switch (pid {}, uid {})", ::getpid(), ::getuid())},
+                           deadline);
   }
   const auto text = read_file(options.transition);
   if (!text) return text.error();
@@ -144,6 +152,9 @@ void add_switch(CLI::App& app, Context& context) {
           ->type_name("FILE")
           ->excludes(name);
   verb->add_flag("--dry-run", options->dry_run, "show the transition, do nothing")->excludes(file);
+  verb->add_flag("--force", options->force,
+                 "kill processes that go instead of stopping their tasks in order: for what hangs")
+      ->excludes(file);
   add_order_option(*verb, options->order)->excludes(file);
   verb->parse_complete_callback([name, file] {
     if (name->count() + file->count() == 0) throw CLI::RequiredError("NAME or --transition FILE");

@@ -36,6 +36,8 @@ void print_reasons(const Value& result) {
   }
   const std::string error = text_at(result, "error");
   if (!error.empty()) fmt::print(stderr, "segue: error: {}\n", error);
+  const std::string leftover = text_at(result, "leftover");
+  if (!leftover.empty()) fmt::print(stderr, "segue: warning: {}\n", leftover);
 }
 
 }  // namespace
@@ -47,9 +49,10 @@ std::string outcome_line(const Value& result) {
   const std::string line = fmt::format("{} -> {}: {}", name_or_empty(text_at(result, "from")),
                                        name_or_empty(text_at(result, "to")), text_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
-  return line + fmt::format(", {} action{} in {} (commit {})", done, done == 1 ? "" : "s",
+  const std::string leftover = text_at(result, "leftover").empty() ? "" : ", with something left over";
+  return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",
                             format_seconds(number_at(result, "duration_s")),
-                            format_seconds(number_at(result, "commit_s")));
+                            format_seconds(number_at(result, "commit_s")), leftover);
 }
 
 int show_outcome(const Value& result, const Context& context) {
@@ -60,7 +63,7 @@ int show_outcome(const Value& result, const Context& context) {
     print(actions_text(result));
     print_line(coloured(done ? Colour::Green : Colour::Red, outcome_line(result)));
   }
-  if (!done) print_reasons(result);
+  print_reasons(result);
   return done ? kDone : kFailed;
 }
 

@@ -26,15 +26,20 @@ TEST_F(ControlTest, QuestionsAndAnswersTravel) {
 TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   serve();
   const auto robot = client();
-  const auto switched = robot->switch_to("explore", true, "paper", soon()).value();
+  const auto switched =
+      robot->switch_to("explore", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon())
+          .value();
   EXPECT_EQ(*switched.find("to"), Value("explore"));
   EXPECT_EQ(*switched.find("dry_run"), Value(true));
+  EXPECT_EQ(*switched.find("force"), Value(true));
   EXPECT_EQ(*switched.find("order"), Value("paper"));
+  EXPECT_EQ(*switched.find("who"), Value("a test"));
   const double left = switched.find("left_s")->as_double();
   EXPECT_GT(left, 1.0);
   EXPECT_LE(left, std::chrono::duration<double>(kLong).count());
   EXPECT_EQ(robot->apply_transition("transition: {}", "a.yaml", soon()).value(),
             Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
+  EXPECT_EQ(robot->prepare({"drive", "dock"}, soon()).value(), Value::list({"drive", "dock"}));
 }
 
 TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {

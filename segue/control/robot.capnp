@@ -11,7 +11,7 @@ using Wire = import "wire.capnp";
 interface Robot {
   status @0 () -> (answer :Wire.Answer);
   task @1 (id :Text) -> (answer :Wire.Answer);
-  switchTo @2 (controller :Text, dryRun :Bool, order :Text, timeout :Int64) -> (answer :Wire.Answer);
+  switchTo @2 (controller :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64) -> (answer :Wire.Answer);
   applyTransition @3 (text :Data, file :Text, timeout :Int64) -> (answer :Wire.Answer);
   resetBelief @4 () -> (answer :Wire.Answer);
   setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
@@ -21,4 +21,5 @@ interface Robot {
   events @8 (after :UInt64, wait :Int64) -> (answer :Wire.Answer);
   history @9 () -> (answer :Wire.Answer);
   shutDown @10 () -> (answer :Wire.Answer);
+  prepare @11 (controllers :List(Text), timeout :Int64) -> (answer :Wire.Answer);
 }

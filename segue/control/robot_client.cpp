@@ -45,15 +45,29 @@ class Client final : public RobotService {
     });
   }
 
-  Result<Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+  Result<Value> switch_to(std::string_view controller, const SwitchOptions& options,
                           TimePoint deadline) override {
     const Duration left = time_left(deadline);
-    return link_->ask(left + kGrace, [=, controller = std::string(controller),
-                                      order = std::string(order)](Link::Connection& connection) {
-      auto request = connection.as<wire::Robot>().switchToRequest();
-      request.setController(as_text(controller));
-      request.setDryRun(dry_run);
-      request.setOrder(as_text(order));
+    return link_->ask(left + kGrace,
+                      [left, options, controller = std::string(controller)](Link::Connection& connection) {
+                        auto request = connection.as<wire::Robot>().switchToRequest();
+                        request.setController(as_text(controller));
+                        request.setDryRun(options.dry_run);
+                        request.setForce(options.force);
+                        request.setOrder(as_text(options.order));
+                        request.setWho(as_text(options.who));
+                        request.setTimeout(left.count());
+                        return Link::send(request);
+                      });
+  }
+
+  Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return link_->ask(left + kGrace, [left, controllers](Link::Connection& connection) {
+      auto request = connection.as<wire::Robot>().prepareRequest();
+      auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
+      for (unsigned i = 0; i < names.size(); ++i)
+        names.set(i, as_text(controllers[i]));
       request.setTimeout(left.count());
       return Link::send(request);
     });

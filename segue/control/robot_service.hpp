@@ -22,6 +22,14 @@ class SampleStream {
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 
+/// How a controller is asked for.
+struct SwitchOptions {
+  bool dry_run = false;  ///< only tell the transition
+  bool force = false;    ///< processes that go are killed, nothing is done in them before
+  std::string order;     ///< "seamless" or "paper"; empty: the robot's default
+  std::string who;       ///< asks, for the journal
+};
+
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
 /// carries it over a socket, and Client is it again in another process. Answers are Values with the fields of
 /// formats.md. Functions may be called from any thread; those with a deadline block until then at the most.
@@ -35,8 +43,11 @@ class RobotService {
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// Requests a controller; answers the JSON of `switch` when it is done. dry_run: the JSON of `diff`.
-  virtual Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+  virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
                                         TimePoint deadline) = 0;
+  /// Which controllers are to be kept ready, the likeliest first; replaces what was asked for before. Answers
+  /// when it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
+  virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
   /// Applies a given transition (the text of a transition file, `file` for messages).
   virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                                TimePoint deadline) = 0;

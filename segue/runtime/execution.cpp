@@ -4,29 +4,17 @@
 #include <segue/base/text.hpp>
 
 #include <algorithm>
+#include <exception>
+#include <map>
+#include <span>
+#include <system_error>
 
 namespace segue::runtime::detail {
 
 namespace {
 
-/// A host that keeps deadlines answers by itself; only one that hangs is given up, this much later.
-constexpr Duration kGrace = std::chrono::milliseconds(20);
-
-std::vector<ActionRecord> empty_records(const std::vector<model::Action>& actions) {
-  std::vector<ActionRecord> records;
-  records.reserve(actions.size());
-  for (const auto& action : actions) {
-    records.push_back({action, {}, {}, std::nullopt, false});
-  }
-  return records;
-}
-
-Error overdue(const model::Action& action, Duration deadline) {
-  return fail(ErrorCode::DeadlineExceeded,
-              "has not ended within " + format_duration(deadline) +
-                  "; it may still be at work, so look at the task's true state",
-              action.label());
-}
+/// Threads that wait for hosts beside the caller's; each costs little while it waits.
+constexpr std::size_t kMostHelpers = 64;
 
 bool task_is(const model::Network& observed, const model::Action& action, TaskState state) {
   const model::Task* task = observed.find_task(*action.task());
@@ -45,13 +33,8 @@ bool has_connection(const model::Network& observed, const model::Action& action)
          observed.connections.end();
 }
 
-/// A host that throws breaks its contract; it must not take the runtime along.
-Result<void> perform_guarded(host::TaskHost& host, const model::Action& action, TimePoint deadline) {
-  try {
-    return host.perform(action, deadline);
-  } catch (const std::exception& exception) {
-    return fail(ErrorCode::Internal, std::string("the host threw: ") + exception.what(), action.label());
-  }
+Error no_answer(const model::Action& action, const std::string& why) {
+  return fail(ErrorCode::Internal, why, action.label());
 }
 
 }  // namespace
@@ -78,102 +61,211 @@ bool took_effect(const model::Action& action, const model::Network& observed) {
   }
 }
 
-Execution::Execution(host::TaskHost& host, const std::vector<model::Action>& actions,
-                     Duration action_deadline, Progress progress)
+/// Actions on their way to the host at the same time.
+struct Execution::Batch {
+  Indices indices;
+  std::vector<bool> told;
+  std::size_t outstanding = 0;
+};
+
+Execution::Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
+                     Progress progress)
     : host_(host),
+      transition_(transition),
       action_deadline_(action_deadline),
       progress_(std::move(progress)),
       started_(RealClock::instance().now()),
-      records_(empty_records(actions)),
-      due_(started_ + action_deadline) {
-  thread_ = std::thread([this] { run(); });
+      successors_(transition.actions.size()),
+      waits_for_(transition.actions.size()) {
+  std::map<int, std::size_t> index_of;
+  records_.reserve(transition.actions.size());
+  for (std::size_t index = 0; index < transition.actions.size(); ++index) {
+    const model::Action& action = transition.actions[index];
+    records_.push_back({action, {}, {}, std::nullopt, false});
+    index_of.emplace(action.id, index);
+    for (const int before : action.after) {
+      const auto found = index_of.find(before);
+      if (found != index_of.end()) {
+        successors_[found->second].push_back(index);
+        ++waits_for_[index];
+      }
+    }
+  }
 }
 
 Execution::~Execution() {
-  cancel();
-  thread_.join();
-}
-
-void Execution::run() {
-  for (std::size_t index = 0; begin(index); ++index) {
-    // Nobody but this thread changes the action of a record; its other fields are guarded.
-    const model::Action& action = records_[index].action;
-    const TimePoint started = RealClock::instance().now();
-    auto done = perform_guarded(host_, action, started + action_deadline_);
-    std::optional<Error> error = done ? std::nullopt : std::optional(std::move(done.error()));
-    if (error && error->code == ErrorCode::DeadlineExceeded && took_effect(action, host_.observe())) {
-      error.reset();
-    }
-    if (!finish(index, std::move(error), started)) {
-      break;
-    }
+  {
+    const std::lock_guard lock(mutex_);
+    leaving_ = true;
   }
-  const std::lock_guard lock(mutex_);
-  ended_ = true;
   changed_.notify_all();
-}
-
-bool Execution::begin(std::size_t index) {
-  const std::lock_guard lock(mutex_);
-  if (cancelled_ || index >= records_.size()) {
-    return false;
+  for (auto& helper : helpers_) {
+    helper.join();
   }
-  current_ = index;
-  records_[index].started = RealClock::instance().now() - started_;
-  due_ = RealClock::instance().now() + action_deadline_;
-  return true;
 }
 
-bool Execution::finish(std::size_t index, std::optional<Error> error, TimePoint started) {
-  ActionRecord record;
-  {
-    const std::lock_guard lock(mutex_);
-    if (records_[index].executed) {
-      return false;  // it came too late and has been given up
-    }
-    records_[index].duration = RealClock::instance().now() - started;
-    records_[index].error = std::move(error);
-    records_[index].executed = true;
-    record = records_[index];
-  }
-  progress_(record);
-  return !record.error;
-}
-
-bool Execution::abandon(std::size_t index) {
-  ActionRecord record;
-  {
-    const std::lock_guard lock(mutex_);
-    if (records_[index].executed) {
-      return false;
-    }
-    cancelled_ = true;
-    records_[index].duration = RealClock::instance().now() - started_ - records_[index].started;
-    records_[index].error = overdue(records_[index].action, action_deadline_);
-    records_[index].executed = true;
-    record = records_[index];
-  }
-  progress_(record);
-  return true;
-}
-
-void Execution::wait() {
+bool Execution::run(model::Phase phase) {
   std::unique_lock lock(mutex_);
-  while (!ended_) {
-    const TimePoint give_up = due_ + kGrace;
-    const std::size_t index = current_;
-    if (changed_.wait_until(lock, give_up, [&] { return ended_; })) {
-      return;
+  phase_ = phase;
+  over_ = false;
+  ready_.clear();
+  for (std::size_t index = 0; index < records_.size(); ++index) {
+    const bool here = records_[index].action.phase == phase && !records_[index].executed;
+    if (here && waits_for_[index] == 0) {
+      ready_.push_back(index);
     }
-    const bool is_overdue = index == current_ && due_ + kGrace <= RealClock::instance().now();
-    if (!is_overdue) {
+  }
+  work(lock);
+  return failed_ == kNobody && !cancelled_;
+}
+
+void Execution::work(std::unique_lock<std::mutex>& lock) {
+  while (!over_) {
+    if (!doubtful_.empty()) {
+      settle_doubtful(lock);
+    } else if (may_begin()) {
+      Batch batch;
+      batch.indices.swap(ready_);
+      std::sort(batch.indices.begin(), batch.indices.end());
+      batch.outstanding = batch.indices.size();
+      batch.told.resize(batch.indices.size());
+      under_way_ += batch.indices.size();
+      const Duration now = RealClock::instance().now() - started_;
+      for (const std::size_t index : batch.indices) {
+        records_[index].started = now;
+      }
+      lock.unlock();
+      perform(batch);
+      lock.lock();
+    } else if (under_way_ == 0) {
+      over_ = true;
+      changed_.notify_all();
+    } else {
+      ++idle_;
+      changed_.wait(lock, [this] { return over_ || under_way_ == 0 || has_work(); });
+      --idle_;
+    }
+  }
+}
+
+void Execution::help() {
+  std::unique_lock lock(mutex_);
+  while (!leaving_) {
+    work(lock);
+    ++idle_;
+    changed_.wait(lock, [this] { return leaving_ || has_work(); });
+    --idle_;
+  }
+}
+
+void Execution::perform(Batch& batch) {
+  const TimePoint deadline = RealClock::instance().now() + action_deadline_;
+  const std::size_t first = batch.indices.front();
+  std::vector<model::Action> copies;
+  std::span<const model::Action> actions(&transition_.actions[first], batch.indices.size());
+  if (batch.indices.back() - first + 1 != batch.indices.size()) {
+    for (const std::size_t index : batch.indices) {
+      copies.push_back(transition_.actions[index]);
+    }
+    actions = copies;
+  }
+  std::string missing = "the host gave no answer";
+  try {
+    host_.perform_all(actions, deadline,
+                      [&](std::vector<host::Completed> ended) { complete(batch, std::move(ended)); });
+  } catch (const std::exception& exception) {
+    // A host that throws breaks its contract; it must not take the runtime along.
+    missing = std::string("the host threw: ") + exception.what();
+  }
+  std::vector<host::Completed> rest;
+  {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; batch.outstanding > 0 && i < batch.indices.size(); ++i) {
+      if (!batch.told[i]) {
+        rest.push_back({i, no_answer(actions[i], missing)});
+      }
+    }
+  }
+  complete(batch, std::move(rest));
+}
+
+void Execution::complete(Batch& batch, std::vector<host::Completed> ended) {
+  if (ended.empty()) {
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  for (auto& [index, outcome] : ended) {
+    if (index >= batch.indices.size() || batch.told[index]) {
       continue;
     }
-    lock.unlock();
-    if (abandon(index)) {
-      return;
+    batch.told[index] = true;
+    --batch.outstanding;
+    finish(batch.indices[index], std::move(outcome));
+  }
+  // Whoever brought the batch goes on by himself when all of it is done.
+  if (batch.outstanding > 0 && has_work()) {
+    call_help();
+  }
+  if (under_way_ == 0) {
+    changed_.notify_all();
+  }
+}
+
+void Execution::finish(std::size_t index, Result<void> outcome) {
+  if (!outcome && outcome.error().code == ErrorCode::DeadlineExceeded) {
+    doubtful_.emplace_back(index, std::move(outcome.error()));
+    return;
+  }
+  record(index, outcome ? std::nullopt : std::optional(std::move(outcome.error())));
+}
+
+void Execution::record(std::size_t index, std::optional<Error> error) {
+  ActionRecord& record = records_[index];
+  record.duration = RealClock::instance().now() - started_ - record.started;
+  record.error = std::move(error);
+  record.executed = true;
+  --under_way_;
+  if (!record.error) {
+    release_successors(index);
+  } else if (failed_ == kNobody) {
+    failed_ = index;
+  }
+  progress_(record);
+}
+
+void Execution::release_successors(std::size_t index) {
+  for (const std::size_t next : successors_[index]) {
+    if (--waits_for_[next] == 0 && records_[next].action.phase == phase_) {
+      ready_.push_back(next);
     }
-    lock.lock();
+  }
+}
+
+void Execution::settle_doubtful(std::unique_lock<std::mutex>& lock) {
+  const auto doubtful = std::exchange(doubtful_, {});
+  lock.unlock();
+  const model::Network observed = host_.observe();
+  lock.lock();
+  for (const auto& [index, error] : doubtful) {
+    const bool done = took_effect(records_[index].action, observed);
+    record(index, done ? std::nullopt : std::optional(error));
+  }
+  if (under_way_ == 0) {
+    changed_.notify_all();
+  }
+}
+
+void Execution::call_help() {
+  if (idle_ > 0) {
+    changed_.notify_one();
+    return;
+  }
+  try {
+    if (helpers_.size() < kMostHelpers) {
+      helpers_.emplace_back([this] { help(); });
+    }
+  } catch (const std::system_error&) {
+    // Without another thread it takes longer: whoever is busy takes it next.
   }
 }
 
@@ -182,14 +274,20 @@ void Execution::cancel() {
   cancelled_ = true;
 }
 
-bool Execution::ended() const {
-  const std::lock_guard lock(mutex_);
-  return ended_;
+const ActionRecord* Execution::failure() const {
+  return failed_ == kNobody ? nullptr : &records_[failed_];
 }
 
-std::vector<ActionRecord> Execution::records() const {
-  const std::lock_guard lock(mutex_);
-  return records_;
+Duration Execution::window(model::Phase phase) const {
+  Duration begin = Duration::max();
+  Duration end{0};
+  for (const auto& record : records_) {
+    if (record.executed && record.action.phase == phase) {
+      begin = std::min(begin, record.started);
+      end = std::max(end, record.started + record.duration);
+    }
+  }
+  return begin == Duration::max() ? Duration{0} : end - begin;
 }
 
 }  // namespace segue::runtime::detail

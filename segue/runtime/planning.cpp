@@ -3,8 +3,11 @@
 
 #include <segue/base/text.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/beside.hpp>
+#include <segue/runtime/look_ahead.hpp>
 
 #include <array>
+#include <map>
 #include <set>
 
 namespace segue::runtime::detail {
@@ -30,6 +33,25 @@ std::optional<Refusal> refusal_for(const model::Network& network, const host::Ta
   return Refusal{std::move(error), std::move(findings)};
 }
 
+/// Phases are carried out one after the other, so no action may wait for one of a later phase.
+Result<void> check_phases(const model::Transition& transition) {
+  std::map<int, const model::Action*> by_id;
+  for (const auto& action : transition.actions) {
+    for (const int id : action.after) {
+      const auto before = by_id.find(id);
+      if (before != by_id.end() && before->second->phase > action.phase) {
+        return fail(ErrorCode::InvalidArgument,
+                    quote(action.label()) + " is of the phase " + std::string(to_string(action.phase)) +
+                        " but comes after " + quote(before->second->label()) + ", which is of " +
+                        std::string(to_string(before->second->phase)),
+                    transition.to.str());
+      }
+    }
+    by_id.emplace(action.id, &action);
+  }
+  return {};
+}
+
 }  // namespace
 
 Diagnostics check_runnable(const model::Network& network, const host::TaskHost& host,
@@ -49,22 +71,31 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
   return findings;
 }
 
-tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network target,
-                                         const host::TaskHost& host, const model::ComponentCatalog& catalog,
-                                         model::Order order) {
-  if (auto refusal = refusal_for(target, host, catalog)) {
+solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force) {
+  return {order, host.side_by_side(), force};
+}
+
+tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network controller,
+                                         const model::Network& keep, const host::TaskHost& host,
+                                         const model::ComponentCatalog& catalog,
+                                         const solve::Options& options) {
+  if (auto refusal = refusal_for(controller, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  auto transition = solve::diff(current, target, catalog, {order});
+  model::Network target = together(controller, already_there(keep, current));
+  auto transition = solve::diff(current, target, catalog, options);
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));
   }
-  return Plan{std::move(target), std::move(*transition)};
+  return Plan{std::move(controller), std::move(target), std::move(*transition)};
 }
 
 tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
                                             const host::TaskHost& host,
                                             const model::ComponentCatalog& catalog) {
+  if (auto ordered = check_phases(transition); !ordered) {
+    return tl::unexpected(refuse(std::move(ordered.error())));
+  }
   auto target = solve::predict(current, transition, catalog);
   if (!target) {
     return tl::unexpected(refuse(
@@ -76,7 +107,11 @@ tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model
   if (auto refusal = refusal_for(*target, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  return Plan{std::move(*target), std::move(transition)};
+  return Plan{*target, *target, std::move(transition)};
+}
+
+std::string shown(const model::NetworkName& name) {
+  return name.empty() ? "the empty network" : quote(name.str());
 }
 
 std::string summary(const model::Network& network) {

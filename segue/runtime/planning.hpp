@@ -6,15 +6,16 @@
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/solve/solve.hpp>
 
-#include <span>
 #include <string>
 
 namespace segue::runtime::detail {
 
-/// What a request comes down to: the network to be reached and the way there.
+/// What a request comes down to: what is to run, and the way there.
 struct Plan {
-  model::Network target;
+  model::Network controller;  ///< as it was requested
+  model::Network target;      ///< and what stays beside it
   model::Transition transition;
 };
 
@@ -24,10 +25,15 @@ struct Refusal {
   Diagnostics diagnostics;
 };
 
-/// Validates `target` as deeply as the host needs it and computes the way from `current`.
-tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network target,
-                                         const host::TaskHost& host, const model::ComponentCatalog& catalog,
-                                         model::Order order);
+/// What the solver may use on this host.
+solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force);
+
+/// Validates `controller` as deeply as the host needs it and computes the way from `current`; what of `keep`
+/// is there already stays beside it.
+tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network controller,
+                                         const model::Network& keep, const host::TaskHost& host,
+                                         const model::ComponentCatalog& catalog,
+                                         const solve::Options& options);
 
 /// A transition as it is given: what it leads to, after the same validation.
 tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
@@ -40,5 +46,8 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
 
 /// "3 tasks (2 running, 1 stopped), 4 connections, 1 deployment": what a robot runs, for messages.
 std::string summary(const model::Network& network);
+
+/// "'goal_navigation'", or "the empty network".
+std::string shown(const model::NetworkName& name);
 
 }  // namespace segue::runtime::detail

@@ -90,6 +90,20 @@ Value operation_value(const model::OperationModel& operation) {
        {"doc", operation.doc}});
 }
 
+Value undo_value(const Undo& undo) {
+  Value value = Value::map({{"restored", undo.restored},
+                            {"duration_s", seconds(undo.duration)},
+                            {"actions", list_of(undo.actions, action_value)}});
+  if (undo.fallback) {
+    value.as_map().set("fallback", undo.fallback->str());
+    value.as_map().set("fell_back", undo.fell_back);
+  }
+  if (undo.error) {
+    value.as_map().set("error", to_string(*undo.error));
+  }
+  return value;
+}
+
 }  // namespace
 
 std::string_view outcome_of(const ActionRecord& record) {
@@ -101,20 +115,41 @@ std::string_view outcome_of(const ActionRecord& record) {
 
 Value to_value(const SwitchResult& result) {
   Value value = Value::map({{"outcome", to_string(result.outcome)},
+                            {"cause", to_string(result.cause)},
                             {"request", result.request},
+                            {"who", result.who},
+                            {"time", iso_time(result.time)},
                             {"from", result.from.str()},
                             {"to", result.to.str()},
+                            {"runs", result.runs.str()},
+                            {"order", model::to_string(result.order)},
                             {"solve_s", seconds(result.solve_time)},
                             {"duration_s", seconds(result.duration)},
+                            {"prepare_s", seconds(result.prepare)},
                             {"commit_s", seconds(result.commit)},
+                            {"retire_s", seconds(result.retire)},
                             {"actions", list_of(result.actions, action_value)}});
   if (result.error) {
     value.as_map().set("error", to_string(*result.error));
+  }
+  if (result.undo) {
+    value.as_map().set("undo", undo_value(*result.undo));
+  }
+  if (result.leftover) {
+    value.as_map().set("leftover", to_string(*result.leftover));
   }
   if (!result.diagnostics.empty()) {
     value.as_map().set("diagnostics", list_of(result.diagnostics.items(), diagnostic_value));
   }
   return value;
+}
+
+Value to_value(const Readiness& readiness) {
+  return Value::map({{"controller", readiness.controller.str()},
+                     {"ready", readiness.ready},
+                     {"prepared", static_cast<std::uint64_t>(readiness.prepared)},
+                     {"tasks", static_cast<std::uint64_t>(readiness.tasks)},
+                     {"reason", readiness.reason}});
 }
 
 Value to_value(const Event& event) {
@@ -160,6 +195,7 @@ Value status_of(Runtime& runtime) {
        {"state", to_string(runtime.state())},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
+       {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
        {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
        {"connections",
         list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},

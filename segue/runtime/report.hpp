@@ -11,10 +11,14 @@ namespace segue::runtime {
 /// "done", "failed" or "skipped".
 std::string_view outcome_of(const ActionRecord& record);
 
-/// {"outcome", "request", "from", "to", "solve_s", "duration_s", "commit_s", "actions", and where it did not
-/// go well "error" and "diagnostics"}; each action with "started_s", "duration_s", "outcome" (done, failed,
-/// skipped).
+/// {"outcome", "cause", "request", "who", "time", "from", "to", "runs", "order", "solve_s", "duration_s",
+/// "prepare_s", "commit_s", "retire_s", "actions", and where it did not go well "error", "diagnostics",
+/// "undo" ("restored", "fallback", "fell_back", "duration_s", "actions", "error") and "leftover"}; each
+/// action with "started_s", "duration_s", "outcome" (done, failed, skipped).
 type::Value to_value(const SwitchResult& result);
+
+/// {"controller", "ready", "prepared", "tasks", "reason"}
+type::Value to_value(const Readiness& readiness);
 
 /// {"number", "time", "kind", "subject", "message"}; the time in ISO 8601, UTC.
 type::Value to_value(const Event& event);
@@ -27,8 +31,8 @@ type::Value to_value(const host::TaskReport& report);
 /// {"from", "to", "policy", "size", "written", "read", "dropped"}
 type::Value to_value(const host::ConnectionReport& report);
 
-/// {"robot", "controller", "state", "controllers", "tasks", "connections", "differences"}: a robot at a
-/// glance.
+/// {"robot", "controller", "state", "controllers", "ready" (a list as above), "tasks", "connections",
+/// "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
 
 /// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound where there is

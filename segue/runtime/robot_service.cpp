@@ -24,14 +24,16 @@ class ReaderStream final : public control::SampleStream {
   std::unique_ptr<host::PortReader> reader_;
 };
 
-Result<RequestOptions> options_for(std::string_view order) {
+Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
   RequestOptions options;
-  if (order.empty()) {
+  options.force = asked.force;
+  options.who = asked.who;
+  if (asked.order.empty()) {
     return options;
   }
-  const auto found = std::find(model::kOrderNames.begin(), model::kOrderNames.end(), order);
+  const auto found = std::find(model::kOrderNames.begin(), model::kOrderNames.end(), asked.order);
   if (found == model::kOrderNames.end()) {
-    return fail(ErrorCode::InvalidArgument, "no order " + quote(order) + "; use 'paper' or 'seamless'");
+    return fail(ErrorCode::InvalidArgument, "no order " + quote(asked.order) + "; use 'paper' or 'seamless'");
   }
   options.order = static_cast<model::Order>(found - model::kOrderNames.begin());
   return options;
@@ -63,14 +65,14 @@ Result<type::Value> RuntimeService::task(std::string_view id) {
   return task_report(runtime_, model::TaskId(id));
 }
 
-Result<type::Value> RuntimeService::switch_to(std::string_view controller, bool dry_run,
-                                              std::string_view order, TimePoint deadline) {
-  const auto options = options_for(order);
+Result<type::Value> RuntimeService::switch_to(std::string_view controller,
+                                              const control::SwitchOptions& asked, TimePoint deadline) {
+  const auto options = options_for(asked);
   if (!options) {
     return options.error();
   }
   const model::NetworkName name(controller);
-  if (!dry_run) {
+  if (!asked.dry_run) {
     return answer_of(runtime_.request(name, *options), controller, deadline);
   }
   auto transition = runtime_.plan(name, *options);
@@ -78,6 +80,18 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller, bool 
     return std::move(transition.error());
   }
   return model::to_value(*transition);
+}
+
+Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {
+  auto future = runtime_.prepare({controllers.begin(), controllers.end()});
+  if (future.wait_until(deadline) != std::future_status::ready) {
+    return fail(ErrorCode::DeadlineExceeded, "not all is ready yet; watch it with 'segue events'");
+  }
+  type::Value::List list;
+  for (const auto& one : future.get()) {
+    list.push_back(to_value(one));
+  }
+  return type::Value(std::move(list));
 }
 
 Result<type::Value> RuntimeService::apply_transition(std::string_view text, std::string_view file,

@@ -17,8 +17,9 @@ class RuntimeService final : public control::RobotService {
 
   Result<type::Value> status() override;
   Result<type::Value> task(std::string_view id) override;
-  Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+  Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 TimePoint deadline) override;
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;
   Result<void> reset_belief() override;

@@ -18,15 +18,35 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 12> kNames = {
-      "request_accepted",  "transition_started", "action_done",        "action_failed", "transition_done",
-      "transition_failed", "request_refused",    "request_superseded", "task_state",    "process",
-      "difference",        "belief_reset"};
+  static constexpr std::array<std::string_view, 17> kNames = {"request_accepted",
+                                                              "transition_started",
+                                                              "action_done",
+                                                              "action_failed",
+                                                              "transition_committed",
+                                                              "transition_done",
+                                                              "transition_failed",
+                                                              "transition_undone",
+                                                              "request_refused",
+                                                              "request_superseded",
+                                                              "task_state",
+                                                              "process",
+                                                              "difference",
+                                                              "belief_reset",
+                                                              "repair",
+                                                              "given_up",
+                                                              "prepared"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
-Runtime::Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog)
-    : implementation_(std::make_unique<Implementation>(std::move(name), host, catalog)) {}
+std::string_view to_string(Cause cause) {
+  static constexpr std::array<std::string_view, 5> kNames = {"request", "repair", "fallback", "look_ahead",
+                                                             "tidy"};
+  return kNames.at(static_cast<std::size_t>(cause));
+}
+
+Runtime::Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog,
+                 RuntimeOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(name), host, catalog, std::move(options))) {}
 
 Runtime::~Runtime() = default;
 
@@ -54,15 +74,15 @@ std::optional<model::Network> Runtime::controller(const model::NetworkName& name
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
-  return implementation_->accept(std::move(request), options);
+  return implementation_->accept(std::move(request), std::move(options));
 }
 
 SwitchResult Runtime::switch_to(Request request, RequestOptions options) {
-  return this->request(std::move(request), options).get();
+  return this->request(std::move(request), std::move(options)).get();
 }
 
 Result<model::Transition> Runtime::plan(const Request& request, RequestOptions options) const {
-  auto plan = implementation_->plan(implementation_->starting_point().network, request, options);
+  auto plan = implementation_->plan(implementation_->belief.starting_point().network, request, options);
   if (!plan) {
     return std::move(plan.error().error);
   }
@@ -75,7 +95,7 @@ RuntimeState Runtime::state() const {
 }
 
 model::Network Runtime::belief() const {
-  return implementation_->held();
+  return implementation_->belief.controller();
 }
 
 void Runtime::reset_belief(std::optional<model::Network> network) {
@@ -86,7 +106,16 @@ std::vector<std::string> Runtime::observed_differences() const {
   if (state() == RuntimeState::Executing) {
     return {};
   }
-  return differences(implementation_->held(), implementation_->host.observe());
+  return differences(implementation_->belief.held().shall(), implementation_->host.observe());
+}
+
+std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {
+  return implementation_->wish(std::move(controllers));
+}
+
+std::vector<Readiness> Runtime::readiness() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->readiness;
 }
 
 std::vector<SwitchResult> Runtime::history() const {

@@ -6,6 +6,7 @@
 #include <segue/host/task_host.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/robot.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/solve/solve.hpp>
 
@@ -31,19 +32,51 @@ struct ActionRecord {
   bool executed = false;       ///< false: an earlier action failed
 };
 
-/// What became of a request. `solve_time` and `duration` are wall-clock; actions are in the order of
-/// execution.
+/// Why there was a transition.
+enum class Cause {
+  Request,    ///< somebody asked for a controller
+  Repair,     ///< something of the controller failed by itself
+  Fallback,   ///< something failed whose policy is the fallback network
+  LookAhead,  ///< another controller is kept ready
+  Tidy        ///< something was left over
+};
+std::string_view to_string(Cause cause);
+
+/// How a transition that failed in prepare or commit was undone.
+struct Undo {
+  bool restored = false;                       ///< all that ran before runs, exactly as it did
+  std::optional<model::NetworkName> fallback;  ///< tried, since that could not be restored
+  bool fell_back = false;                      ///< and runs
+  std::vector<ActionRecord> actions;           ///< in the order of their execution
+  Duration duration{0};
+  std::optional<Error> error;  ///< what failed on the way back
+};
+
+/// What became of a request. Times are wall-clock; actions are in the order of the transition, `started`
+/// tells the order of execution.
 struct SwitchResult {
   Outcome outcome = Outcome::Done;
-  std::uint64_t request = 0;
+  Cause cause = Cause::Request;
+  std::uint64_t request = 0;  ///< 0: nobody's request
+  std::string who;            ///< asked
+  std::chrono::system_clock::time_point time;
   model::NetworkName from;
   model::NetworkName to;
+  model::NetworkName runs;  ///< what the robot runs now; empty: nothing that has a name
+  model::Order order = model::Order::Seamless;
   Duration solve_time{0};
-  Duration duration{0};
-  Duration commit{0};  ///< from the first to the last action of the commit phase
+  Duration duration{0};  ///< of the execution, with what was undone
+  /// Of each phase, from its first to its last action. Control is interrupted in commit only.
+  Duration prepare{0};
+  Duration commit{0};
+  Duration retire{0};
+  /// Where the old network did not let itself be taken down as planned, the actions of the way that was found
+  /// instead follow those of the transition.
   std::vector<ActionRecord> actions;
-  std::optional<Error> error;  ///< why refused or failed, and where
-  Diagnostics diagnostics;     ///< all findings of validation, where refused
+  std::optional<Error> error;     ///< why refused, superseded or failed, and where
+  std::optional<Undo> undo;       ///< where it failed
+  std::optional<Error> leftover;  ///< done, but not all that is gone could be retired
+  Diagnostics diagnostics;        ///< all findings of validation, where refused
 };
 
 enum class RuntimeState { Idle, Executing, Failed };
@@ -54,14 +87,19 @@ enum class EventKind {
   TransitionStarted,
   ActionDone,
   ActionFailed,
+  TransitionCommitted,
   TransitionDone,
   TransitionFailed,
+  TransitionUndone,
   RequestRefused,
   RequestSuperseded,
   TaskState,
   Process,
   Difference,
-  BeliefReset
+  BeliefReset,
+  Repair,
+  GivenUp,
+  Prepared
 };
 std::string_view to_string(EventKind kind);
 
@@ -79,17 +117,39 @@ struct Event {
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
 
 struct RequestOptions {
-  model::Order order = model::Order::Paper;
+  model::Order order = model::Order::Seamless;
   Duration action_deadline = std::chrono::seconds(30);  ///< for each action
+  /// Processes that go are killed, and nothing is done in them before (solve::Options::force).
+  bool force = false;
+  std::string who;  ///< asks, for the journal
 };
 
-/// Owns a thread that executes one request after the other: a request that waits is superseded by a newer
-/// one. All functions may be called from any thread and do not block unless they say so.
+struct RuntimeOptions {
+  /// What to switch to where a failed transition cannot be undone; nothing: stay with what runs then.
+  std::optional<model::NetworkName> fallback;
+  model::Policies policies;     ///< about what fails by itself
+  model::LookAhead look_ahead;  ///< what controllers that are kept ready may use
+};
+
+/// How far a controller is prepared that is to be kept ready.
+struct Readiness {
+  model::NetworkName controller;
+  bool ready = false;  ///< as far as what runs permits
+  std::size_t prepared =
+      0;  ///< of its tasks: configured, running ones that it shares with what runs included
+  std::size_t tasks = 0;
+  std::string reason;  ///< why it is not ready
+};
+
+/// Owns a thread that executes one request after the other. A request that waits is superseded by a newer
+/// one, as is one whose transition is still being prepared; one that is being committed is committed first.
+/// All functions may be called from any thread and do not block unless they say so.
 class Runtime {
  public:
   /// `host` and `catalog` must outlive this. The belief begins as what `host` observes.
-  Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog);
-  /// Waits for the action in progress; leaves the tasks as they are.
+  Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog,
+          RuntimeOptions options = {});
+  /// Waits for the actions in progress; leaves the tasks as they are.
   ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
@@ -116,7 +176,14 @@ class Runtime {
   /// a transition this waits for its end (the call does not). Every request starts from what the host
   /// observes then; only after a given belief does the next one start from that.
   void reset_belief(std::optional<model::Network> network = std::nullopt);
-  /// Where belief and observation differ, as sentences; empty if they agree, and during a
+  /// Keeps these controllers ready, the likeliest first, as far as the running one and the budget permit;
+  /// replaces what was asked for before. A request for one of them then begins at its commit. The future gets
+  /// one entry for each when that is done, which a request may delay.
+  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers);
+  /// As it was when something changed last.
+  [[nodiscard]] std::vector<Readiness> readiness() const;
+
+  /// Where what runs differs from what shall run, as sentences; empty if they agree, and during a
   /// transition.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 

@@ -142,54 +142,43 @@ TEST_F(RuntimeTest, executes_a_given_transition_and_refuses_one_that_does_not_fi
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, a_waiting_request_gives_way_to_a_newer_one) {
-  std::promise<void> entered;
-  std::promise<void> go;
-  std::atomic<bool> first_action{true};
-  robot_.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
-    if (first_action.exchange(false)) {
-      entered.set_value();
-      gate.wait();
-    }
-    return {};
-  });
-  auto first = runtime_.request(model::NetworkName("first"));
-  entered.get_future().wait();
-  EXPECT_EQ(runtime_.state(), RuntimeState::Executing);
-  auto superseded = runtime_.request(model::NetworkName("first"));
-  auto second = runtime_.request(model::NetworkName("second"));
-  EXPECT_EQ(superseded.get().outcome, Outcome::Superseded);
-  runtime_.reset_belief();
-  go.set_value();
-  EXPECT_EQ(first.get().outcome, Outcome::Done);
-  const auto result = second.get();
-  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
-  EXPECT_EQ(result.from, model::NetworkName("first"));
-  expect_truth(second_);
+bool takes_down(const model::Action& action) {
+  using enum model::ActionKind;
+  const bool down = action.kind == Recover || action.kind == Stop || action.kind == Disconnect ||
+                    action.kind == Cleanup || action.kind == Undeploy;
+  return down && action.phase != model::Phase::Prepare;
 }
 
-/// The transition from `from` to `to` with each of its actions failing in turn.
-void fail_each_action(const model::Network& from, const model::Network& to) {
+/// The transition from `from` to `to` with each of its actions failing in turn, once.
+void fail_each_action(const model::Network& from, const model::Network& to, model::Order order) {
   testing::StandInRobot robot;
   Runtime& runtime = robot.runtime;
+  const RequestOptions options{.order = order, .who = {}};
   ASSERT_EQ(runtime.switch_to(from).outcome, Outcome::Done);
-  const auto plan = runtime.plan(to);
+  const auto plan = runtime.plan(to, options);
   ASSERT_TRUE(plan);
   for (const auto& action : plan->actions) {
+    std::atomic<bool> failed_once{false};
     robot.asking.ask([&](const model::Action& asked) -> Result<void> {
-      return asked.id == action.id ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
+      const bool fails = asked.label() == action.label() && !failed_once.exchange(true);
+      return fails ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
     });
-    const auto failed = runtime.switch_to(to);
+    const auto result = runtime.switch_to(to, options);
     robot.asking.ask(nullptr);
-    ASSERT_EQ(failed.outcome, Outcome::Failed) << action.label();
-    EXPECT_EQ(failed.error->code, ErrorCode::IoError);
-    EXPECT_EQ(failed.error->subject, action.label());
-    EXPECT_EQ(runtime.state(), RuntimeState::Failed);
+    EXPECT_EQ(runtime.state(), RuntimeState::Idle) << action.label();
     EXPECT_THAT(runtime.observed_differences(), ::testing::IsEmpty()) << action.label();
-    const auto done = std::count_if(failed.actions.begin(), failed.actions.end(),
-                                    [](const auto& record) { return record.executed && !record.error; });
-    EXPECT_EQ(done, action.id - 1);
-    EXPECT_EQ(failed.actions.size(), plan->actions.size());
+    if (takes_down(action)) {
+      ASSERT_EQ(result.outcome, Outcome::Done) << action.label() << ": " << why(result);
+      EXPECT_EQ(runtime.belief().name, to.name);
+    } else {
+      ASSERT_EQ(result.outcome, Outcome::Failed) << action.label();
+      EXPECT_EQ(result.error->code, ErrorCode::IoError);
+      EXPECT_EQ(result.error->subject, action.label());
+      ASSERT_TRUE(result.undo);
+      EXPECT_TRUE(result.undo->restored) << action.label() << ": " << why(result);
+      EXPECT_THAT(differences(from, robot.host.observe()), ::testing::IsEmpty()) << action.label();
+      EXPECT_EQ(runtime.belief().name, from.name);
+    }
     const auto retried = runtime.switch_to(to);
     ASSERT_EQ(retried.outcome, Outcome::Done) << action.label() << ": " << why(retried);
     EXPECT_THAT(differences(to, robot.host.observe()), ::testing::IsEmpty());
@@ -197,13 +186,15 @@ void fail_each_action(const model::Network& from, const model::Network& to) {
   }
 }
 
-TEST_F(RuntimeTest, a_fault_at_any_action_is_named_and_the_next_request_recovers) {
-  fail_each_action(first_, second_);
-  fail_each_action(model::Network{}, first_);
-  fail_each_action(second_, model::Network{});
+TEST_F(RuntimeTest, a_fault_at_any_action_leaves_the_old_controller_or_the_new_one) {
+  for (const auto order : {model::Order::Seamless, model::Order::Paper}) {
+    fail_each_action(first_, second_, order);
+    fail_each_action(model::Network{}, first_, order);
+    fail_each_action(second_, model::Network{}, order);
+  }
 }
 
-TEST_F(RuntimeTest, hooks_that_fail_leave_the_truth_as_belief) {
+TEST_F(RuntimeTest, hooks_that_fail_leave_the_old_controller_running) {
   for (const char* what : {"configure", "start", "connect"}) {
     auto broken = second_;
     broken.find_task(model::TaskId("added"))
@@ -213,50 +204,124 @@ TEST_F(RuntimeTest, hooks_that_fail_leave_the_truth_as_belief) {
     const auto failed = runtime_.switch_to(broken);
     ASSERT_EQ(failed.outcome, Outcome::Failed) << what;
     EXPECT_THAT(failed.error->subject, HasSubstr("added")) << what;
-    EXPECT_THAT(why(failed), HasSubstr("the robot now runs")) << what;
-    EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty());
+    EXPECT_THAT(why(failed), HasSubstr("the robot runs 'first' as before")) << what;
+    expect_truth(first_);
     const auto result = switch_to("second");
     ASSERT_EQ(result.outcome, Outcome::Done) << what << ": " << why(result);
     expect_truth(second_);
   }
 }
 
-TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_recovered_by_the_next_request) {
+TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_in_nobodys_way) {
   auto stubborn = first_;
   stubborn.find_task(model::TaskId("gone"))
       ->properties.as_map()
       .set("stand_in", type::Value::map({{"fail", "stop"}}));
   ASSERT_EQ(runtime_.switch_to(stubborn).outcome, Outcome::Done);
-  const auto failed = switch_to("second");
-  ASSERT_EQ(failed.outcome, Outcome::Failed);
-  EXPECT_EQ(failed.error->subject, "stop gone");
-  EXPECT_EQ(runtime_.belief().find_task(model::TaskId("gone"))->state, TaskState::Exception);
   const auto result = switch_to("second");
   ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
   expect_truth(second_);
 }
 
-TEST_F(RuntimeTest, a_hook_that_hangs_costs_its_deadline_and_nothing_else) {
-  std::promise<void> go;
-  robot_.asking.ask([gate = go.get_future().share()](const model::Action& action) -> Result<void> {
-    if (action.kind == model::ActionKind::Configure) {
-      gate.wait();
-      return fail(ErrorCode::Cancelled, "came too late");
-    }
-    return {};
+TEST_F(RuntimeTest, what_cannot_be_undone_is_told_and_the_fallback_runs) {
+  testing::StandInRobot robot{{.fallback = model::NetworkName("safe"), .policies = {}, .look_ahead = {}}};
+  Runtime& runtime = robot.runtime;
+  const auto safe = network_of("network: safe\ntasks: {brake: {component: a::Brake}}\n");
+  ASSERT_FALSE(runtime.add_controller(safe).has_errors());
+  ASSERT_EQ(runtime.switch_to(first_).outcome, Outcome::Done);
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    const bool fails = action.kind == model::ActionKind::Start && *action.task() != model::TaskId("brake");
+    return fails ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
   });
-  RequestOptions hasty;
-  hasty.action_deadline = std::chrono::milliseconds(20);
-  const auto result = runtime_.switch_to(model::NetworkName("first"), hasty);
-  EXPECT_EQ(result.outcome, Outcome::Failed);
-  EXPECT_EQ(result.error->code, ErrorCode::DeadlineExceeded);
-  EXPECT_THAT(result.error->subject, HasSubstr("configure"));
-  EXPECT_EQ(status_of(runtime_).find("state")->as_string(), "failed");
+  const auto result = runtime.switch_to(second_);
+  ASSERT_EQ(result.outcome, Outcome::Failed);
+  ASSERT_TRUE(result.undo);
+  EXPECT_FALSE(result.undo->restored);
+  EXPECT_TRUE(result.undo->fell_back) << why(result);
+  EXPECT_THAT(why(result), HasSubstr("runs its fallback 'safe'"));
+  EXPECT_EQ(runtime.belief().name, model::NetworkName("safe"));
+  EXPECT_THAT(differences(safe, robot.host.observe()), ::testing::IsEmpty());
+}
+
+TEST_F(RuntimeTest, without_a_fallback_the_truth_is_told) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  robot_.asking.ask([&](const model::Action& action) -> Result<void> {
+    const bool fails = action.kind == model::ActionKind::Start;
+    return fails ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
+  });
+  const auto result = switch_to("second");
   robot_.asking.ask(nullptr);
-  const auto retried = switch_to("first");
-  EXPECT_EQ(retried.outcome, Outcome::Done) << why(retried);
+  ASSERT_EQ(result.outcome, Outcome::Failed);
+  EXPECT_THAT(why(result), HasSubstr("the robot now runs 4 tasks"));
+  EXPECT_EQ(runtime_.state(), RuntimeState::Failed);
+  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty());
+  EXPECT_THAT(differences(runtime_.belief(), robot_.host.observe()), ::testing::IsEmpty());
+  ASSERT_EQ(switch_to("second").outcome, Outcome::Done);
+  expect_truth(second_);
+}
+
+/// Requests `name` and holds it up at its first action of a phase, until go() is called.
+class HeldUp {
+ public:
+  HeldUp(testing::StandInRobot& robot, const char* name, model::Phase phase) : robot_(robot) {
+    robot.asking.ask(
+        [this, phase, gate = go_.get_future().share()](const model::Action& action) -> Result<void> {
+          if (action.phase == phase && !entered_.exchange(true)) {
+            in_.set_value();
+            gate.wait();
+          }
+          return {};
+        });
+    result_ = robot.runtime.request(model::NetworkName(name));
+    in_.get_future().wait();
+  }
+  SwitchResult go() {
+    go_.set_value();
+    return result_.get();
+  }
+
+ private:
+  testing::StandInRobot& robot_;
+  std::promise<void> in_;
+  std::promise<void> go_;
+  std::atomic<bool> entered_{false};
+  std::future<SwitchResult> result_;
+};
+
+TEST_F(RuntimeTest, a_waiting_request_gives_way_to_a_newer_one) {
+  HeldUp held(robot_, "first", model::Phase::Commit);
+  EXPECT_EQ(runtime_.state(), RuntimeState::Executing);
+  auto superseded = runtime_.request(model::NetworkName("first"));
+  auto second = runtime_.request(model::NetworkName("second"));
+  EXPECT_EQ(superseded.get().outcome, Outcome::Superseded);
+  runtime_.reset_belief();
+  EXPECT_EQ(held.go().outcome, Outcome::Done);
+  const auto result = second.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.from, model::NetworkName("first"));
+  expect_truth(second_);
+}
+
+TEST_F(RuntimeTest, a_request_in_prepare_takes_the_place_of_the_one_being_prepared) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  HeldUp held(robot_, "second", model::Phase::Prepare);
+  auto back = runtime_.request(model::NetworkName("first"));
+  EXPECT_EQ(held.go().outcome, Outcome::Superseded);
+  const auto result = back.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
   expect_truth(first_);
-  go.set_value();
+}
+
+TEST_F(RuntimeTest, a_request_in_commit_waits_for_it) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  HeldUp held(robot_, "second", model::Phase::Commit);
+  auto back = runtime_.request(model::NetworkName("first"));
+  const auto first_result = held.go();
+  EXPECT_EQ(first_result.outcome, Outcome::Done) << why(first_result);
+  const auto result = back.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(result.from, model::NetworkName("second"));
+  expect_truth(first_);
 }
 
 TEST_F(RuntimeTest, questions_are_answered_while_a_component_hangs) {

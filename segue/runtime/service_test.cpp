@@ -29,7 +29,7 @@ class Service : public ::testing::Test {
 };
 
 TEST_F(Service, tells_the_status_that_tools_rely_on) {
-  ASSERT_TRUE(service_.switch_to("only", false, "", soon()));
+  ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
   const auto status = service_.status();
   ASSERT_TRUE(status);
   EXPECT_EQ(status->find("controller")->as_string(), "only");
@@ -46,25 +46,29 @@ TEST_F(Service, tells_the_status_that_tools_rely_on) {
 }
 
 TEST_F(Service, answers_switches_with_their_outcome) {
-  const auto planned = service_.switch_to("only", true, "seamless", soon());
+  const auto planned =
+      service_.switch_to("only", {.dry_run = true, .force = false, .order = "seamless", .who = {}}, soon());
   ASSERT_TRUE(planned);
   EXPECT_NE(planned->find("counts"), nullptr);
-  const auto done = service_.switch_to("only", false, "paper", soon());
+  const auto done =
+      service_.switch_to("only", {.dry_run = false, .force = false, .order = "paper", .who = {}}, soon());
   ASSERT_TRUE(done);
   EXPECT_EQ(done->find("outcome")->as_string(), "done");
   EXPECT_EQ(done->find("actions")->as_list().front().find("outcome")->as_string(), "done");
-  const auto refused = service_.switch_to("onyl", false, "", soon());
+  const auto refused =
+      service_.switch_to("onyl", {.dry_run = false, .force = false, .order = "", .who = {}}, soon());
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->find("outcome")->as_string(), "refused");
   EXPECT_THAT(refused->find("error")->as_string(), HasSubstr("did you mean 'only'"));
-  EXPECT_FALSE(service_.switch_to("only", false, "sideways", soon()));
+  EXPECT_FALSE(
+      service_.switch_to("only", {.dry_run = false, .force = false, .order = "sideways", .who = {}}, soon()));
   EXPECT_FALSE(service_.apply_transition("actions: 3", "t.yaml", soon()));
   EXPECT_EQ(service_.history()->as_list().size(), 2U);
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
 }
 
 TEST_F(Service, reaches_single_tasks) {
-  ASSERT_TRUE(service_.switch_to("only", false, "", soon()));
+  ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
   const auto task = service_.task("a");
   ASSERT_TRUE(task) << to_string(task.error());
   EXPECT_NE(task->find("timing"), nullptr);

@@ -11,8 +11,11 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace segue::runtime::testing {
 
@@ -28,18 +31,35 @@ class AskingHost final : public host::TaskHost {
   }
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override {
+    return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
+  }
+
+  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                   const host::Completion& completed) override {
     Ask ask;
     {
       const std::lock_guard lock(mutex_);
       ask = ask_;
     }
-    if (ask) {
-      if (auto allowed = ask(action); !allowed) {
-        return allowed;
+    std::vector<model::Action> allowed;
+    std::vector<std::size_t> index_of;
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      if (auto answer = ask ? ask(actions[i]) : Result<void>(); !answer) {
+        completed({{i, std::move(answer)}});
+      } else {
+        allowed.push_back(actions[i]);
+        index_of.push_back(i);
       }
     }
-    return inner_.perform(action, deadline);
+    inner_.perform_all(allowed, deadline, [&](std::vector<host::Completed> ended) {
+      for (auto& one : ended) {
+        one.index = index_of.at(one.index);
+      }
+      completed(std::move(ended));
+    });
   }
+  [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
+  void withdraw() override { inner_.withdraw(); }
 
   [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
   Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
@@ -122,11 +142,14 @@ inline std::size_t entries(const char* folder) {
 
 /// A runtime whose tasks are all stand-ins.
 struct StandInRobot {
+  explicit StandInRobot(RuntimeOptions options = {})
+      : runtime("robot", asking, catalog, std::move(options)) {}
+
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
   host::LocalTaskHost host{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
   AskingHost asking{host};
-  Runtime runtime{"robot", asking, catalog};
+  Runtime runtime;
 };
 
 }  // namespace segue::runtime::testing

@@ -28,8 +28,9 @@ class Wishes {
         return is_beside(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Connect:
         return joins_new(node.subject) ? Phase::Prepare : Phase::Commit;
-      case ActionKind::Stop:
       case ActionKind::Disconnect:
+        return reader_goes(node.subject) ? Phase::Retire : Phase::Commit;
+      case ActionKind::Stop:
       case ActionKind::HandOver:
       case ActionKind::Start:
       case ActionKind::CallOperation:
@@ -47,6 +48,12 @@ class Wishes {
   [[nodiscard]] bool joins_new(int number) const {
     const Wire& wire = index_.wires[kTarget][as_index(number)];
     return is_beside(wire.from) && is_beside(wire.to);
+  }
+
+  /// Nobody reads from it any more once its reader is stopped; what a reader that stays has of an old writer
+  /// must be gone before the new one starts.
+  [[nodiscard]] bool reader_goes(int number) const {
+    return has_old(plan_.task(index_.wires[kCurrent][as_index(number)].to).fate);
   }
 
   const Plan& plan_;

@@ -281,13 +281,14 @@ RC_GTEST_PROP(TransitionProperties, LeaveTheOldNetworkAloneInPrepare, (std::uint
   }
 }
 
-/// In retire the new network runs already: tasks of the target are in their states.
+/// In retire the new network runs already: tasks of the target are in their states, and whatever they read
+/// from others is as they have it.
 RC_GTEST_PROP(TransitionProperties, OnlyTidyUpInRetire, (std::uint64_t seed)) {
   const Transition transition = solve(random_pair(seed), Order::Seamless);
   for (const Action& action : transition.actions) {
     if (action.phase != model::Phase::Retire) continue;
-    RC_ASSERT(action.kind == ActionKind::Recover || action.kind == ActionKind::Cleanup ||
-              action.kind == ActionKind::Undeploy);
+    RC_ASSERT(action.kind == ActionKind::Recover || action.kind == ActionKind::Disconnect ||
+              action.kind == ActionKind::Cleanup || action.kind == ActionKind::Undeploy);
   }
 }
 

@@ -56,12 +56,20 @@ class FakeRobot final : public RobotService {
     if (id != "huge") return type::Value::map({{"id", id}});
     return type::Value(std::string(std::size_t{200} << 20, 'x'));
   }
-  Result<type::Value> switch_to(std::string_view controller, bool dry_run, std::string_view order,
+  Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 TimePoint deadline) override {
     return type::Value::map({{"to", controller},
-                             {"dry_run", dry_run},
-                             {"order", order},
+                             {"dry_run", options.dry_run},
+                             {"force", options.force},
+                             {"order", options.order},
+                             {"who", options.who},
                              {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
+  }
+  Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint) override {
+    type::Value::List list;
+    for (const auto& name : controllers)
+      list.emplace_back(name);
+    return type::Value(std::move(list));
   }
   Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
     return type::Value::map({{"text", text}, {"file", file}});

@@ -39,8 +39,8 @@ TEST_F(Files, TheVersionIsTold) {
 
 TEST_F(Files, EveryVerbHasAnExampleInItsHelp) {
   for (const std::string verb :
-       {"init", "check", "diff", "apply", "run", "switch", "status", "top", "task", "read", "set", "call",
-        "events", "history", "reset-belief", "component", "completion"}) {
+       {"init", "check", "diff", "apply", "run", "switch", "prepare", "status", "top", "task", "read", "set",
+        "call", "events", "history", "reset-belief", "component", "completion"}) {
     const auto finished = segue({verb, "--help"});
     EXPECT_EQ(finished.status, 0) << verb;
     EXPECT_TRUE(contains(finished.output, "Example:\n  s")) << verb << finished.output;
@@ -259,8 +259,8 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
   EXPECT_EQ(completed.output, "status\n") << completed.errors;
   const auto zsh = segue({"completion", "zsh"});
   for (const std::string verb :
-       {"init", "check", "diff", "apply", "run", "switch", "status", "top", "task", "read", "set", "call",
-        "events", "history", "reset-belief", "component", "completion"}) {
+       {"init", "check", "diff", "apply", "run", "switch", "prepare", "status", "top", "task", "read", "set",
+        "call", "events", "history", "reset-belief", "component", "completion"}) {
     EXPECT_TRUE(contains(bash.output, "    " + verb + ") ")) << verb;
     EXPECT_TRUE(contains(zsh.output, "    " + verb + ") ")) << verb;
   }
@@ -270,6 +270,7 @@ TEST_F(Files, WithoutARuntimeTheVerbsThatNeedOneSaySo) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"status"},
                                                                      {"top"},
                                                                      {"switch", "one"},
+                                                                     {"prepare", "one"},
                                                                      {"switch", "--transition", "t.yaml"},
                                                                      {"reset-belief"},
                                                                      {"task", "a"},

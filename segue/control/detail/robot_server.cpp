@@ -51,11 +51,23 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context,
-        [&service = service(), controller = as_string(params.getController()), dry_run = params.getDryRun(),
-         order = as_string(params.getOrder()), deadline = deadline_after(params.getTimeout())] {
-          return service.switch_to(controller, dry_run, order, deadline);
+        context, [&service = service(), controller = as_string(params.getController()),
+                  options = SwitchOptions{params.getDryRun(), params.getForce(), as_string(params.getOrder()),
+                                          as_string(params.getWho())},
+                  deadline = deadline_after(params.getTimeout())] {
+          return service.switch_to(controller, options, deadline);
         });
+  }
+
+  kj::Promise<void> prepare(PrepareContext context) override {
+    const auto params = context.getParams();
+    std::vector<std::string> controllers;
+    for (const auto name : params.getControllers())
+      controllers.push_back(as_string(name));
+    return caller_.answer_value(context, [&service = service(), controllers = std::move(controllers),
+                                          deadline = deadline_after(params.getTimeout())] {
+      return service.prepare(controllers, deadline);
+    });
   }
 
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "connection.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+struct Options {
+  std::vector<std::string> controllers;
+  Duration timeout = std::chrono::seconds(60);
+};
+
+bool is_ready(const Value& entry) {
+  const Value* ready = entry.find("ready");
+  return ready != nullptr && ready->is_bool() && ready->as_bool();
+}
+
+std::string line_for(const Value& entry) {
+  const std::string name = text_at(entry, "controller");
+  if (!is_ready(entry)) return fmt::format("{} is not ready: {}", name, text_at(entry, "reason"));
+  return fmt::format("{}: {} of {} tasks are ready", name, number_at(entry, "prepared"),
+                     number_at(entry, "tasks"));
+}
+
+int prepare(control::RobotService& robot, const Options& options, const Context& context) {
+  const auto answer = robot.prepare(options.controllers, deadline_in(options.timeout));
+  if (!answer) return failed(context, answer.error());
+  int status = kDone;
+  for (const Value& entry : answer->is_list() ? answer->as_list() : Value::List{}) {
+    if (!is_ready(entry)) status = kFailed;
+    if (!context.json()) print_line(line_for(entry));
+  }
+  if (context.json()) {
+    print_json(*answer);
+  } else if (options.controllers.empty()) {
+    print_line("nothing is kept ready");
+  }
+  return status;
+}
+
+}  // namespace
+
+void add_prepare(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(
+      app, context, "prepare", "keep controllers of a running robot ready, so that a switch to them is quick",
+      "  segue prepare dock explore    # the likeliest first\n  segue prepare                 # nothing any "
+      "more\n\n"
+      "Their processes run and their tasks are configured, as far as the running controller and the budget "
+      "in\n"
+      "the robot file (`look_ahead`) permit. They stay ready across switches.",
+      [options, &context] {
+        return with_robot(context,
+                          [&](control::RobotService& robot) { return prepare(robot, *options, context); });
+      });
+  verb->add_option("NAME", options->controllers, "controllers, the likeliest first")->type_name("");
+  add_duration(*verb, "--timeout", options->timeout, "how long to wait until they are ready (default 60s)");
+  add_robot_option(*verb, context);
+}
+
+}  // namespace segue::cli

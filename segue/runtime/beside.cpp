@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/beside.hpp>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+
+namespace segue::runtime::detail {
+
+namespace {
+
+std::set<model::TaskId> ids_of(const model::Network& network) {
+  std::set<model::TaskId> ids;
+  for (const auto& task : network.tasks) {
+    ids.insert(task.id);
+  }
+  return ids;
+}
+
+std::map<model::DeploymentKey, std::size_t> places_of(const model::Network& network) {
+  std::map<model::DeploymentKey, std::size_t> places;
+  for (std::size_t i = 0; i < network.deployments.size(); ++i) {
+    places.emplace(network.deployments[i].key(), i);
+  }
+  return places;
+}
+
+/// Whatever makes a connection what it is.
+std::string identity(const model::Connection& connection) {
+  return to_string(connection);
+}
+
+std::set<std::string> identities(const model::Network& network) {
+  std::set<std::string> all;
+  for (const auto& connection : network.connections) {
+    all.insert(identity(connection));
+  }
+  return all;
+}
+
+void add_seats(model::Deployment& deployment, const model::Deployment& other) {
+  for (const auto& seat : other.tasks) {
+    const bool known = std::any_of(deployment.tasks.begin(), deployment.tasks.end(),
+                                   [&](const model::Placement& mine) { return mine.task == seat.task; });
+    if (!known) {
+      deployment.tasks.push_back(seat);
+    }
+  }
+}
+
+}  // namespace
+
+model::Network together(model::Network first, const model::Network& second) {
+  const auto ids = ids_of(first);
+  for (const auto& task : second.tasks) {
+    if (!ids.contains(task.id)) {
+      first.tasks.push_back(task);
+    }
+  }
+  const auto places = places_of(first);
+  for (const auto& deployment : second.deployments) {
+    const auto found = places.find(deployment.key());
+    if (found == places.end()) {
+      first.deployments.push_back(deployment);
+    } else {
+      add_seats(first.deployments[found->second], deployment);
+    }
+  }
+  const auto known = identities(first);
+  for (const auto& connection : second.connections) {
+    if (!known.contains(identity(connection))) {
+      first.connections.push_back(connection);
+    }
+  }
+  return first;
+}
+
+model::Network without(const model::Network& all, const model::Network& part) {
+  model::Network rest;
+  const auto ids = ids_of(part);
+  std::set<model::TaskId> left;
+  for (const auto& task : all.tasks) {
+    if (!ids.contains(task.id)) {
+      rest.tasks.push_back(task);
+      left.insert(task.id);
+    }
+  }
+  const auto places = places_of(part);
+  for (model::Deployment deployment : all.deployments) {
+    const bool common = places.contains(deployment.key());
+    std::erase_if(deployment.tasks, [&](const model::Placement& seat) { return !left.contains(seat.task); });
+    if (!common || !deployment.tasks.empty()) {
+      rest.deployments.push_back(std::move(deployment));
+    }
+  }
+  const auto known = identities(part);
+  for (const auto& connection : all.connections) {
+    if (!known.contains(identity(connection))) {
+      rest.connections.push_back(connection);
+    }
+  }
+  return rest;
+}
+
+bool has_all_of(const model::Network& all, const model::Network& part) {
+  // Together they are `all` again, unless something is missing or differs.
+  model::Network both = together(part, all);
+  both.name = all.name;
+  return equivalent(both, all);
+}
+
+}  // namespace segue::runtime::detail

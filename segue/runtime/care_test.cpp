@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the runtime does by itself: repairs, look-ahead, tidying up.
+#include <segue/runtime/test_support.hpp>
+#include <segue/runtime/watch.hpp>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace segue::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+using detail::Ailment;
+using detail::Watch;
+using model::FailurePolicy;
+using testing::network_of;
+using testing::why;
+
+Ailment ailment(const char* task, FailurePolicy policy, bool needs_process = false) {
+  return {model::TaskId(task), policy, "is ill", needs_process};
+}
+
+TEST(WatchTest, waits_longer_each_time_and_gives_up) {
+  Watch watch({.max = 3, .backoff = 100ms});
+  const TimePoint start = RealClock::instance().now();
+  const std::vector ill{ailment("a", FailurePolicy::Restart)};
+  EXPECT_TRUE(watch.judge(ill, start).empty()) << "the first attempt waits, too";
+  EXPECT_EQ(watch.next(), start + 100ms);
+  for (const auto at : {100ms, 300ms, 700ms}) {
+    EXPECT_TRUE(watch.judge(ill, start + at - 1ms).empty());
+    EXPECT_EQ(watch.judge(ill, start + at).repair.size(), 1U);
+  }
+  const auto last = watch.judge(ill, start + 1500ms);
+  EXPECT_EQ(last.given_up.size(), 1U);
+  EXPECT_EQ(watch.attempts(ill.front()), 3);
+  EXPECT_TRUE(watch.judge(ill, start + 1h).empty() || !watch.judge(ill, start + 1h).repair.empty());
+  EXPECT_FALSE(watch.next() && *watch.next() < start + 1500ms);
+}
+
+TEST(WatchTest, starts_anew_for_what_was_well_for_long) {
+  Watch watch({.max = 1, .backoff = 1ms});
+  const TimePoint start = RealClock::instance().now();
+  const std::vector ill{ailment("a", FailurePolicy::Restart)};
+  watch.judge(ill, start);
+  EXPECT_EQ(watch.judge(ill, start + 1s).repair.size(), 1U);
+  EXPECT_EQ(watch.judge(ill, start + 2s).given_up.size(), 1U);
+  EXPECT_TRUE(watch.judge({}, start + 3s).empty());
+  EXPECT_TRUE(watch.judge(ill, start + 4s).empty()) << "still given up";
+  EXPECT_TRUE(watch.judge({}, start + 30s).empty());
+  watch.judge(ill, start + 31s);
+  EXPECT_EQ(watch.judge(ill, start + 32s).repair.size(), 1U);
+}
+
+TEST(WatchTest, each_policy_does_what_it_says) {
+  Watch watch({.max = 3, .backoff = 0ms});
+  const TimePoint start = RealClock::instance().now();
+  EXPECT_TRUE(watch.judge({ailment("a", FailurePolicy::Report)}, start).empty());
+  EXPECT_TRUE(watch.judge({ailment("b", FailurePolicy::Fallback)}, start).fallback);
+  EXPECT_EQ(watch.judge({ailment("c", FailurePolicy::Recover)}, start).repair.size(), 1U);
+  EXPECT_EQ(watch.judge({ailment("d", FailurePolicy::Recover, true)}, start).given_up.size(), 1U);
+  EXPECT_EQ(watch.judge({ailment("e", FailurePolicy::Restart, true)}, start).repair.size(), 1U);
+}
+
+constexpr const char* kWatched = R"(
+network: watched
+tasks:
+  a: {component: x::A, on_failure: restart}
+  b: {component: x::B}
+  c: {component: x::C}
+deployments:
+  d: {host: localhost, process: p, tasks: [b], on_failure: recover}
+connections:
+  - a.out -> b.in
+  - b.out -> c.in
+)";
+
+TEST(Ailments, are_tasks_processes_and_lost_connections) {
+  const auto wanted = network_of(kWatched);
+  EXPECT_THAT(detail::ailments(wanted, wanted, FailurePolicy::Report), ::testing::IsEmpty());
+  auto ill = wanted;
+  ill.find_task(model::TaskId("a"))->state = TaskState::Fatal;
+  ill.connections.pop_back();
+  auto found = detail::ailments(wanted, ill, FailurePolicy::Fallback);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].name(), "task 'a'");
+  EXPECT_TRUE(found[0].needs_process);
+  EXPECT_EQ(found[0].policy, FailurePolicy::Restart);
+  EXPECT_EQ(found[1].name(), "task 'c'") << "the reader of the lost connection";
+  EXPECT_EQ(found[1].policy, FailurePolicy::Fallback);
+  auto gone = wanted;
+  gone.deployments.clear();
+  std::erase_if(gone.tasks, [](const auto& task) { return task.id == model::TaskId("b"); });
+  gone.connections.clear();
+  found = detail::ailments(wanted, gone, FailurePolicy::Report);
+  ASSERT_EQ(found.size(), 1U) << "the process, not what was in it";
+  EXPECT_EQ(found[0].name(), "process 'localhost/p'");
+  EXPECT_EQ(found[0].policy, FailurePolicy::Recover);
+}
+
+template <class Condition>
+bool eventually(const Condition& condition) {
+  const TimePoint deadline = RealClock::instance().now() + 30s;
+  while (!condition() && RealClock::instance().now() < deadline) {
+    std::this_thread::sleep_for(1ms);
+  }
+  return condition();
+}
+
+std::size_t count(const Runtime& runtime, EventKind kind) {
+  const auto events = runtime.events();
+  return static_cast<std::size_t>(
+      std::count_if(events.begin(), events.end(), [&](const Event& event) { return event.kind == kind; }));
+}
+
+RuntimeOptions quick(int attempts) {
+  RuntimeOptions options;
+  options.policies.restart = {.max = attempts, .backoff = 1ms};
+  options.policies.watch = 5ms;
+  options.fallback = model::NetworkName("safe");
+  return options;
+}
+
+model::Network failing(const char* policy) {
+  return network_of(std::string("network: failing\ntasks:\n"
+                                "  a: {component: x::A, on_failure: ") +
+                    policy + ", properties: {stand_in: {rate: 1000, fail: [update]}}}\n");
+}
+
+TEST(Care, repairs_a_task_as_often_as_its_policy_permits) {
+  testing::StandInRobot robot(quick(3));
+  ASSERT_EQ(robot.runtime.switch_to(failing("recover")).outcome, Outcome::Done);
+  EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::GivenUp) == 1; }));
+  EXPECT_EQ(count(robot.runtime, EventKind::Repair), 3U);
+  EXPECT_EQ(robot.runtime.history().size(), 4U);
+  EXPECT_EQ(robot.runtime.history().back().cause, Cause::Repair);
+  EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and says that it does not run";
+}
+
+TEST(Care, reports_where_it_is_to_report) {
+  testing::StandInRobot robot(quick(3));
+  ASSERT_EQ(robot.runtime.switch_to(failing("report")).outcome, Outcome::Done);
+  EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::Difference) > 0; }));
+  EXPECT_EQ(count(robot.runtime, EventKind::Difference), 1U) << "once, as long as it lasts";
+  EXPECT_EQ(robot.runtime.history().size(), 1U);
+}
+
+TEST(Care, falls_back) {
+  testing::StandInRobot robot(quick(3));
+  const auto safe = network_of("network: safe\ntasks: {brake: {component: a::Brake}}\n");
+  ASSERT_FALSE(robot.runtime.add_controller(safe).has_errors());
+  ASSERT_EQ(robot.runtime.switch_to(failing("fallback")).outcome, Outcome::Done);
+  EXPECT_TRUE(eventually([&] { return robot.runtime.belief().name == safe.name; }));
+  EXPECT_TRUE(eventually([&] { return robot.runtime.history().back().cause == Cause::Fallback; }));
+}
+
+constexpr const char* kDrive = R"(
+network: drive
+tasks:
+  base: {component: x::Base}
+  joystick: {component: x::Joystick}
+connections:
+  - joystick.command -> base.command
+)";
+constexpr const char* kDock = R"(
+network: dock
+tasks:
+  base: {component: x::Base}
+  camera: {component: x::Camera}
+  servo: {component: x::Servo}
+deployments:
+  d: {host: localhost, process: vision, tasks: [camera, servo]}
+connections:
+  - camera.image -> servo.image
+  - servo.command -> base.command
+)";
+
+class LookAheadTest : public ::testing::Test {
+ protected:
+  LookAheadTest() {
+    EXPECT_FALSE(runtime_.add_controller(drive_).has_errors());
+    EXPECT_FALSE(runtime_.add_controller(dock_).has_errors());
+  }
+  std::vector<Readiness> prepare(std::vector<model::NetworkName> names) {
+    return runtime_.prepare(std::move(names)).get();
+  }
+  static bool all_commit(const SwitchResult& result) {
+    return std::all_of(result.actions.begin(), result.actions.end(),
+                       [](const auto& record) { return record.action.phase != model::Phase::Prepare; });
+  }
+
+  const model::Network drive_ = network_of(kDrive);
+  const model::Network dock_ = network_of(kDock);
+  testing::StandInRobot robot_;
+  Runtime& runtime_ = robot_.runtime;
+};
+
+TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one_stays_ready) {
+  ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
+  const auto ready = prepare({dock_.name, drive_.name});
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_TRUE(ready[0].ready) << ready[0].reason;
+  EXPECT_EQ(ready[0].prepared, 3U);
+  EXPECT_EQ(runtime_.belief().name, drive_.name);
+  EXPECT_THAT(differences(drive_, runtime_.belief()), ::testing::IsEmpty());
+  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << "what stands beside is wanted there";
+  EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
+
+  const auto docked = runtime_.switch_to(dock_.name);
+  ASSERT_EQ(docked.outcome, Outcome::Done) << why(docked);
+  EXPECT_TRUE(all_commit(docked));
+  for (const auto& record : docked.actions) {
+    EXPECT_NE(record.action.kind, model::ActionKind::Cleanup) << record.action.label();
+  }
+  const auto back = runtime_.switch_to(drive_.name);
+  ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
+  EXPECT_TRUE(all_commit(back));
+  EXPECT_THAT(differences(drive_, runtime_.belief()), ::testing::IsEmpty());
+
+  prepare({});
+  EXPECT_TRUE(eventually([&] { return differences(drive_, robot_.host.observe()).empty(); }))
+      << "nothing is kept any more";
+}
+
+TEST_F(LookAheadTest, the_budget_and_unknown_names_are_told) {
+  testing::StandInRobot robot(RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}});
+  for (const auto& network : {drive_, dock_}) {
+    ASSERT_FALSE(robot.runtime.add_controller(network).has_errors());
+  }
+  ASSERT_EQ(robot.runtime.switch_to(drive_.name).outcome, Outcome::Done);
+  const auto ready = robot.runtime.prepare({dock_.name, model::NetworkName("fly")}).get();
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_FALSE(ready[0].ready);
+  EXPECT_THAT(ready[0].reason, ::testing::HasSubstr("budget of 0 processes"));
+  EXPECT_FALSE(ready[1].ready);
+  EXPECT_EQ(robot.host.observe().tasks.size(), 2U);
+}
+
+TEST_F(LookAheadTest, a_failure_in_preparing_disturbs_nobody) {
+  ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
+  robot_.asking.ask([](const model::Action& action) -> Result<void> {
+    const bool fails = action.kind == model::ActionKind::Configure;
+    return fails ? Result<void>(fail(ErrorCode::IoError, "a fault")) : Result<void>();
+  });
+  const auto ready = prepare({dock_.name});
+  robot_.asking.ask(nullptr);
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_FALSE(ready[0].ready);
+  EXPECT_THAT(ready[0].reason, ::testing::HasSubstr("a fault"));
+  EXPECT_EQ(runtime_.state(), RuntimeState::Idle);
+  EXPECT_THAT(differences(drive_, robot_.host.observe()), ::testing::IsEmpty());
+  EXPECT_EQ(runtime_.switch_to(dock_.name).outcome, Outcome::Done);
+}
+
+TEST_F(LookAheadTest, what_a_superseded_request_prepared_is_tidied_up) {
+  ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
+  std::promise<void> entered;
+  std::promise<void> go;
+  std::atomic<bool> first{true};
+  robot_.asking.ask([&, gate = go.get_future().share()](const model::Action& action) -> Result<void> {
+    if (action.kind == model::ActionKind::Configure && first.exchange(false)) {
+      entered.set_value();
+      gate.wait();
+    }
+    return {};
+  });
+  auto superseded = runtime_.request(dock_.name);
+  entered.get_future().wait();
+  auto refused = runtime_.request(model::NetworkName("fly"));
+  go.set_value();
+  EXPECT_EQ(superseded.get().outcome, Outcome::Superseded);
+  EXPECT_EQ(refused.get().outcome, Outcome::Refused);
+  EXPECT_TRUE(eventually([&] { return differences(drive_, robot_.host.observe()).empty(); }));
+  EXPECT_EQ(runtime_.belief().name, drive_.name);
+}
+
+}  // namespace
+}  // namespace segue::runtime

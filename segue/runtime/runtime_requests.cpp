@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/runtime/runtime_implementation.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::runtime {
+
+using detail::Job;
+using detail::shown;
+
+namespace {
+
+constexpr std::size_t kKeptResults = 100;
+/// A deadline beyond this is none; arithmetic on time points must not overflow.
+constexpr Duration kLongestDeadline = std::chrono::hours(24);
+
+model::NetworkName name_of(const Request& request) {
+  struct Visitor {
+    model::NetworkName operator()(const model::NetworkName& name) const { return name; }
+    model::NetworkName operator()(const model::Network& network) const { return network.name; }
+    model::NetworkName operator()(const model::Transition& transition) const { return transition.to; }
+  };
+  return std::visit(Visitor{}, request);
+}
+
+SwitchResult blank_result(const Job& job) {
+  SwitchResult result;
+  result.request = job.number;
+  result.who = job.options.who;
+  result.time = std::chrono::system_clock::now();
+  result.to = name_of(job.request);
+  result.order = job.options.order;
+  return result;
+}
+
+}  // namespace
+
+std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
+  request_options.action_deadline = std::min(request_options.action_deadline, kLongestDeadline);
+  std::optional<Job> older;
+  std::future<SwitchResult> future;
+  {
+    const std::lock_guard lock(mutex);
+    older.swap(waiting);
+    waiting.emplace(Job{++requests, std::move(request), std::move(request_options), {}});
+    future = waiting->promise.get_future();
+    log.add(EventKind::RequestAccepted, name_of(waiting->request).str(),
+            "request " + std::to_string(requests));
+    if (transaction) {
+      transaction->give_way();
+    }
+  }
+  wake.notify_all();
+  if (older) {
+    log.add(EventKind::RequestSuperseded, name_of(older->request).str(),
+            "request " + std::to_string(older->number) + " gave way to a newer one");
+    answer(*older, superseded(*older));
+  }
+  return future;
+}
+
+SwitchResult Runtime::Implementation::serve(const Job& job) {
+  const TimePoint begin = RealClock::instance().now();
+  SwitchResult result = blank_result(job);
+  detail::Observation current = belief.starting_point();
+  result.from = current.network.name;
+  const auto plan = this->plan(current.network, job.request, job.options);
+  result.solve_time = RealClock::instance().now() - begin;
+  if (!plan) {
+    result.runs = result.from;
+    return refused(job, std::move(result), plan.error());
+  }
+  const auto held = belief.held();
+  if (!belief.is_given()) {
+    note_differences(current.network);
+    adopt(current, held.controller, held.wanted);
+  }
+  carry_out(current.network, *plan, job.options.action_deadline, result);
+  return result;
+}
+
+tl::expected<detail::Plan, detail::Refusal> Runtime::Implementation::plan(
+    const model::Network& current, const Request& request, const RequestOptions& request_options) const {
+  if (request_options.action_deadline <= Duration::zero()) {
+    return tl::unexpected(detail::Refusal{
+        fail(ErrorCode::InvalidArgument, "the deadline of an action must be more than nothing"), {}});
+  }
+  if (const auto* transition = std::get_if<model::Transition>(&request)) {
+    return detail::plan_transition(current, *transition, host, catalog);
+  }
+  const auto how = detail::solve_options(host, request_options.order, request_options.force);
+  if (const auto* network = std::get_if<model::Network>(&request)) {
+    return detail::plan_network(current, *network, plan_ahead(*network).beside, host, catalog, how);
+  }
+  auto network = resolve(std::get<model::NetworkName>(request));
+  if (!network) {
+    return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
+  }
+  const model::Network beside = plan_ahead(*network).beside;
+  return detail::plan_network(current, std::move(*network), beside, host, catalog, how);
+}
+
+Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {
+  if (wanted.empty()) {
+    return model::Network{};
+  }
+  const std::lock_guard lock(mutex);
+  const auto found = controllers.find(wanted);
+  if (found != controllers.end()) {
+    return found->second;
+  }
+  std::vector<std::string> names;
+  for (const auto& [known, network] : controllers) {
+    names.push_back(known.str());
+  }
+  return fail(ErrorCode::NotFound,
+              "no controller " + quote(wanted.str()) + did_you_mean(wanted.str(), names));
+}
+
+void Runtime::Implementation::answer(Job& job, SwitchResult result) {
+  remember(result);
+  job.promise.set_value(std::move(result));
+}
+
+void Runtime::Implementation::remember(SwitchResult result) {
+  const std::lock_guard lock(mutex);
+  history.push_back(std::move(result));
+  if (history.size() > kKeptResults) {
+    history.pop_front();
+  }
+}
+
+SwitchResult Runtime::Implementation::superseded(const Job& job) const {
+  SwitchResult result = blank_result(job);
+  result.outcome = Outcome::Superseded;
+  result.error = fail(ErrorCode::Superseded, "a newer request took its place", result.to.str());
+  return result;
+}
+
+SwitchResult Runtime::Implementation::ended_before(const Job& job) const {
+  SwitchResult result = blank_result(job);
+  result.outcome = Outcome::Refused;
+  result.error = fail(ErrorCode::Cancelled, "the runtime ended before its turn", result.to.str());
+  return result;
+}
+
+SwitchResult Runtime::Implementation::refused(const Job& job, SwitchResult result, detail::Refusal refusal) {
+  result.outcome = Outcome::Refused;
+  result.error = std::move(refusal.error);
+  result.diagnostics = std::move(refusal.diagnostics);
+  log.add(EventKind::RequestRefused, name_of(job.request).str(), to_string(*result.error));
+  return result;
+}
+
+}  // namespace segue::runtime

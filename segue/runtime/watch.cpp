@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/watch.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <set>
+
+namespace segue::runtime::detail {
+
+namespace {
+
+using model::FailurePolicy;
+
+/// A subject that has been well for this long, or for many back-offs, starts anew.
+constexpr Duration kWell = std::chrono::seconds(10);
+constexpr Duration kLongestBackoff = std::chrono::minutes(5);
+
+class Examination {
+ public:
+  Examination(const model::Network& wanted, const model::Network& observed, FailurePolicy otherwise)
+      : wanted_(wanted), observed_(observed), otherwise_(otherwise) {
+    for (const auto& deployment : wanted.deployments) {
+      for (const auto& seat : deployment.tasks) {
+        seats_.emplace(seat.task, &deployment);
+      }
+    }
+    for (const auto& task : observed.tasks) {
+      tasks_.emplace(task.id, &task);
+    }
+    for (const auto& deployment : observed.deployments) {
+      processes_.emplace(deployment.key(), &deployment);
+    }
+  }
+
+  std::vector<Ailment> take() {
+    for (const auto& deployment : wanted_.deployments) {
+      look_at(deployment);
+    }
+    for (const auto& task : wanted_.tasks) {
+      look_at(task);
+    }
+    look_at_connections();
+    return std::move(found_);
+  }
+
+ private:
+  void look_at(const model::Deployment& deployment) {
+    const auto found = processes_.find(deployment.key());
+    if (found != processes_.end() && found->second->same_process(deployment)) {
+      return;
+    }
+    const bool gone = found == processes_.end();
+    found_.push_back({deployment.key(), deployment.on_failure.value_or(otherwise_),
+                      gone ? "is gone" : "does not answer", true});
+    for (const auto& seat : deployment.tasks) {
+      covered_.insert(seat.task);
+    }
+  }
+
+  void look_at(const model::Task& task) {
+    if (covered_.contains(task.id)) {
+      return;
+    }
+    const auto found = tasks_.find(task.id);
+    if (found == tasks_.end()) {
+      add(task, "is gone", false);
+    } else if (found->second->state != task.state) {
+      add(task, "is " + std::string(to_string(found->second->state)),
+          found->second->state == TaskState::Fatal);
+    }
+  }
+
+  /// A missing connection is its reader's ailment, unless an end of it ails anyway.
+  void look_at_connections() {
+    std::set<std::string> there;
+    for (const auto& connection : observed_.connections) {
+      there.insert(to_string(connection));
+    }
+    for (const auto& connection : wanted_.connections) {
+      const bool known = covered_.contains(connection.from.task) || covered_.contains(connection.to.task);
+      if (known || there.contains(to_string(connection))) {
+        continue;
+      }
+      if (const model::Task* reader = wanted_.find_task(connection.to.task)) {
+        add(*reader, "has lost " + to_string(connection), false);
+      }
+    }
+  }
+
+  void add(const model::Task& task, std::string symptom, bool needs_process) {
+    const auto seat = seats_.find(task.id);
+    const auto of_process = seat == seats_.end() ? std::nullopt : seat->second->on_failure;
+    const FailurePolicy policy = task.on_failure.value_or(of_process.value_or(otherwise_));
+    found_.push_back({task.id, policy, std::move(symptom), needs_process});
+    covered_.insert(task.id);
+  }
+
+  const model::Network& wanted_;
+  const model::Network& observed_;
+  const FailurePolicy otherwise_;
+  std::map<model::TaskId, const model::Deployment*> seats_;
+  std::map<model::TaskId, const model::Task*> tasks_;
+  std::map<model::DeploymentKey, const model::Deployment*> processes_;
+  std::set<model::TaskId> covered_;
+  std::vector<Ailment> found_;
+};
+
+}  // namespace
+
+std::string Ailment::name() const {
+  if (const auto* task = std::get_if<model::TaskId>(&subject)) {
+    return "task " + quote(task->str());
+  }
+  return "process " + quote(to_string(std::get<model::DeploymentKey>(subject)));
+}
+
+std::vector<Ailment> ailments(const model::Network& wanted, const model::Network& observed,
+                              model::FailurePolicy otherwise) {
+  return Examination(wanted, observed, otherwise).take();
+}
+
+Duration Watch::backoff(int attempts) const {
+  Duration wait = restart_.backoff;
+  for (int i = 0; i < attempts && wait < kLongestBackoff; ++i) {
+    wait *= 2;
+  }
+  return std::min(wait, kLongestBackoff);
+}
+
+void Watch::close_healed(TimePoint now) {
+  std::erase_if(cases_, [&](const auto& entry) {
+    const Case& one = entry.second;
+    return now - one.last_seen > std::max(kWell, backoff(one.attempts) * 2);
+  });
+}
+
+void Watch::consider(const Ailment& ailment, TimePoint now, Verdict& verdict) {
+  const auto [entry, is_new] = cases_.try_emplace(ailment.name());
+  Case& one = entry->second;
+  one.last_seen = now;
+  if (is_new) {
+    one.next = now + backoff(0);
+  }
+  if (one.given_up) {
+    return;
+  }
+  const bool hopeless = ailment.policy == FailurePolicy::Recover && ailment.needs_process;
+  if (hopeless || one.attempts >= restart_.max) {
+    one.given_up = true;
+    verdict.given_up.push_back(ailment);
+  } else if (now >= one.next) {
+    ++one.attempts;
+    one.next = now + backoff(one.attempts);
+    verdict.repair.push_back(ailment);
+  }
+}
+
+Watch::Verdict Watch::judge(const std::vector<Ailment>& ailing, TimePoint now) {
+  Verdict verdict;
+  close_healed(now);
+  for (const auto& ailment : ailing) {
+    if (ailment.policy == FailurePolicy::Fallback) {
+      verdict.fallback = true;
+    } else if (ailment.policy != FailurePolicy::Report) {
+      consider(ailment, now, verdict);
+    }
+  }
+  return verdict;
+}
+
+std::optional<TimePoint> Watch::next() const {
+  std::optional<TimePoint> first;
+  for (const auto& [name, one] : cases_) {
+    if (!one.given_up && (!first || one.next < *first)) {
+      first = one.next;
+    }
+  }
+  return first;
+}
+
+int Watch::attempts(const Ailment& ailment) const {
+  const auto found = cases_.find(ailment.name());
+  return found == cases_.end() ? 0 : found->second.attempts;
+}
+
+}  // namespace segue::runtime::detail
