@@ -27,7 +27,7 @@ std::string event_line(const type::Value& event) {
   const std::string separator = subject.empty() || message.empty() ? "" : ": ";
   return fmt::format("{:>5} {} {} {}{}{}", number_at(event, "number"),
                      coloured(Colour::Dim, text_at(event, "time")),
-                     coloured(colour_of(kind), fmt::format("{:<18}", kind)), subject, separator, message);
+                     coloured(colour_of(kind), fmt::format("{:<20}", kind)), subject, separator, message);
 }
 
 }  // namespace segue::cli
