@@ -121,8 +121,10 @@ class EventPrinter {
   std::thread thread_;
 };
 
+/// A request that gave way to a newer one did what it should.
 int explain_outcome(const runtime::SwitchResult& result) {
-  if (result.outcome == runtime::Outcome::Done) return kDone;
+  if (result.outcome == runtime::Outcome::Done || result.outcome == runtime::Outcome::Superseded)
+    return kDone;
   print_diagnostics(result.diagnostics);
   Error error = fail(ErrorCode::Internal, "the switch to " + quote(result.to.str()) + " was " +
                                               std::string(to_string(result.outcome)));
@@ -143,12 +145,13 @@ Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runt
                           quote(name), did_you_mean(name, names), names.empty() ? "none" : listed(names)));
 }
 
-/// The controller, then until there is a reason to end.
-int operate(EmbeddedRobot& robot, const Options& options, StopSignal& stop, EventPrinter& printer) {
+/// Until the first controller runs, then until there is a reason to end.
+int operate(std::future<runtime::SwitchResult> first, const Options& options, StopSignal& stop,
+            EventPrinter& printer) {
   std::optional<TimePoint> end;
   if (options.length > Duration(0)) end = deadline_in(options.length);
-  if (!options.controller.empty()) {
-    const int status = explain_outcome(robot.switch_to(options.controller));
+  if (first.valid()) {
+    const int status = explain_outcome(first.get());
     if (status != kDone) return status;
   }
   const auto reason = stop.wait(end);
@@ -169,14 +172,20 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   const auto socket = control::socket_path(robot.robot().name);
   if (!socket) return failed(context, socket.error());
   runtime::RuntimeService service(runtime, [&stop] { stop.request("asked to end"); });
+  // Before anybody else can ask for another one.
+  std::future<runtime::SwitchResult> first;
+  if (!options.controller.empty()) first = runtime.request(model::NetworkName(options.controller));
   const auto server = control::Server::listen(*socket, &service);
-  if (!server) return failed(context, server.error());
+  if (!server) {
+    shut_down(robot);
+    return failed(context, server.error());
+  }
   if (!context.json()) {
     print_line(fmt::format("robot {} runs (pid {}); Ctrl-C stops it in order, `segue status` looks at it",
                            robot.robot().name, ::getpid()));
   }
   EventPrinter printer(runtime, context, options.verbose);
-  const int operated = operate(robot, options, stop, printer);
+  const int operated = operate(std::move(first), options, stop, printer);
   const int ended = shut_down(robot);
   return operated == kDone ? ended : operated;
 }
