@@ -11,6 +11,7 @@
 #include <segue/solve/solve.hpp>
 
 #include <cstdint>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -99,7 +100,8 @@ enum class EventKind {
   BeliefReset,
   Repair,
   GivenUp,
-  Prepared
+  Prepared,
+  Journal
 };
 std::string_view to_string(EventKind kind);
 
@@ -129,6 +131,7 @@ struct RuntimeOptions {
   std::optional<model::NetworkName> fallback;
   model::Policies policies;     ///< about what fails by itself
   model::LookAhead look_ahead;  ///< what controllers that are kept ready may use
+  std::filesystem::path journal;  ///< the file (segue/journal); empty: none
 };
 
 /// How far a controller is prepared that is to be kept ready.

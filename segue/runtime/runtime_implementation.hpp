@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/journal/journal.hpp>
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/look_ahead.hpp>
@@ -99,6 +100,7 @@ struct Runtime::Implementation {
   detail::EventLog log;
   detail::Belief belief{host};
   const detail::Ground ground{host, catalog, log};
+  const std::unique_ptr<journal::Journal> journal;  ///< may be null
 
   mutable std::mutex mutex;  ///< guards all below; never held while the host is called
   std::condition_variable wake;
