@@ -34,7 +34,8 @@ std::string_view to_string(EventKind kind) {
                                                               "belief_reset",
                                                               "repair",
                                                               "given_up",
-                                                              "prepared",             "journal"};
+                                                              "prepared",
+                                                              "journal"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

@@ -129,8 +129,8 @@ struct RequestOptions {
 struct RuntimeOptions {
   /// What to switch to where a failed transition cannot be undone; nothing: stay with what runs then.
   std::optional<model::NetworkName> fallback;
-  model::Policies policies;     ///< about what fails by itself
-  model::LookAhead look_ahead;  ///< what controllers that are kept ready may use
+  model::Policies policies;       ///< about what fails by itself
+  model::LookAhead look_ahead;    ///< what controllers that are kept ready may use
   std::filesystem::path journal;  ///< the file (segue/journal); empty: none
 };
 

@@ -64,6 +64,8 @@ struct Runtime::Implementation {
              std::optional<model::Network> wanted);
   /// Tells of each difference once, as long as it lasts.
   void note_differences(const model::Network& observed);
+  /// A difference, into the journal.
+  void write_down(std::string subject, std::string sentence, std::string done);
   /// The name of the network that truly runs, if it is one that anybody knows.
   model::NetworkName true_name(const model::Network& observed, const model::Network& first,
                                const model::Network& second) const;

@@ -5,123 +5,18 @@
 #include <segue/model/files.hpp>
 #include <segue/runtime/runtime.hpp>
 
+#include <support/asking_host.hpp>
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <functional>
-#include <mutex>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace segue::runtime::testing {
 
-/// A host that asks before every action: to fail it, or to hold it up.
-class AskingHost final : public host::TaskHost {
- public:
-  using Ask = std::function<Result<void>(const model::Action& action)>;
-
-  explicit AskingHost(host::TaskHost& inner) : inner_(inner) {}
-  void ask(Ask ask) {
-    const std::lock_guard lock(mutex_);
-    ask_ = std::move(ask);
-  }
-
-  Result<void> perform(const model::Action& action, TimePoint deadline) override {
-    return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
-  }
-
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const host::Completion& completed) override {
-    Ask ask;
-    {
-      const std::lock_guard lock(mutex_);
-      ask = ask_;
-    }
-    std::vector<model::Action> allowed;
-    std::vector<std::size_t> index_of;
-    for (std::size_t i = 0; i < actions.size(); ++i) {
-      if (auto answer = ask ? ask(actions[i]) : Result<void>(); !answer) {
-        completed({{i, std::move(answer)}});
-      } else {
-        allowed.push_back(actions[i]);
-        index_of.push_back(i);
-      }
-    }
-    inner_.perform_all(allowed, deadline, [&](std::vector<host::Completed> ended) {
-      for (auto& one : ended) {
-        one.index = index_of.at(one.index);
-      }
-      completed(std::move(ended));
-    });
-  }
-  [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
-  void withdraw() override { inner_.withdraw(); }
-
-  [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
-  Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
-  [[nodiscard]] Diagnostics check(const model::Network& network) const override {
-    return inner_.check(network);
-  }
-  void expect(const model::Network& target) override { inner_.expect(target); }
-  void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
-  [[nodiscard]] model::Network observe() const override {
-    model::Network seen = inner_.observe();
-    Listener tell;
-    std::optional<host::TaskEvent> event;
-    {
-      const std::lock_guard lock(mutex_);
-      tell = listener_;
-      event.swap(after_look_);
-    }
-    if (event && tell) {
-      tell(*event);
-    }
-    return seen;
-  }
-  /// Tells of `event` when the next look at the tasks has been taken and before it is answered.
-  void tell_after_look(host::TaskEvent event) {
-    const std::lock_guard lock(mutex_);
-    after_look_ = std::move(event);
-  }
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
-    return inner_.connections();
-  }
-  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
-    return inner_.describe(task);
-  }
-  Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override {
-    return inner_.set_property(task, path, value, deadline);
-  }
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override {
-    return inner_.call(task, operation, arguments, deadline);
-  }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
-    return inner_.open_reader(port, buffer);
-  }
-  void set_listener(Listener listener) override {
-    {
-      const std::lock_guard lock(mutex_);
-      listener_ = listener;
-    }
-    inner_.set_listener(std::move(listener));
-  }
-
- private:
-  host::TaskHost& inner_;
-  mutable std::mutex mutex_;
-  Ask ask_;
-  Listener listener_;
-  mutable std::optional<host::TaskEvent> after_look_;
-};
+using segue::testing::AskingHost;
 
 inline model::Network network_of(std::string_view text, const std::string& file = "test.yaml") {
   Diagnostics diagnostics;

@@ -50,7 +50,8 @@ RobotLife::RobotLife(const deploy::Launch& launch) {
   server_ = std::move(*server);
   host_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *server_, control::connect_deployment, launch,
                                                      *local_);
-  runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *host_, catalog_);
+  asking_ = std::make_unique<AskingHost>(*host_);
+  runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
 }
 
 void DeployedRobotTest::SetUp() {

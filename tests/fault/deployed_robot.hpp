@@ -7,6 +7,8 @@
 #include <segue/deploy/process_server.hpp>
 #include <segue/runtime/runtime.hpp>
 
+#include <support/asking_host.hpp>
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,6 +32,8 @@ class RobotLife {
 
   runtime::Runtime& runtime() { return *runtime_; }
   host::TaskHost& host() { return *host_; }
+  /// Between the runtime and the tasks: asked before every action.
+  AskingHost& asking() { return *asking_; }
   /// The tasks of the runtime's own process.
   deploy::DeploymentService& own() { return *own_; }
 
@@ -40,6 +44,7 @@ class RobotLife {
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<deploy::ProcessServer> server_;
   std::unique_ptr<deploy::DeployedTaskHost> host_;
+  std::unique_ptr<AskingHost> asking_;
   std::unique_ptr<runtime::Runtime> runtime_;
 };
 

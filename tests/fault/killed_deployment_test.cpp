@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SIGKILL of a deployment process: while nothing happens, with samples in flight, and before every action of
 // a transition in turn.
+#include <atomic>
 #include <csignal>
 
 #include "deployed_robot.hpp"
@@ -100,23 +101,31 @@ class KilledDuringTransition : public DeployedRobotTest {
               std::string(kWork) + "  fresh: {tasks: [extra]}\n",
               std::string(kFlow) + "  - beater.out -> extra.in\n  - extra.out -> sink.in\n");
 
-  /// Goes from one to two action by action, and kills `victim` before the given one. Answers how many
-  /// actions there were.
+  /// Goes from one to two and kills `victim` before the action of that number. Answers how many actions
+  /// there were.
   std::size_t go(const std::string& victim, std::size_t kill_before) {
     const auto plan = runtime().plan(two_);
     EXPECT_TRUE(plan);
-    host().expect(two_);
-    for (std::size_t i = 0; i < plan->actions.size(); ++i) {
-      if (i == kill_before && pid_of(victim) > 0) ::kill(pid_of(victim), SIGKILL);
-      const TimePoint deadline = RealClock::instance().now() + std::chrono::seconds(60);
-      const auto done = host().perform(plan->actions[i], deadline);
-      if (i < kill_before) {
-        EXPECT_TRUE(done) << to_string(done.error());
-      }
-      if (!done) break;
-    }
-    host().conclude(*plan);
+    std::atomic<std::size_t> begun{0};
+    life_->asking().ask([&](const model::Action&) -> Result<void> {
+      if (begun++ == kill_before && pid_of(victim) > 0) ::kill(pid_of(victim), SIGKILL);
+      return {};
+    });
+    const auto result = try_switch(two_);
+    life_->asking().ask(nullptr);
+    expect_no_secret_mixture(result);
     return plan->actions.size();
+  }
+  /// The one, or the other, or the runtime says that it is neither.
+  void expect_no_secret_mixture(const runtime::SwitchResult& result) {
+    const auto observed = host().observe();
+    const bool restored = result.undo && result.undo->restored;
+    const auto& claimed = result.outcome == Outcome::Done ? two_ : one_;
+    if ((result.outcome == Outcome::Done || restored) && equivalent(observed, claimed)) return;
+    const bool told = !runtime().observed_differences().empty() ||
+                      runtime().state() == runtime::RuntimeState::Failed;
+    EXPECT_TRUE(told) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
+                      << ::testing::PrintToString(differences(claimed, observed));
   }
   void kill_before_every_action(const std::string& victim) {
     std::size_t actions = 1;
