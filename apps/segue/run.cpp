@@ -2,7 +2,6 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
-#include <segue/journal/journal.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/robot_service.hpp>
@@ -39,7 +38,6 @@ struct Options {
   bool in_process = false;
   bool daemon = false;
   bool verbose = false;
-  bool no_journal = false;
   std::string log_level = std::string(to_string(LogLevel::Info));
   Duration length{0};
 };
@@ -192,14 +190,6 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   return operated == kDone ? ended : operated;
 }
 
-/// Where nobody has a home there is no journal.
-std::filesystem::path journal_for(std::string_view robot) {
-  auto path = journal::default_path(robot);
-  if (path) return *path;
-  print_note("no journal: " + path.error().message);
-  return {};
-}
-
 int run(const Options& options, const Context& context) {
   set_log_level(level_of(options.log_level));
   StopSignal stop;
@@ -210,7 +200,6 @@ int run(const Options& options, const Context& context) {
   embedded.placement = options.in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
   embedded.daemon = options.daemon;
   embedded.log_level = level_of(options.log_level);
-  if (!options.no_journal) embedded.journal = [](std::string_view robot) { return journal_for(robot); };
   const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
   if (!robot) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
@@ -246,8 +235,6 @@ void add_run(CLI::App& app, Context& context) {
       ->excludes(in_process);
   add_duration(*verb, "--for", options->length, "end by itself after so long");
   verb->add_flag("-v,--verbose", options->verbose, "also print every action");
-  verb->add_flag("--no-journal", options->no_journal,
-                 "do not write down what is asked and done (`segue history --all` shows it)");
   verb->add_option("--log-level", options->log_level,
                    "debug, info (default), warning or error: what tasks log on standard error")
       ->type_name("LEVEL")

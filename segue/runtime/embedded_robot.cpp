@@ -138,10 +138,8 @@ void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& net
   for (const auto& network : networks) {
     tasks->host().expect(network);
   }
-  runtime =
-      std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
-                                RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead,
-                                               options.journal ? options.journal(robot.name) : fs::path()});
+  runtime = std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
+                                      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead});
   for (const auto& network : networks) {
     diagnostics.append(runtime->add_controller(network));
   }

@@ -10,7 +10,6 @@
 #include <segue/runtime/runtime.hpp>
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string_view>
 
@@ -29,8 +28,6 @@ struct EmbeddedOptions {
   Placement placement = Placement::InProcess;
   bool daemon = false;                  ///< processes are started by `segue host`, not by this process
   LogLevel log_level = LogLevel::Info;  ///< of deployment processes
-  /// What a file of the journal (segue/journal) is for a robot of this name; nothing, or an empty path: none.
-  std::function<std::filesystem::path(std::string_view robot)> journal{};
 };
 
 /// A robot in this process: everything that its robot file names, ready to switch. No daemon, no network;

@@ -11,7 +11,6 @@
 #include <segue/solve/solve.hpp>
 
 #include <cstdint>
-#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -100,8 +99,7 @@ enum class EventKind {
   BeliefReset,
   Repair,
   GivenUp,
-  Prepared,
-  Journal
+  Prepared
 };
 std::string_view to_string(EventKind kind);
 
@@ -129,9 +127,8 @@ struct RequestOptions {
 struct RuntimeOptions {
   /// What to switch to where a failed transition cannot be undone; nothing: stay with what runs then.
   std::optional<model::NetworkName> fallback;
-  model::Policies policies;       ///< about what fails by itself
-  model::LookAhead look_ahead;    ///< what controllers that are kept ready may use
-  std::filesystem::path journal;  ///< the file (segue/journal); empty: none
+  model::Policies policies;     ///< about what fails by itself
+  model::LookAhead look_ahead;  ///< what controllers that are kept ready may use
 };
 
 /// How far a controller is prepared that is to be kept ready.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/journal/journal.hpp>
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/look_ahead.hpp>
@@ -64,8 +63,6 @@ struct Runtime::Implementation {
              std::optional<model::Network> wanted);
   /// Tells of each difference once, as long as it lasts.
   void note_differences(const model::Network& observed);
-  /// A difference, into the journal.
-  void write_down(std::string subject, std::string sentence, std::string done);
   /// The name of the network that truly runs, if it is one that anybody knows.
   model::NetworkName true_name(const model::Network& observed, const model::Network& first,
                                const model::Network& second) const;
@@ -102,7 +99,6 @@ struct Runtime::Implementation {
   detail::EventLog log;
   detail::Belief belief{host};
   const detail::Ground ground{host, catalog, log};
-  const std::unique_ptr<journal::Journal> journal;  ///< may be null
 
   mutable std::mutex mutex;  ///< guards all below; never held while the host is called
   std::condition_variable wake;

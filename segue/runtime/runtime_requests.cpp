@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/runtime/journaling.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
@@ -42,14 +41,11 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
   request_options.action_deadline = std::min(request_options.action_deadline, kLongestDeadline);
   std::optional<Job> older;
   std::future<SwitchResult> future;
-  journal::RequestEntry entry;
   {
     const std::lock_guard lock(mutex);
     older.swap(waiting);
     waiting.emplace(Job{++requests, std::move(request), std::move(request_options), {}});
     future = waiting->promise.get_future();
-    entry = {requests, std::chrono::system_clock::now(), waiting->options.who,
-             name_of(waiting->request).str()};
     log.add(EventKind::RequestAccepted, name_of(waiting->request).str(),
             "request " + std::to_string(requests));
     if (transaction) {
@@ -57,9 +53,6 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     }
   }
   wake.notify_all();
-  if (journal) {
-    journal->add(std::move(entry));
-  }
   if (older) {
     log.add(EventKind::RequestSuperseded, name_of(older->request).str(),
             "request " + std::to_string(older->number) + " gave way to a newer one");
@@ -127,10 +120,6 @@ Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName
 }
 
 void Runtime::Implementation::answer(Job& job, SwitchResult result) {
-  const bool executed = !result.actions.empty() || result.duration > Duration::zero();
-  if (journal && !executed) {
-    journal->add(journal_entry(result));
-  }
   remember(result);
   job.promise.set_value(std::move(result));
 }

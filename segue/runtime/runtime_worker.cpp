@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/runtime/beside.hpp>
-#include <segue/runtime/journaling.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
@@ -22,25 +21,12 @@ bool is_lost(const SwitchResult& result) {
   return result.outcome == Outcome::Failed && !caught;
 }
 
-std::unique_ptr<journal::Journal> open_journal(const std::filesystem::path& path, detail::EventLog& log) {
-  if (path.empty()) {
-    return nullptr;
-  }
-  return std::make_unique<journal::Journal>(
-      path, journal::JournalOptions{},
-      [&log](const journal::Trouble& trouble) { log.add(EventKind::Journal, "journal", trouble.message); });
-}
-
 }  // namespace
 
 Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_host,
                                         const model::ComponentCatalog& components,
                                         RuntimeOptions runtime_options)
-    : name(std::move(robot)),
-      host(task_host),
-      catalog(components),
-      options(std::move(runtime_options)),
-      journal(open_journal(options.journal, log)) {
+    : name(std::move(robot)), host(task_host), catalog(components), options(std::move(runtime_options)) {
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
@@ -136,9 +122,6 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Pla
     transaction.reset();
   }
   conclude(plan, result);
-  if (journal) {
-    journal->add(journal_entry(result, current, plan.transition, *journal->times()));
-  }
 }
 
 void Runtime::Implementation::conclude(const Plan& plan, SwitchResult& result) {
@@ -225,20 +208,12 @@ model::NetworkName Runtime::Implementation::true_name(const model::Network& obse
   return {};
 }
 
-void Runtime::Implementation::write_down(std::string subject, std::string sentence, std::string done) {
-  if (journal) {
-    journal->add(journal::DifferenceEntry{std::chrono::system_clock::now(), std::move(subject),
-                                          std::move(sentence), std::move(done)});
-  }
-}
-
 void Runtime::Implementation::note_differences(const model::Network& observed) {
   const model::Network shall = belief.held().shall();
   std::set<std::string> now;
   for (auto& sentence : differences(shall, observed)) {
     if (!noted.contains(sentence)) {
       log.add(EventKind::Difference, shall.name.str(), sentence);
-      write_down(shall.name.str(), sentence, "reported");
     }
     now.insert(std::move(sentence));
   }

@@ -122,8 +122,8 @@ class KilledDuringTransition : public DeployedRobotTest {
     const bool restored = result.undo && result.undo->restored;
     const auto& claimed = result.outcome == Outcome::Done ? two_ : one_;
     if ((result.outcome == Outcome::Done || restored) && equivalent(observed, claimed)) return;
-    const bool told = !runtime().observed_differences().empty() ||
-                      runtime().state() == runtime::RuntimeState::Failed;
+    const bool told =
+        !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;
     EXPECT_TRUE(told) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
                       << ::testing::PrintToString(differences(claimed, observed));
   }
