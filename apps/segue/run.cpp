@@ -19,6 +19,7 @@
 
 #include "connection.hpp"
 #include "event_text.hpp"
+#include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
@@ -37,6 +38,8 @@ struct Options {
   bool stand_in = false;
   bool in_process = false;
   bool daemon = false;
+  bool no_journal = false;
+  std::string journal;
   bool verbose = false;
   std::string log_level = std::string(to_string(LogLevel::Info));
   Duration length{0};
@@ -199,6 +202,8 @@ int run(const Options& options, const Context& context) {
   embedded.stand_ins = options.stand_ins;
   embedded.placement = options.in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
   embedded.daemon = options.daemon;
+  embedded.journal = !options.no_journal;
+  embedded.journal_file = options.journal;
   embedded.log_level = level_of(options.log_level);
   const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
   if (!robot) return report_failure(context, diagnostics);
@@ -233,6 +238,9 @@ void add_run(CLI::App& app, Context& context) {
   verb->add_flag("--daemon", options->daemon,
                  "let the process server of this computer (`segue host`) start the processes")
       ->excludes(in_process);
+  CLI::Option* no_journal =
+      verb->add_flag("--no-journal", options->no_journal, "keep no journal of what happens");
+  add_journal_option(*verb, options->journal)->excludes(no_journal);
   add_duration(*verb, "--for", options->length, "end by itself after so long");
   verb->add_flag("-v,--verbose", options->verbose, "also print every action");
   verb->add_option("--log-level", options->log_level,

@@ -6,6 +6,7 @@
 #include <segue/base/text.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/host/stand_in.hpp>
+#include <segue/journal/journal.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/runtime/robot_tasks.hpp>
@@ -40,6 +41,7 @@ struct EmbeddedRobot::Implementation {
   std::vector<model::Network> load_controllers(Diagnostics& diagnostics) const;
   void start(const std::vector<model::Network>& networks, host::LocalOptions local,
              const EmbeddedOptions& options, Diagnostics& diagnostics);
+  [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
 
   model::Robot robot;
   model::ComponentCatalog catalog;
@@ -126,6 +128,19 @@ std::vector<model::Network> EmbeddedRobot::Implementation::load_controllers(Diag
   return networks;
 }
 
+/// Empty where none is kept. A robot without a journal runs all the same.
+fs::path EmbeddedRobot::Implementation::journal_path(const EmbeddedOptions& options,
+                                                     Diagnostics& diagnostics) const {
+  if (!options.journal || !options.journal_file.empty()) {
+    return options.journal ? options.journal_file : fs::path();
+  }
+  auto path = journal::default_path(robot.name);
+  if (!path) {
+    diagnostics.warning("journal", to_string(path.error()), robot.where);
+  }
+  return path.value_or(fs::path());
+}
+
 void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& networks,
                                           host::LocalOptions local, const EmbeddedOptions& options,
                                           Diagnostics& diagnostics) {
@@ -138,8 +153,9 @@ void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& net
   for (const auto& network : networks) {
     tasks->host().expect(network);
   }
-  runtime = std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
-                                      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead});
+  runtime = std::make_unique<Runtime>(
+      robot.name, tasks->host(), catalog,
+      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead, journal_path(options, diagnostics)});
   for (const auto& network : networks) {
     diagnostics.append(runtime->add_controller(network));
   }

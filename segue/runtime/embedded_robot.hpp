@@ -26,8 +26,10 @@ struct EmbeddedOptions {
   bool only_stand_ins = false;        ///< stand-ins for all components
   std::filesystem::path stand_ins{};  ///< how they behave (host/stand_in.hpp); empty: as they are
   Placement placement = Placement::InProcess;
-  bool daemon = false;                  ///< processes are started by `segue host`, not by this process
-  LogLevel log_level = LogLevel::Info;  ///< of deployment processes
+  bool daemon = false;                   ///< processes are started by `segue host`, not by this process
+  LogLevel log_level = LogLevel::Info;   ///< of deployment processes
+  bool journal = false;                  ///< what happens is kept (RuntimeOptions::journal)
+  std::filesystem::path journal_file{};  ///< there; empty: at journal::default_path()
 };
 
 /// A robot in this process: everything that its robot file names, ready to switch. No daemon, no network;

@@ -83,25 +83,37 @@ Duration total_of(const std::vector<ActionRecord>& records) {
   return total;
 }
 
+std::string undone_as(const Undo& undo) {
+  if (undo.restored) return "restored";
+  if (undo.fell_back && undo.fallback) return "fell back to '" + undo.fallback->str() + "'";
+  return "not undone";
+}
+
 }  // namespace
 
 journal::TransitionEntry journal_entry(const SwitchResult& result) {
   journal::TransitionEntry entry;
   entry.request = result.request;
   entry.time = std::chrono::system_clock::now();
+  entry.cause = to_string(result.cause);
+  entry.who = result.who;
   entry.from = result.from.str();
   entry.to = result.to.str();
+  entry.runs = result.runs.str();
+  entry.order = to_string(result.order);
   entry.outcome = to_string(result.outcome);
+  if (result.undo) entry.undone = undone_as(*result.undo);
   if (result.error) entry.error = to_string(*result.error);
   entry.solve = result.solve_time;
+  entry.prepare = result.prepare;
   entry.commit = result.commit;
+  entry.retire = result.retire;
   return entry;
 }
 
 journal::TransitionEntry journal_entry(const SwitchResult& result, const model::Network& current,
                                        const model::Transition& transition, const model::ActionTimes& known) {
   journal::TransitionEntry entry = journal_entry(result);
-  entry.order = to_string(transition.order);
   entry.total = total_of(result.actions);
   entry.actions = action_entries(result.actions, current, transition.actions.size());
   if (transition.actions.empty() || known.actions.empty()) return entry;
@@ -109,5 +121,46 @@ journal::TransitionEntry journal_entry(const SwitchResult& result, const model::
   entry.predicted = journal::Prediction{expected.total, expected.of(model::Phase::Commit)};
   return entry;
 }
+
+namespace detail {
+
+JournalKeeper::JournalKeeper(const std::filesystem::path& path, EventLog& log) {
+  if (path.empty()) return;
+  journal_ = std::make_unique<journal::Journal>(
+      path, journal::JournalOptions{}, [&log, file = path.native()](const journal::Trouble& trouble) {
+        const std::string lost =
+            trouble.lost == 0 ? "" : "; " + std::to_string(trouble.lost) + " entries were lost";
+        log.add(EventKind::Journal, file, trouble.message + lost);
+      });
+}
+
+void JournalKeeper::accepted(std::uint64_t request, const std::string& who,
+                             const model::NetworkName& wanted) {
+  if (!journal_) return;
+  journal_->add(journal::RequestEntry{request, std::chrono::system_clock::now(), who, wanted.str()});
+}
+
+void JournalKeeper::differs(const std::string& subject, const std::string& sentence) {
+  if (!journal_) return;
+  journal_->add(journal::DifferenceEntry{std::chrono::system_clock::now(), subject, sentence, {}});
+}
+
+void JournalKeeper::ended(const SwitchResult& result) {
+  if (journal_) journal_->add(journal_entry(result));
+}
+
+JournalKeeper::Known JournalKeeper::known() const {
+  return journal_ ? journal_->times() : nullptr;
+}
+
+void JournalKeeper::ended(SwitchResult& result, const model::Network& current,
+                          const model::Transition& transition, const Known& known) {
+  if (!journal_ || !known) return;
+  auto entry = journal_entry(result, current, transition, *known);
+  result.predicted = entry.predicted;
+  journal_->add(std::move(entry));
+}
+
+}  // namespace detail
 
 }  // namespace segue::runtime

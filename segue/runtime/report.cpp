@@ -3,6 +3,7 @@
 
 #include <segue/base/iso_time.hpp>
 #include <segue/base/text.hpp>
+#include <segue/journal/report.hpp>
 #include <segue/model/files.hpp>
 
 #include <algorithm>
@@ -131,6 +132,9 @@ Value to_value(const SwitchResult& result) {
                             {"actions", list_of(result.actions, action_value)}});
   if (result.error) {
     value.as_map().set("error", to_string(*result.error));
+  }
+  if (result.predicted) {
+    value.as_map().set("predicted_s", journal::to_value(*result.predicted));
   }
   if (result.undo) {
     value.as_map().set("undo", undo_value(*result.undo));

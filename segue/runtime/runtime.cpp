@@ -18,7 +18,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 17> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 18> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -34,7 +34,8 @@ std::string_view to_string(EventKind kind) {
                                                               "belief_reset",
                                                               "repair",
                                                               "given_up",
-                                                              "prepared"};
+                                                              "prepared",
+                                                              "journal"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

@@ -4,13 +4,16 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/host/task_host.hpp>
+#include <segue/journal/entries.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/runtime/event.hpp>
 #include <segue/solve/solve.hpp>
 
 #include <cstdint>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -70,6 +73,7 @@ struct SwitchResult {
   Duration prepare{0};
   Duration commit{0};
   Duration retire{0};
+  std::optional<journal::Prediction> predicted;  ///< what was expected, where a journal is kept
   /// Where the old network did not let itself be taken down as planned, the actions of the way that was found
   /// instead follow those of the transition.
   std::vector<ActionRecord> actions;
@@ -81,36 +85,6 @@ struct SwitchResult {
 
 enum class RuntimeState { Idle, Executing, Failed };
 std::string_view to_string(RuntimeState state);
-
-enum class EventKind {
-  RequestAccepted,
-  TransitionStarted,
-  ActionDone,
-  ActionFailed,
-  TransitionCommitted,
-  TransitionDone,
-  TransitionFailed,
-  TransitionUndone,
-  RequestRefused,
-  RequestSuperseded,
-  TaskState,
-  Process,
-  Difference,
-  BeliefReset,
-  Repair,
-  GivenUp,
-  Prepared
-};
-std::string_view to_string(EventKind kind);
-
-/// Numbered without gaps from 1; the last few thousand are kept.
-struct Event {
-  std::uint64_t number = 0;
-  std::chrono::system_clock::time_point time;
-  EventKind kind = EventKind::RequestAccepted;
-  std::string subject;  ///< task, action or network
-  std::string message;
-};
 
 /// What to switch to: a controller by name, a network, or a transition to be applied as it is (the paper's
 /// transition request interface).
@@ -127,8 +101,9 @@ struct RequestOptions {
 struct RuntimeOptions {
   /// What to switch to where a failed transition cannot be undone; nothing: stay with what runs then.
   std::optional<model::NetworkName> fallback;
-  model::Policies policies;     ///< about what fails by itself
-  model::LookAhead look_ahead;  ///< what controllers that are kept ready may use
+  model::Policies policies;       ///< about what fails by itself
+  model::LookAhead look_ahead;    ///< what controllers that are kept ready may use
+  std::filesystem::path journal;  ///< where what happens is kept (journal/journal.hpp); empty: nowhere
 };
 
 /// How far a controller is prepared that is to be kept ready.

@@ -3,6 +3,7 @@
 
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
+#include <segue/runtime/journaling.hpp>
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -97,6 +98,7 @@ struct Runtime::Implementation {
   const model::ComponentCatalog& catalog;
   const RuntimeOptions options;
   detail::EventLog log;
+  detail::JournalKeeper journal{options.journal, log};
   detail::Belief belief{host};
   const detail::Ground ground{host, catalog, log};
 

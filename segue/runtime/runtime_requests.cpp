@@ -48,6 +48,7 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
     future = waiting->promise.get_future();
     log.add(EventKind::RequestAccepted, name_of(waiting->request).str(),
             "request " + std::to_string(requests));
+    journal.accepted(requests, waiting->options.who, name_of(waiting->request));
     if (transaction) {
       transaction->give_way();
     }
@@ -56,7 +57,9 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
   if (older) {
     log.add(EventKind::RequestSuperseded, name_of(older->request).str(),
             "request " + std::to_string(older->number) + " gave way to a newer one");
-    answer(*older, superseded(*older));
+    SwitchResult result = superseded(*older);
+    journal.ended(std::as_const(result));
+    answer(*older, std::move(result));
   }
   return future;
 }
@@ -151,6 +154,7 @@ SwitchResult Runtime::Implementation::refused(const Job& job, SwitchResult resul
   result.error = std::move(refusal.error);
   result.diagnostics = std::move(refusal.diagnostics);
   log.add(EventKind::RequestRefused, name_of(job.request).str(), to_string(*result.error));
+  journal.ended(std::as_const(result));
   return result;
 }
 

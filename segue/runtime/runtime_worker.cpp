@@ -50,7 +50,9 @@ Runtime::Implementation::~Implementation() {
   wake.notify_all();
   log.close();
   if (left) {
-    answer(*left, ended_before(*left));
+    SwitchResult result = ended_before(*left);
+    journal.ended(std::as_const(result));
+    answer(*left, std::move(result));
   }
   worker.join();
 }
@@ -116,12 +118,14 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Pla
       running->give_way();
     }
   }
+  const auto known_before = journal.known();
   running->run(result);
   {
     const std::lock_guard lock(mutex);
     transaction.reset();
   }
   conclude(plan, result);
+  journal.ended(result, current, plan.transition, known_before);
 }
 
 void Runtime::Implementation::conclude(const Plan& plan, SwitchResult& result) {
@@ -214,6 +218,7 @@ void Runtime::Implementation::note_differences(const model::Network& observed) {
   for (auto& sentence : differences(shall, observed)) {
     if (!noted.contains(sentence)) {
       log.add(EventKind::Difference, shall.name.str(), sentence);
+      journal.differs(shall.name.str(), sentence);
     }
     now.insert(std::move(sentence));
   }

@@ -103,5 +103,36 @@ TEST_F(JournalFiles, ATransitionIsEstimated) {
   EXPECT_EQ(segue({"diff", "-", "one.yaml", "--journal", "old.sqlite"}).status, 2);
 }
 
+class JournalOfARobot : public SystemTest {};
+
+TEST_F(JournalOfARobot, OutlivesItAndPredictsItsNextSwitch) {
+  start({"--controller", "explore"});
+  ASSERT_EQ(segue({"switch", "manual"}).status, 0);
+  ASSERT_EQ(segue({"switch", "explore"}).status, 0);
+  const auto last = json({"history"}).as_list().back();
+  EXPECT_NE(last.find("predicted_s"), nullptr);
+  EXPECT_TRUE(contains(segue({"history"}).output, "; expected ")) << segue({"history"}).output;
+  (void)stop();
+  const auto entries = json({"history"});
+  ASSERT_EQ(entries.as_list().size(), 4U);  // the last one is the shut-down
+  const auto& switched = entries.as_list()[1];
+  EXPECT_EQ(switched.find("to")->as_string(), "manual");
+  EXPECT_EQ(switched.find("outcome")->as_string(), "done");
+  EXPECT_TRUE(contains(switched.find("who")->as_string(), "segue switch"));
+  EXPECT_FALSE(switched.find("actions")->as_list().empty());
+  const auto estimate = json({"diff", "rover/controllers/explore.yaml", "rover/controllers/manual.yaml",
+                              "--robot-file", "rover/robot.yaml", "--estimate"});
+  EXPECT_EQ(estimate.find("estimate_s")->find("never_measured")->as_int(), 0);
+}
+
+TEST_F(JournalOfARobot, IsKeptOnlyWhereItIsWanted) {
+  start({"--controller", "explore", "--no-journal"});
+  (void)stop();
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "state"));
+  start({"--controller", "explore", "--journal", "here.sqlite"});
+  (void)stop();
+  EXPECT_EQ(json({"history", "--journal", "here.sqlite"}).as_list().size(), 2U);
+}
+
 }  // namespace
 }  // namespace segue::testing

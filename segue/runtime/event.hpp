@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace segue::runtime {
+
+enum class EventKind {
+  RequestAccepted,
+  TransitionStarted,
+  ActionDone,
+  ActionFailed,
+  TransitionCommitted,
+  TransitionDone,
+  TransitionFailed,
+  TransitionUndone,
+  RequestRefused,
+  RequestSuperseded,
+  TaskState,
+  Process,
+  Difference,
+  BeliefReset,
+  Repair,
+  GivenUp,
+  Prepared,
+  Journal
+};
+std::string_view to_string(EventKind kind);
+
+/// Numbered without gaps from 1; the last few thousand are kept.
+struct Event {
+  std::uint64_t number = 0;
+  std::chrono::system_clock::time_point time;
+  EventKind kind = EventKind::RequestAccepted;
+  std::string subject;  ///< task, action or network
+  std::string message;
+};
+
+}  // namespace segue::runtime
