@@ -225,7 +225,8 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
 }
 
 TEST_F(LookAheadTest, the_budget_and_unknown_names_are_told) {
-  testing::StandInRobot robot(RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}});
+  testing::StandInRobot robot(
+      RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}, .journal = {}});
   for (const auto& network : {drive_, dock_}) {
     ASSERT_FALSE(robot.runtime.add_controller(network).has_errors());
   }

@@ -140,9 +140,10 @@ void JournalKeeper::accepted(std::uint64_t request, const std::string& who,
   journal_->add(journal::RequestEntry{request, std::chrono::system_clock::now(), who, wanted.str()});
 }
 
-void JournalKeeper::differs(const std::string& subject, const std::string& sentence) {
+void JournalKeeper::differs(const std::string& subject, const std::string& sentence,
+                            const std::string& done) {
   if (!journal_) return;
-  journal_->add(journal::DifferenceEntry{std::chrono::system_clock::now(), subject, sentence, {}});
+  journal_->add(journal::DifferenceEntry{std::chrono::system_clock::now(), subject, sentence, done});
 }
 
 void JournalKeeper::ended(const SwitchResult& result) {

@@ -36,7 +36,8 @@ class JournalKeeper {
   JournalKeeper(const std::filesystem::path& path, EventLog& log);
 
   void accepted(std::uint64_t request, const std::string& who, const model::NetworkName& wanted);
-  void differs(const std::string& subject, const std::string& sentence);
+  /// `done`: what is done about it, "reported", "repaired" ...
+  void differs(const std::string& subject, const std::string& sentence, const std::string& done);
   /// A request that came to no transition.
   void ended(const SwitchResult& result);
 

@@ -117,6 +117,9 @@ void Runtime::Implementation::repair(const Observation& seen) {
     fall_back(seen);
   } else if (!verdict.repair.empty()) {
     log.add(EventKind::Repair, held.controller.name.str(), names_of(verdict.repair));
+    for (const auto& ailment : verdict.repair) {
+      journal.differs(ailment.name(), ailment.name() + " " + ailment.symptom, "repaired");
+    }
     mend(Cause::Repair, seen, scope_of(verdict.repair));
   }
 }
@@ -124,6 +127,7 @@ void Runtime::Implementation::repair(const Observation& seen) {
 void Runtime::Implementation::tell_given_up(const std::vector<Ailment>& ailing) {
   for (const auto& ailment : ailing) {
     const int attempts = watch.attempts(ailment);
+    journal.differs(ailment.name(), ailment.name() + " " + ailment.symptom, "given up");
     log.add(EventKind::GivenUp, ailment.name(),
             ailment.symptom +
                 (attempts == 0 ? ", and only a new process would help, which its policy 'recover' excludes"

@@ -224,7 +224,8 @@ TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_in_nobodys_way) {
 }
 
 TEST_F(RuntimeTest, what_cannot_be_undone_is_told_and_the_fallback_runs) {
-  testing::StandInRobot robot{{.fallback = model::NetworkName("safe"), .policies = {}, .look_ahead = {}}};
+  testing::StandInRobot robot{
+      {.fallback = model::NetworkName("safe"), .policies = {}, .look_ahead = {}, .journal = {}}};
   Runtime& runtime = robot.runtime;
   const auto safe = network_of("network: safe\ntasks: {brake: {component: a::Brake}}\n");
   ASSERT_FALSE(runtime.add_controller(safe).has_errors());

@@ -218,7 +218,7 @@ void Runtime::Implementation::note_differences(const model::Network& observed) {
   for (auto& sentence : differences(shall, observed)) {
     if (!noted.contains(sentence)) {
       log.add(EventKind::Difference, shall.name.str(), sentence);
-      journal.differs(shall.name.str(), sentence);
+      journal.differs(shall.name.str(), sentence, "reported");
     }
     now.insert(std::move(sentence));
   }
