@@ -38,6 +38,10 @@ interface DeploymentProcess {
   listen @17 (listener :TaskListener) -> (error :Wire.Error);
   # For all batches of this client from now on, until the connection ends; whoever was given last is told.
   follow @18 (follower :BatchFollower) -> ();
+
+  # No state: the task remembers nothing.
+  saveState @19 (task :Text, timeout :Int64) -> (error :Wire.Error, state :State);
+  restoreState @20 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
 }
 
 interface BatchFollower {
@@ -51,6 +55,12 @@ struct Ended {
 
 interface TaskListener {
   told @0 (events :List(TaskEvent), lost :UInt64) -> ();
+}
+
+struct State {
+  name @0 :Text;
+  version @1 :UInt32;
+  value @2 :Wire.Value;
 }
 
 # A capability that carries a file descriptor.

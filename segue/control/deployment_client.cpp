@@ -117,6 +117,31 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
+  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override {
+    using State = std::optional<task::State>;
+    const Duration left = time_left(deadline);
+    return ask<State>(left + kGrace, [&](Process::Client process) {
+      auto request = process.saveStateRequest();
+      request.setTask(as_text(task.str()));
+      request.setTimeout(left.count());
+      return Link::send<State>(request, [](auto& results) {
+        return results.hasState() ? State(decode(results.getState())) : State();
+      });
+    });
+  }
+
+  Result<void> restore_state(const model::TaskId& task, const task::State& state,
+                             TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<void>(left + kGrace, [&](Process::Client process) {
+      auto request = process.restoreStateRequest();
+      request.setTask(as_text(task.str()));
+      request.setTimeout(left.count());
+      encode(state, request.initState());
+      return Link::send<void>(request, kNothing);
+    });
+  }
+
   Result<model::ComponentModel> describe(const model::TaskId& task) override {
     return ask<model::ComponentModel>(kLookTimeout, [&](Process::Client process) {
       auto request = process.describeRequest();

@@ -342,6 +342,23 @@ TEST_F(Move, BothEndsOfAConnectionMayMove) {
   EXPECT_FALSE(has(wire("a@localhost/p3", kNew)));
 }
 
+TEST_F(Move, HandsItsStateOver) {
+  const task::State state{"/test/State", 2, type::Value("what b knows")};
+  world_.change([&, p1 = world_.find("p1")] { p1->states[model::TaskId("b")] = state; });
+  perform(on_task(ActionKind::Configure, "b"));
+  perform(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("b"), model::TaskId("b")}));
+  EXPECT_EQ(world_.find("p3")->states.at(model::TaskId("b")), state);
+  // c in p2 remembers nothing, and d lives in the runtime's own process.
+  perform(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("c"), model::TaskId("d")}));
+  EXPECT_TRUE(world_.own()->states.empty());
+  const auto alone =
+      try_to(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("c"), model::TaskId("c")}));
+  EXPECT_EQ(alone.error().code, ErrorCode::InvalidState);
+  const auto nobody =
+      try_to(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("x"), model::TaskId("b")}));
+  EXPECT_EQ(nobody.error().code, ErrorCode::NotFound);
+}
+
 TEST_F(Move, EventsTellWhichIncarnationTheyAreOf) {
   world_.tell(world_.find("p3"), {model::TaskId("b"), TaskState::Exception, "new"});
   EXPECT_TRUE(robot_.told.task(kNew, TaskState::Exception));

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -89,6 +90,12 @@ class DeploymentService {
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
   /// Forgets and redefines tasks as TaskHost::conclude does.
   virtual Result<void> conclude(const model::Transition& transition) = 0;
+
+  /// For a task that takes over from one in another process: what a Stopped task remembers (nothing, where
+  /// its component has no state), and a task that is configured and does not run continues it.
+  virtual Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) = 0;
+  virtual Result<void> restore_state(const model::TaskId& task, const task::State& state,
+                                     TimePoint deadline) = 0;
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) = 0;

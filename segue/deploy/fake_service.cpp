@@ -163,6 +163,25 @@ Result<void> FakeService::conclude(const model::Transition& transition) {
   });
 }
 
+Result<std::optional<task::State>> FakeService::save_state(const model::TaskId& task,
+                                                           TimePoint /*deadline*/) {
+  return answer<std::optional<task::State>>("save_state", [&]() -> Result<std::optional<task::State>> {
+    const auto found = process_->states.find(task);
+    return found == process_->states.end() ? std::nullopt : std::optional(found->second);
+  });
+}
+
+Result<void> FakeService::restore_state(const model::TaskId& task, const task::State& state,
+                                        TimePoint /*deadline*/) {
+  return answer<void>("restore_state", [&]() -> Result<void> {
+    if (!process_->tasks.contains(task)) {
+      return no_such("task");
+    }
+    process_->states.insert_or_assign(task, state);
+    return {};
+  });
+}
+
 Result<model::ComponentModel> FakeService::describe(const model::TaskId& task) {
   return answer<model::ComponentModel>("describe", [&]() -> Result<model::ComponentModel> {
     model::ComponentModel model;

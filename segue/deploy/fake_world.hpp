@@ -33,6 +33,7 @@ struct FakeProcess {
   bool other_version = false;
   std::map<model::TaskId, model::Task> tasks;
   std::set<model::TaskId> hanging;
+  std::map<model::TaskId, task::State> states;  ///< what tasks remember
   std::vector<model::Connection> connections;
   std::vector<HalfReport> halves;
   std::set<link::Incarnation> admitted;
@@ -109,6 +110,9 @@ class FakeService final : public DeploymentService {
   Result<void> expect(const model::Network& network) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   Result<void> conclude(const model::Transition& transition) override;
+  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::State& state,
+                             TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;
   Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,

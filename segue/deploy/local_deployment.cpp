@@ -8,6 +8,10 @@
 #include <segue/host/crew.hpp>
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 namespace segue::deploy {
@@ -36,6 +40,9 @@ struct LocalDeployment::Implementation {
   Result<void> perform(const model::Action& action, TimePoint deadline);
   /// Whether the action is one for this process.
   [[nodiscard]] Result<void> check(const model::Action& action) const;
+  /// Runs a hook of a task on a thread that it may keep. `hook` must own what it uses.
+  Result<void> run_hook(const model::TaskId& task, TimePoint deadline, std::function<Result<void>()> hook);
+  Result<void> run_hook(const model::Action& action);
   [[nodiscard]] Error going(const std::string& subject) const {
     return fail(ErrorCode::Unavailable, "process " + quote(to_string(key())) + " is going down", subject);
   }
@@ -46,6 +53,10 @@ struct LocalDeployment::Implementation {
   detail::Gate gate;  ///< for all that runs hooks; closed when this goes down
   host::Crew crew{
       [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
+  std::mutex hooks_mutex;
+  int last_hook = 0;
+  std::map<int, std::function<Result<void>()>> hooks;
+  host::Crew hook_crew{[this](const model::Action& action, TimePoint) { return run_hook(action); }};
   host::Crew last{
       [this](const model::Action& action, TimePoint deadline) { return host.perform(action, deadline); },
       detail::kShutDownPatience};
@@ -79,6 +90,30 @@ Result<void> LocalDeployment::Implementation::perform(const model::Action& actio
   return host.perform(action, deadline);
 }
 
+Result<void> LocalDeployment::Implementation::run_hook(const model::TaskId& task, TimePoint deadline,
+                                                       std::function<Result<void>()> hook) {
+  model::Action action{0, model::ActionKind::HandOver, model::TaskAction{task}, {}, {}};
+  {
+    const std::lock_guard lock(hooks_mutex);
+    action.id = ++last_hook;
+    hooks.emplace(action.id, std::move(hook));
+  }
+  Result<void> outcome;
+  hook_crew.run(std::span(&action, 1), deadline,
+                [&](std::vector<host::Completed> ended) { outcome = std::move(ended.front().outcome); });
+  return outcome;
+}
+
+Result<void> LocalDeployment::Implementation::run_hook(const model::Action& action) {
+  std::function<Result<void>()> hook;
+  {
+    const std::lock_guard lock(hooks_mutex);
+    hook = std::move(hooks.extract(action.id).mapped());
+  }
+  const detail::Gate::Pass pass(gate);
+  return pass ? hook() : Result<void>(going(action.task()->str()));
+}
+
 LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
                                  std::shared_ptr<link::SharedMemory> memory)
     : implementation_(std::make_unique<Implementation>(std::move(info), host, std::move(memory))) {
@@ -92,6 +127,7 @@ LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
 
 LocalDeployment::~LocalDeployment() {
   implementation_->crew.close();
+  implementation_->hook_crew.close();
   implementation_->host.set_listener({});
   implementation_->halves.close_all();
 }
@@ -135,6 +171,31 @@ void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint de
 Result<void> LocalDeployment::conclude(const model::Transition& transition) {
   implementation_->host.conclude(transition);
   return {};
+}
+
+Result<std::optional<task::State>> LocalDeployment::save_state(const model::TaskId& task,
+                                                               TimePoint deadline) {
+  const auto state = std::make_shared<std::optional<task::State>>();
+  auto saved =
+      implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
+        auto answer = host.save_state(task, deadline);
+        if (!answer) {
+          return Result<void>(std::move(answer.error()));
+        }
+        *state = std::move(*answer);
+        return Result<void>();
+      });
+  if (!saved) {
+    return std::move(saved.error());
+  }
+  return std::move(*state);
+}
+
+Result<void> LocalDeployment::restore_state(const model::TaskId& task, const task::State& state,
+                                            TimePoint deadline) {
+  return implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
+    return host.restore_state(task, state, deadline);
+  });
 }
 
 Result<model::ComponentModel> LocalDeployment::describe(const model::TaskId& task) {

@@ -55,6 +55,9 @@ model::Action plain(model::Action action) {
     call->task = host::plain_id(call->task);
   } else if (auto* config = std::get_if<model::ConfigAction>(&action.what)) {
     config->definition.id = host::plain_id(config->definition.id);
+  } else if (auto* hand_over = std::get_if<model::HandOverAction>(&action.what)) {
+    hand_over->from = host::plain_id(hand_over->from);
+    hand_over->to = host::plain_id(hand_over->to);
   } else if (auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
     wire->connection = plain(std::move(wire->connection));
   } else if (auto* hand_over = std::get_if<model::HandOverAction>(&action.what)) {
@@ -116,6 +119,11 @@ std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const 
       outcomes->add({{index, perform_on_process(actions[index], deadline)}});
     });
   }
+  for (const auto& what : plan.hand_overs) {
+    jobs.emplace_back([&what, deadline, outcomes] {
+      outcomes->add({{what.index, hand_over(what, deadline)}});
+    });
+  }
   const auto spread = [](host::BatchOutcomes& to, const Indices& indices, std::vector<Result<void>> answers) {
     std::vector<host::Completed> ended;
     for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -167,12 +175,48 @@ Result<void> Router::place(std::size_t index, const model::Action& action, Plan&
   if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) {
     return place_config(index, *config, plan);
   }
+  if (const auto* what = std::get_if<model::HandOverAction>(&action.what)) {
+    return place_hand_over(index, *what, plan);
+  }
   auto located = fleet_.locate(*action.task(), which_of(action.kind));
   if (!located) {
     return std::move(located.error());
   }
   plan.at_process[located->record].push_back(index);
   return {};
+}
+
+Result<void> Router::place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const {
+  auto from = fleet_.locate(what.from, Which::Standing);
+  if (!from) {
+    return std::move(from.error());
+  }
+  auto to = fleet_.locate(what.to, Which::Newest);
+  if (!to) {
+    return std::move(to.error());
+  }
+  if (from->record != to->record) {
+    plan.hand_overs.push_back({index, std::move(*from), std::move(*to)});
+    return {};
+  }
+  if (from->task == to->task) {
+    return fail(ErrorCode::InvalidState, "there is no other incarnation that it could take over from");
+  }
+  plan.at_process[from->record].push_back(index);
+  return {};
+}
+
+Result<void> Router::hand_over(const HandOver& what, TimePoint deadline) {
+  const auto giver = what.from.record->service();
+  const auto taker = what.to.record->service();
+  if (giver == nullptr || taker == nullptr) {
+    return unreachable(giver == nullptr ? *what.from.record : *what.to.record);
+  }
+  const auto state = giver->save_state(what.from.task, deadline);
+  if (!state) {
+    return state.error();
+  }
+  return state->has_value() ? taker->restore_state(what.to.task, **state, deadline) : Result<void>();
 }
 
 Result<void> Router::place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const {

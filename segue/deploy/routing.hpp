@@ -34,6 +34,13 @@ class Router {
   using Services = std::vector<std::shared_ptr<DeploymentService>>;
   using Indices = std::vector<std::size_t>;
 
+  /// From a task of one process to one of another.
+  struct HandOver {
+    std::size_t index = 0;
+    Fleet::Located from;
+    Fleet::Located to;
+  };
+
   /// Who has to do what.
   struct Plan {
     std::map<RecordPtr, Indices> at_process;
@@ -42,6 +49,7 @@ class Router {
     Indices connect_indices;
     std::vector<Crossing> disconnect;
     Indices disconnect_indices;
+    std::vector<HandOver> hand_overs;
   };
 
   Plan plan(std::span<const model::Action> actions, const Outcomes& outcomes) const;
@@ -49,6 +57,8 @@ class Router {
   [[nodiscard]] bool begins_afresh(const model::Action& action) const;
   Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_connection(std::size_t index, const model::Action& action, Plan& plan) const;
+  Result<void> place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const;
+  static Result<void> hand_over(const HandOver& what, TimePoint deadline);
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
   /// What blocks: processes that begin or end, and connections between processes.
   std::vector<WorkerPool::Job> blocking(const Plan& plan, std::span<const model::Action> actions,

@@ -215,6 +215,15 @@ Result<void> LocalTaskHost::with_input(const model::PortRef& port, TimePoint dea
   return implementation_->connections.with_input(port, deadline, use);
 }
 
+Result<std::optional<task::State>> LocalTaskHost::save_state(const model::TaskId& task, TimePoint deadline) {
+  return implementation_->actions.save_state(task, deadline);
+}
+
+Result<void> LocalTaskHost::restore_state(const model::TaskId& task, const task::State& state,
+                                          TimePoint deadline) {
+  return implementation_->actions.restore_state(task, state, deadline);
+}
+
 std::vector<model::TaskId> LocalTaskHost::hanging() const {
   return implementation_->actions.hanging();
 }

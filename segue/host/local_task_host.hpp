@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace segue::host {
@@ -64,6 +65,11 @@ class LocalTaskHost final : public TaskHost {
                            const std::function<Result<void>(task::OutputPortBase&)>& use);
   Result<void> with_input(const model::PortRef& port, TimePoint deadline,
                           const std::function<Result<void>(task::InputPortBase&)>& use);
+
+  /// The halves of a hand-over whose other half is in another process; as task::Task says. A hook that hangs
+  /// keeps the caller's thread.
+  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline);
+  Result<void> restore_state(const model::TaskId& task, const task::State& state, TimePoint deadline);
 
   /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
   [[nodiscard]] std::vector<model::TaskId> hanging() const;

@@ -186,33 +186,42 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   return done;
 }
 
-Result<void> TaskActions::hand_over(const model::HandOverAction& what, TimePoint deadline) {
-  auto from = table_.find(what.from);
-  if (!from) {
-    return std::move(from.error());
+Result<std::optional<task::State>> TaskActions::save_state(const model::TaskId& id, TimePoint deadline) {
+  auto entry = table_.find(id);
+  if (!entry) {
+    return std::move(entry.error());
   }
-  auto to = table_.find(what.to);
-  if (!to) {
-    return std::move(to.error());
+  const VerbWatch::Verb saving(verbs_, id, deadline);
+  return entry->task->save_state(deadline);
+}
+
+Result<void> TaskActions::restore_state(const model::TaskId& id, const task::State& state,
+                                        TimePoint deadline) {
+  auto entry = table_.find(id);
+  if (!entry) {
+    return std::move(entry.error());
   }
-  const VerbWatch::Verb saving(verbs_, what.from, deadline);
-  auto state = from->task->save_state(deadline);
-  if (!state) {
-    return std::move(state.error());
-  }
-  if (!state->has_value()) {
-    return {};
-  }
-  const VerbWatch::Verb restoring(verbs_, what.to, deadline);
-  const Acting acting(*to->task);
+  const VerbWatch::Verb restoring(verbs_, id, deadline);
+  const Acting acting(*entry->task);
   // A component that breaks is cleaned up, with its ports.
-  const std::unique_lock ports(*to->ports, deadline);
+  const std::unique_lock ports(*entry->ports, deadline);
   if (!ports) {
-    return busy(*to);
+    return busy(*entry);
   }
-  auto done = to->task->restore_state(**state, deadline);
+  auto done = entry->task->restore_state(state, deadline);
   table_.drop_dead_wires();
   return done;
+}
+
+Result<void> TaskActions::hand_over(const model::HandOverAction& what, TimePoint deadline) {
+  if (auto to = table_.find(what.to); !to) {
+    return std::move(to.error());
+  }
+  const auto state = save_state(what.from, deadline);
+  if (!state) {
+    return state.error();
+  }
+  return state->has_value() ? restore_state(what.to, **state, deadline) : Result<void>();
 }
 
 Result<void> TaskActions::check_devices(const TaskEntry& entry) const {

@@ -84,6 +84,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
   type::Value value{};
+  std::optional<task::State> state{};
   std::string written{};
   link::Incarnation forgotten = 0;
   std::vector<std::string> admitted{};
@@ -119,6 +120,20 @@ class FakeDeployment final : public deploy::DeploymentService {
   Result<void> conclude(const model::Transition& transition) override {
     const std::lock_guard lock(fields_);
     concluded = transition;
+    return {};
+  }
+  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override {
+    note(deadline);
+    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    const std::lock_guard lock(fields_);
+    return state;
+  }
+  Result<void> restore_state(const model::TaskId& task, const task::State& given,
+                             TimePoint deadline) override {
+    note(deadline);
+    if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
+    const std::lock_guard lock(fields_);
+    state = given;
     return {};
   }
   Result<model::ComponentModel> describe(const model::TaskId& task) override {

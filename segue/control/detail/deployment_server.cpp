@@ -102,6 +102,26 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     });
   }
 
+  kj::Promise<void> saveState(SaveStateContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer(
+        context,
+        [&service = service(), task = model::TaskId(as_string(params.getTask())),
+         deadline = deadline_after(params.getTimeout())] { return service.save_state(task, deadline); },
+        [](std::optional<task::State>& state, auto results) {
+          if (state) encode(*state, results.initState());
+        });
+  }
+
+  kj::Promise<void> restoreState(RestoreStateContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer(
+        context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
+                  state = decode(params.getState()), deadline = deadline_after(params.getTimeout())] {
+          return service.restore_state(task, state, deadline);
+        });
+  }
+
   kj::Promise<void> describe(DescribeContext context) override {
     return caller_.answer(
         context,

@@ -233,6 +233,16 @@ deploy::CloseHalf decode(wire::CloseHalf::Reader reader) {
           reader.getPeerClosed(), reader.getPeer()};
 }
 
+void encode(const task::State& state, wire::State::Builder builder) {
+  builder.setName(as_text(state.name));
+  builder.setVersion(state.version);
+  put(state.value, builder.initValue());
+}
+
+task::State decode(wire::State::Reader reader) {
+  return {as_string(reader.getName()), reader.getVersion(), get(reader.getValue())};
+}
+
 void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder) {
   builder.setTask(as_text(event.task.str()));
   builder.setState(static_cast<std::uint8_t>(event.state));

@@ -38,6 +38,9 @@ deploy::AttachOutput decode(wire::AttachOutput::Reader reader);
 void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder);
 deploy::CloseHalf decode(wire::CloseHalf::Reader reader);
 
+void encode(const task::State& state, wire::State::Builder builder);
+task::State decode(wire::State::Reader reader);
+
 void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder);
 host::TaskEvent decode(wire::TaskEvent::Reader reader);
 
