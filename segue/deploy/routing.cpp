@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/routing.hpp>
 
-#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
 
@@ -60,9 +59,6 @@ model::Action plain(model::Action action) {
     hand_over->to = host::plain_id(hand_over->to);
   } else if (auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
     wire->connection = plain(std::move(wire->connection));
-  } else if (auto* hand_over = std::get_if<model::HandOverAction>(&action.what)) {
-    hand_over->from = host::plain_id(hand_over->from);
-    hand_over->to = host::plain_id(hand_over->to);
   }
   return action;
 }
@@ -143,25 +139,11 @@ std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const 
 Router::Plan Router::plan(std::span<const model::Action> actions, const Outcomes& outcomes) const {
   Plan plan;
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    if (begins_afresh(actions[i])) {
-      segue::log(LogLevel::Warning, actions[i].label(),
-                 "no state crosses processes; the new task begins afresh");
-      outcomes->note(i, {});
-    } else if (auto placed = place(i, actions[i], plan); !placed) {
+    if (auto placed = place(i, actions[i], plan); !placed) {
       outcomes->note(i, std::move(placed));
     }
   }
   return plan;
-}
-
-bool Router::begins_afresh(const model::Action& action) const {
-  const auto* hand_over = std::get_if<model::HandOverAction>(&action.what);
-  if (hand_over == nullptr) {
-    return false;
-  }
-  const auto from = fleet_.locate(hand_over->from, Which::Standing);
-  const auto to = fleet_.locate(hand_over->to, Which::Newest);
-  return from && to && from->record != to->record;
 }
 
 Result<void> Router::place(std::size_t index, const model::Action& action, Plan& plan) const {

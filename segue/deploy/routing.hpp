@@ -53,8 +53,6 @@ class Router {
   };
 
   Plan plan(std::span<const model::Action> actions, const Outcomes& outcomes) const;
-  /// A hand-over between processes, which nobody can carry out yet.
-  [[nodiscard]] bool begins_afresh(const model::Action& action) const;
   Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_connection(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const;
