@@ -25,11 +25,21 @@ model::Network Holding::shall() const {
   return wanted ? together(*wanted, beside) : all();
 }
 
+Holding split(model::Network seen, const model::Network& controller, std::optional<model::Network> wanted) {
+  Holding holding;
+  holding.beside = without(seen, controller);
+  holding.controller = holding.beside.empty() ? std::move(seen) : without(seen, holding.beside);
+  holding.controller.name = controller.name;
+  holding.wanted = std::move(wanted);
+  return holding;
+}
+
 Observation Belief::look() const {
   Observation seen;
   {
     const std::lock_guard lock(mutex_);
     seen.task_events = task_events_;
+    seen.adoptions = adoptions_;
   }
   seen.network = host_.observe();
   return seen;
@@ -52,6 +62,20 @@ bool Belief::is_given() const {
 
 void Belief::adopt(Holding seen, std::uint64_t task_events) {
   const std::lock_guard lock(mutex_);
+  replace(std::move(seen), task_events);
+}
+
+bool Belief::renew(Holding seen, const Observation& look) {
+  const std::lock_guard lock(mutex_);
+  if (look.adoptions != adoptions_) {
+    return false;
+  }
+  replace(std::move(seen), look.task_events);
+  return true;
+}
+
+void Belief::replace(Holding seen, std::uint64_t task_events) {
+  ++adoptions_;
   held_ = std::move(seen);
   given_ = false;
   for (const auto& [id, last] : told_) {
@@ -63,6 +87,7 @@ void Belief::adopt(Holding seen, std::uint64_t task_events) {
 
 void Belief::adopt_given(model::Network network) {
   const std::lock_guard lock(mutex_);
+  ++adoptions_;
   held_ = {std::move(network), {}, {}};
   given_ = true;
 }
@@ -77,7 +102,7 @@ Observation Belief::starting_point() const {
   Observation start;
   {
     const std::lock_guard lock(mutex_);
-    start = {held_.all(), task_events_};
+    start = {held_.all(), task_events_, adoptions_};
     if (given_) {
       return start;
     }

@@ -17,6 +17,7 @@ namespace segue::runtime::detail {
 struct Observation {
   model::Network network;
   std::uint64_t task_events = 0;  ///< how many had come before
+  std::uint64_t adoptions = 0;    ///< how often the belief had been replaced by then
 };
 
 /// What is held to run.
@@ -29,6 +30,9 @@ struct Holding {
   /// What should run: as requested, else as it does.
   [[nodiscard]] model::Network shall() const;
 };
+
+/// What was seen, as holding: what `controller` lacks of it stands beside.
+Holding split(model::Network seen, const model::Network& controller, std::optional<model::Network> wanted);
 
 /// The belief, kept true by what the host shows and by what tasks tell of themselves. Thread safe; calls
 /// nothing but the host's observe(), without a lock.
@@ -44,6 +48,8 @@ class Belief {
 
   /// Believes what was seen at a moment, and what tasks told since.
   void adopt(Holding seen, std::uint64_t task_events);
+  /// The same, unless the belief was replaced since it was looked: false then.
+  bool renew(Holding seen, const Observation& look);
   /// Believes what a person says.
   void adopt_given(model::Network network);
   void on_event(const host::TaskEvent& event);
@@ -52,11 +58,14 @@ class Belief {
   [[nodiscard]] Observation starting_point() const;
 
  private:
+  void replace(Holding seen, std::uint64_t task_events);
+
   const host::TaskHost& host_;
   mutable std::mutex mutex_;
   Holding held_;
   bool given_ = false;
   std::uint64_t task_events_ = 0;
+  std::uint64_t adoptions_ = 0;
   /// For each task, the last state that it took by itself, and the number of that event.
   std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> told_;
 };

@@ -85,13 +85,16 @@ TimePoint Runtime::Implementation::next_care() const {
 }
 
 void Runtime::Implementation::care() {
-  Observation seen = belief.look();
+  const Observation seen = belief.look();
   next_look = RealClock::instance().now() + options.policies.watch;
   if (belief.is_given()) {
     return;
   }
   const auto held = belief.held();
-  adopt(seen, held.controller, held.wanted);
+  if (!belief.renew(detail::split(seen.network, held.controller, held.wanted), seen)) {
+    note_news();  // somebody said meanwhile what is to be believed
+    return;
+  }
   note_differences(seen.network);
   repair(seen);
   tidy(seen);

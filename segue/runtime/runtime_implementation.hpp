@@ -60,7 +60,7 @@ struct Runtime::Implementation {
   void conclude(const detail::Plan& plan, SwitchResult& result);
   void conclude_failed(const detail::Plan& plan, const detail::Observation& seen, SwitchResult& result);
   /// Believes what was seen; what `controller` lacks of it stands beside.
-  void adopt(detail::Observation seen, const model::Network& controller,
+  void adopt(const detail::Observation& seen, const model::Network& controller,
              std::optional<model::Network> wanted);
   /// Tells of each difference once, as long as it lasts.
   void note_differences(const model::Network& observed);

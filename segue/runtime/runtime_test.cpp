@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime.hpp>
 
+#include <segue/runtime/belief.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/test_support.hpp>
 #include <segue/task/component.hpp>
@@ -373,14 +374,34 @@ TEST_F(RuntimeTest, a_task_that_fails_by_itself_is_an_event_and_changes_the_beli
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, an_event_that_comes_while_the_tasks_are_looked_at_is_not_forgotten) {
-  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+TEST(BeliefTest, an_event_that_comes_while_the_tasks_are_looked_at_is_not_forgotten) {
+  const model::ComponentCatalog catalog;
+  const host::LibrarySet libraries;
+  host::LocalTaskHost tasks(libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
+  testing::AskingHost host(tasks);
+  const auto network = network_of("network: n\ntasks: {kept: {component: a::Kept}}\n");
+  const auto way = solve::diff({}, network, catalog);
+  ASSERT_TRUE(way);
+  for (const auto& action : way->actions) {
+    ASSERT_TRUE(host.perform(action, RealClock::instance().now() + std::chrono::seconds(30)));
+  }
+  detail::Belief belief(host);
+  host.set_listener([&](const host::HostEvent& event) { belief.on_event(std::get<host::TaskEvent>(event)); });
   const model::TaskId kept("kept");
-  robot_.asking.tell_after_look({kept, TaskState::Exception, "broke"});
-  runtime_.reset_belief();
-  EXPECT_EQ(runtime_.belief().find_task(kept)->state, TaskState::Exception);
-  runtime_.reset_belief();
-  EXPECT_EQ(runtime_.belief().find_task(kept)->state, TaskState::Running) << "a later look counts";
+  const auto look_and_adopt = [&] {
+    const auto seen = belief.look();
+    belief.adopt(detail::split(seen.network, network, network), seen.task_events);
+    return belief.controller().find_task(kept)->state;
+  };
+  host.tell_after_look({kept, TaskState::Exception, "broke"});
+  EXPECT_EQ(look_and_adopt(), TaskState::Exception);
+  EXPECT_EQ(look_and_adopt(), TaskState::Running) << "a later look counts";
+
+  const auto before = belief.look();
+  belief.adopt_given({});
+  EXPECT_FALSE(belief.renew(detail::split(before.network, network, network), before));
+  EXPECT_TRUE(belief.is_given()) << "what a person said meanwhile counts";
+  host.set_listener({});
 }
 
 TEST_F(RuntimeTest, belief_can_be_given_and_taken_back) {

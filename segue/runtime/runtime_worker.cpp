@@ -30,9 +30,9 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
-  Observation seen = belief.look();
+  const Observation seen = belief.look();
   const model::Network all = seen.network;
-  adopt(std::move(seen), all, std::nullopt);
+  adopt(seen, all, std::nullopt);
   worker = std::thread([this] { work(); });
 }
 
@@ -129,19 +129,18 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Pla
 }
 
 void Runtime::Implementation::conclude(const Plan& plan, SwitchResult& result) {
-  Observation seen = belief.look();
+  const Observation seen = belief.look();
   const auto held = belief.held();
   if (result.outcome == Outcome::Superseded) {
     log.add(EventKind::RequestSuperseded, result.to.str(), "while it was prepared");
-    adopt(std::move(seen), held.controller, held.wanted);
+    adopt(seen, held.controller, held.wanted);
   } else if (result.outcome == Outcome::Failed) {
     conclude_failed(plan, seen, result);
   } else {
     // What the transition did not come to (it gave way to a request) or could not retire is still there.
-    const model::Network observed = seen.network;
-    adopt(std::move(seen), plan.controller, plan.controller);
+    adopt(seen, plan.controller, plan.controller);
     warm = detail::without(plan.target, plan.controller);
-    note_differences(observed);
+    note_differences(seen.network);
     log.add(EventKind::TransitionDone, result.to.str(),
             "now runs " + shown(result.to) + " after " + std::to_string(result.actions.size()) + " actions");
   }
@@ -165,7 +164,7 @@ void Runtime::Implementation::conclude_failed(const Plan& plan, const Observatio
     runs = "the robot now runs " + detail::summary(all) +
            (all.name.empty() ? "" : " as " + shown(all.name) + " names it");
     note_differences(all);
-    adopt({all, seen.task_events}, all, std::nullopt);
+    adopt({all, seen.task_events, seen.adoptions}, all, std::nullopt);
   }
   Error cause = std::move(*result.error);
   const ErrorCode code = cause.code;
@@ -177,15 +176,9 @@ void Runtime::Implementation::conclude_failed(const Plan& plan, const Observatio
   log.add(EventKind::TransitionFailed, result.to.str(), to_string(*result.error));
 }
 
-void Runtime::Implementation::adopt(Observation seen, const model::Network& controller,
+void Runtime::Implementation::adopt(const Observation& seen, const model::Network& controller,
                                     std::optional<model::Network> wanted) {
-  detail::Holding holding;
-  holding.beside = detail::without(seen.network, controller);
-  holding.controller =
-      holding.beside.empty() ? std::move(seen.network) : detail::without(seen.network, holding.beside);
-  holding.controller.name = controller.name;
-  holding.wanted = std::move(wanted);
-  belief.adopt(std::move(holding), seen.task_events);
+  belief.adopt(detail::split(seen.network, controller, std::move(wanted)), seen.task_events);
 }
 
 std::optional<model::Network> Runtime::Implementation::known(const model::NetworkName& wanted) const {
@@ -275,7 +268,7 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     now.network.name = true_name(now.network, belief.controller(), {});
     log.add(EventKind::BeliefReset, now.network.name.str(), "observed: " + detail::summary(now.network));
     const model::Network all = now.network;
-    adopt(std::move(now), all, known(all.name));
+    adopt(now, all, known(all.name));
   }
   const std::lock_guard lock(mutex);
   if (state == RuntimeState::Failed) {
