@@ -22,6 +22,11 @@ class AskingHost final : public host::TaskHost {
     const std::lock_guard lock(mutex_);
     ask_ = std::move(ask);
   }
+  /// Asked after every action that succeeded: it took effect, whatever is answered.
+  void ask_after(Ask ask) {
+    const std::lock_guard lock(mutex_);
+    ask_after_ = std::move(ask);
+  }
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override {
     return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
@@ -30,9 +35,11 @@ class AskingHost final : public host::TaskHost {
   void perform_all(std::span<const model::Action> actions, TimePoint deadline,
                    const host::Completion& completed) override {
     Ask ask;
+    Ask after;
     {
       const std::lock_guard lock(mutex_);
       ask = ask_;
+      after = ask_after_;
     }
     std::vector<model::Action> allowed;
     std::vector<std::size_t> index_of;
@@ -46,6 +53,9 @@ class AskingHost final : public host::TaskHost {
     }
     inner_.perform_all(allowed, deadline, [&](std::vector<host::Completed> ended) {
       for (auto& one : ended) {
+        if (one.outcome && after) {
+          one.outcome = after(allowed.at(one.index));
+        }
         one.index = index_of.at(one.index);
       }
       completed(std::move(ended));
@@ -112,6 +122,7 @@ class AskingHost final : public host::TaskHost {
   host::TaskHost& inner_;
   mutable std::mutex mutex_;
   Ask ask_;
+  Ask ask_after_;
   Listener listener_;
   mutable std::optional<host::TaskEvent> after_look_;
 };

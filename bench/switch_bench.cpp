@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// Switches as a robot's user sees them: the twelve transitions of the Artemis rover with actions that take
+// time, and a task at 1 kHz that no transition names.
+//
+//   switch_bench [artemis|untouched]      default: both
+#include "support/measure.hpp"
+
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+
+namespace {
+
+using namespace bench;
+using namespace segue;
+namespace fs = std::filesystem;
+
+constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
+
+/// The paper's Table 6 has three camera stops of 1.2 to 1.9 s at the top; all else is tens of milliseconds.
+constexpr const char* kDurations = R"(stand_ins:
+  default: {configure: 20ms, start: 3ms, stop: 8ms, cleanup: 5ms, rate: 0}
+  camera_usb::Task: {configure: 150ms, start: 30ms, stop: 1.3s, cleanup: 20ms, rate: 0}
+)";
+
+class Scratch {
+ public:
+  Scratch() : path_((fs::temp_directory_path() / "segue-bench-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) std::exit(1);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(fs::path(path_) / name) << text;
+    return fs::path(path_) / name;
+  }
+
+ private:
+  std::string path_;
+};
+
+std::unique_ptr<runtime::EmbeddedRobot> open(const fs::path& file, const runtime::EmbeddedOptions& options) {
+  Diagnostics diagnostics;
+  auto robot = runtime::EmbeddedRobot::open(file, diagnostics, options);
+  if (robot == nullptr) {
+    std::fprintf(stderr, "%s\n", to_string(diagnostics).c_str());
+    std::exit(1);
+  }
+  return robot;
+}
+
+runtime::SwitchResult done(runtime::SwitchResult result) {
+  if (result.outcome != runtime::Outcome::Done) {
+    std::fprintf(stderr, "%s\n", result.error ? to_string(*result.error).c_str() : "not done");
+    std::exit(1);
+  }
+  return result;
+}
+
+/// The longest chain of actions that wait for each other, with the durations that were measured.
+Duration critical_path(const runtime::SwitchResult& result) {
+  std::map<int, Duration> end;
+  Duration phase_begin{0};
+  Duration last{0};
+  model::Phase phase = model::Phase::Prepare;
+  for (const auto& record : result.actions) {
+    if (record.action.phase != phase) {
+      phase = record.action.phase;
+      phase_begin = last;
+    }
+    Duration begin = phase_begin;
+    for (const int before : record.action.after)
+      begin = std::max(begin, end[before]);
+    end[record.action.id] = begin + record.duration;
+    last = std::max(last, begin + record.duration);
+  }
+  return last;
+}
+
+struct Mode {
+  const char* name;
+  model::Order order;
+  bool ahead;
+};
+
+void artemis() {
+  const Scratch scratch;
+  runtime::EmbeddedOptions options;
+  options.stand_in = true;
+  options.stand_ins = scratch.write("durations.yaml", kDurations);
+  const auto robot = open(kArtemis, options);
+  runtime::Runtime& runtime = robot->runtime();
+  std::printf("\nArtemis, actions that take time: total / commit / critical path, ms\n%-42s%22s%24s%22s\n",
+              "", "paper order", "seamless", "after look-ahead");
+  const std::array modes = {Mode{"paper", model::Order::Paper, false},
+                            Mode{"seamless", model::Order::Seamless, false},
+                            Mode{"look-ahead", model::Order::Seamless, true}};
+  for (const auto& from : runtime.controllers()) {
+    for (const auto& to : runtime.controllers()) {
+      if (from == to) continue;
+      std::printf("%-42s", (from.str() + " -> " + to.str()).c_str());
+      for (const Mode& mode : modes) {
+        runtime.prepare({}).wait();
+        done(runtime.switch_to(from));
+        if (mode.ahead) runtime.prepare({to}).wait();
+        runtime::RequestOptions request;
+        request.order = mode.order;
+        const auto result = done(runtime.switch_to(to, request));
+        const auto ms = [](Duration duration) {
+          return std::chrono::duration<double, std::milli>(duration).count();
+        };
+        std::printf("%8.0f /%5.0f /%5.0f ", ms(result.duration), ms(result.commit),
+                    ms(critical_path(result)));
+        std::fflush(stdout);
+      }
+      std::printf("\n");
+    }
+  }
+  done(robot->shut_down());
+}
+
+/// A producer and a consumer at 1 kHz that every network has, and some of twenty relays.
+model::Network random_network(std::mt19937& random) {
+  model::Network network;
+  network.name = model::NetworkName("random");
+  const auto task = [&](const std::string& id, const char* component) {
+    model::Task made;
+    made.id = model::TaskId(id);
+    made.component = model::ComponentName(component);
+    network.tasks.push_back(std::move(made));
+  };
+  const auto connect = [&](const std::string& from, const std::string& to) {
+    model::Connection made;
+    made.from = {model::TaskId(from), "fixed_out"};
+    made.to = {model::TaskId(to), "fixed_in"};
+    network.connections.push_back(std::move(made));
+  };
+  task("producer", "bench::Producer");
+  Activity& activity = network.tasks.back().activity.emplace();
+  activity.trigger = Trigger::Periodic;
+  activity.period = std::chrono::milliseconds(1);
+  activity.scheduler = Scheduler::Fifo;  // as control loops run; otherwise it competes with the switches
+  activity.priority = 40;
+  activity.optional = true;
+  task("consumer", "bench::Consumer");
+  connect("producer", "consumer");
+  model::Deployment worker;
+  worker.process = model::ProcessName("worker");
+  for (int i = 0; i < 20; ++i) {
+    if (random() % 2 == 0) continue;
+    const std::string id = "relay" + std::to_string(i);
+    task(id, "bench::Relay");
+    connect("producer", id);
+    if (i % 2 == 0) worker.tasks.push_back({model::TaskId(id), id});
+  }
+  if (!worker.tasks.empty()) network.deployments.push_back(std::move(worker));
+  return network;
+}
+
+struct Cycles {
+  std::uint64_t run = 0;
+  std::uint64_t missed = 0;
+};
+
+Cycles cycles_of(runtime::Runtime& runtime) {
+  Cycles cycles;
+  for (const auto& report : runtime.host().tasks()) {
+    if (report.id == model::TaskId("producer")) cycles = {report.timing.cycles, report.timing.missed};
+  }
+  return cycles;
+}
+
+void untouched(runtime::Placement placement, const char* name) {
+  constexpr int kSwitches = 1000;
+  const Scratch scratch;
+  runtime::EmbeddedOptions options;
+  options.placement = placement;
+  options.log_level = LogLevel::Error;
+  const auto robot =
+      open(scratch.write(
+               "robot.yaml",
+               "robot: segue-switch-bench\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n"),
+           options);
+  std::mt19937 random(20261122);
+  done(robot->runtime().switch_to(random_network(random)));
+  const Cycles before = cycles_of(robot->runtime());
+  const TimePoint begin = RealClock::instance().now();
+  for (int i = 0; i < kSwitches; ++i)
+    done(robot->runtime().switch_to(random_network(random)));
+  const Duration busy = RealClock::instance().now() - begin;
+  const Cycles between = cycles_of(robot->runtime());
+  std::this_thread::sleep_for(busy);
+  const Cycles after = cycles_of(robot->runtime());
+  std::printf(
+      "%s: %d random switches in %.1f s: %llu of %llu cycles missed; idle for as long: %llu of %llu\n", name,
+      kSwitches, std::chrono::duration<double>(busy).count(),
+      static_cast<unsigned long long>(between.missed - before.missed),
+      static_cast<unsigned long long>(between.run - before.run),
+      static_cast<unsigned long long>(after.missed - between.missed),
+      static_cast<unsigned long long>(after.run - between.run));
+  done(robot->shut_down());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_BENCH_LIBRARIES, 0);
+  ::setenv("SEGUE_DEPLOYMENT", SEGUE_BENCH_DEPLOYMENT, 0);
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what.empty() || what == "artemis") artemis();
+  if (what.empty() || what == "untouched") {
+    std::printf("\nA task at 1 kHz that no transition names\n");
+    untouched(runtime::Placement::InProcess, "one process");
+    untouched(runtime::Placement::Processes, "two processes");
+  }
+}
