@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/solve/solve.hpp>
 
+#include <segue/model/files.hpp>
+
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <support/random_transitions.hpp>
@@ -37,7 +39,10 @@ void check(std::uint64_t seed, const segue::testing::PairShape& shape) {
   segue::testing::ShortestTransition search(pair.current, pair.target, pair.catalog);
   // The search knows states, not what tasks remember.
   const int needed = found->counts().total() - found->counts().of(model::ActionKind::HandOver);
-  ASSERT_EQ(needed, search.length()) << "seed " << seed << "\n" << describe(*found);
+  ASSERT_EQ(needed, search.length()) << "seed " << seed << "\n"
+                                     << describe(*found) << "from\n"
+                                     << model::write_network(pair.current) << "to\n"
+                                     << model::write_network(pair.target);
 }
 
 TEST(Minimality, NothingShorterLeadsToTheTarget) {

@@ -233,7 +233,8 @@ class ShortestTransition {
 
   [[nodiscard]] int bound(const State& state, std::size_t i) const {
     const Seat& seat = state.slots[i];
-    const bool stays = seat.occupant == kNew || (seat.occupant == kOld && same_task(i));
+    const bool lasts = state.processes[slots_[i].process] != kAsNow;  // else it goes with its process
+    const bool stays = lasts && (seat.occupant == kNew || (seat.occupant == kOld && same_task(i)));
     if (!slots_[i].then || !stays) {
       const int down = seat.occupant == kNobody           ? 0
                        : seat.state == TaskState::Stopped ? 1
