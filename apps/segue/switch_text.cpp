@@ -46,8 +46,10 @@ std::string outcome_line(const Value& result) {
   int done = 0;
   for (const Value& action : list_at(result, "actions"))
     done += text_at(action, "outcome") == "done" ? 1 : 0;
-  const std::string line = fmt::format("{} -> {}: {}", name_or_empty(text_at(result, "from")),
-                                       name_or_empty(text_at(result, "to")), text_at(result, "outcome"));
+  const std::string cause = text_at(result, "cause");
+  const std::string why = cause.empty() || cause == "request" ? "" : " (" + cause + ")";
+  const std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
+                                       name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
   const std::string leftover = text_at(result, "leftover").empty() ? "" : ", with something left over";
   return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",

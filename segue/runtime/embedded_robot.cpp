@@ -212,6 +212,7 @@ SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOption
 }
 
 SwitchResult EmbeddedRobot::shut_down() {
+  implementation_->runtime->prepare({});  // nothing is kept ready any more
   SwitchResult result = implementation_->runtime->switch_to(model::Network{});
   if (result.outcome != Outcome::Done) {
     // What had just gone wrong is seen now: a process that hangs, say.

@@ -57,6 +57,20 @@ TEST_F(EmbeddedRobotTest, RunsComponentsOfTheProgramItself) {
   EXPECT_EQ((*robot)->shut_down().outcome, Outcome::Done);
 }
 
+TEST_F(EmbeddedRobotTest, ShuttingDownLeavesNothingReady) {
+  ASSERT_TRUE(write_file(folder_ / "sing.yaml",
+                         "network: sing\ntasks:\n  singer: {component: embedded_test::Speaker}\n"));
+  ASSERT_TRUE(write_file(folder_ / "robot.yaml", "robot: parrot\ncontrollers: [talk.yaml, sing.yaml]\n"));
+  auto robot = EmbeddedRobot::open(folder_ / "robot.yaml");
+  ASSERT_TRUE(robot) << to_string(robot.error());
+  ASSERT_EQ((*robot)->switch_to("talk").outcome, Outcome::Done);
+  const auto ready = (*robot)->runtime().prepare({model::NetworkName("sing")}).get();
+  ASSERT_TRUE(ready.at(0).ready) << ready.at(0).reason;
+  EXPECT_EQ((*robot)->host().observe().tasks.size(), 2U);
+  EXPECT_EQ((*robot)->shut_down().outcome, Outcome::Done);
+  EXPECT_TRUE((*robot)->host().observe().empty());
+}
+
 TEST_F(EmbeddedRobotTest, PassesOnWhatTasksLogOnTheirUpdatePaths) {
   std::promise<std::string> said;
   bool heard = false;  // the sink is called under a lock

@@ -100,9 +100,11 @@ void Runtime::Implementation::by_itself(const std::function<RuntimeState(Runtime
 
 void Runtime::Implementation::carry_out(const model::Network& current, const Plan& plan,
                                         Duration action_deadline, SwitchResult& result) {
+  const std::string way = result.cause == Cause::Request || result.cause == Cause::Fallback
+                              ? "from " + shown(result.from) + " to " + shown(result.to)
+                              : std::string(to_string(result.cause));
   log.add(EventKind::TransitionStarted, plan.controller.name.str(),
-          "from " + shown(result.from) + " to " + shown(result.to) + ": " +
-              std::to_string(plan.transition.actions.size()) + " actions");
+          way + ": " + std::to_string(plan.transition.actions.size()) + " actions");
   std::optional<model::Network> fallback;
   if (options.fallback) {
     fallback = known(*options.fallback);
