@@ -18,7 +18,12 @@ using namespace detail;
 class Warmer {
  public:
   Warmer(const model::Network& running, const model::Network& wanted, const model::ComponentCatalog& catalog)
-      : wanted_(wanted), result_(running), components_(catalog), seats_(running), wanted_seats_(wanted) {}
+      : running_(running),
+        wanted_(wanted),
+        result_(running),
+        components_(catalog),
+        seats_(running),
+        wanted_seats_(wanted) {}
 
   model::Network warm() {
     hold_devices();
@@ -34,7 +39,7 @@ class Warmer {
  private:
   /// A task in Fatal may hold its devices until its process is gone, which no new task shall live in.
   void hold_devices() {
-    for (const model::Task& task : result_.tasks) {
+    for (const model::Task& task : running_.tasks) {
       if (task.state == TaskState::Fatal) others_.insert(seats_.place_of(task.id).process);
       if (!is_configured(task.state) && task.state != TaskState::Fatal) continue;
       for (std::string& device : devices_of(task, seats_))
@@ -121,8 +126,9 @@ class Warmer {
     return is_configured(made->second) || !is_dynamic(components_.of(task.component), port.port, direction);
   }
 
+  const model::Network& running_;
   const model::Network& wanted_;
-  model::Network result_;
+  model::Network result_;  ///< grows, so nothing may point into it
   KnownComponents components_;
   Seats seats_;
   Seats wanted_seats_;
