@@ -20,22 +20,12 @@
 
 #include "models.hpp"
 #include "output.hpp"
+#include "run_times.hpp"
 #include "stop_signal.hpp"
 
 namespace segue::cli {
 
 namespace {
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-/// Processor time of this thread.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
-}
 
 /// One run from its options to what is shown of it.
 class NetworkRun {

@@ -12,6 +12,7 @@
 
 #include "models.hpp"
 #include "output.hpp"
+#include "run_times.hpp"
 #include "stop_signal.hpp"
 
 namespace segue::cli {
@@ -23,17 +24,6 @@ using type::ValueMap;
 
 /// More are no help to a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
-/// Processor time of this thread.
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
-}
 
 bool is_leaf(const mission::Program& program, mission::StateIndex state) {
   const auto kind = program.node(state).kind;
