@@ -19,6 +19,7 @@ namespace segue::runtime {
 namespace {
 
 using testing::entries;
+using testing::runnable;
 using testing::why;
 
 constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
@@ -42,14 +43,6 @@ TEST(Artemis, all_twelve_transitions_reach_their_targets) {
   }
   EXPECT_EQ(robot->shut_down().outcome, Outcome::Done);
   EXPECT_TRUE(robot->host().observe().empty());
-}
-
-/// A random network that can run here: one process carries every connection, and no thread needs a privilege.
-model::Network runnable(model::Network network) {
-  for (auto& connection : network.connections) {
-    connection.policy.transport = Transport::Automatic;
-  }
-  return network;
 }
 
 /// Threads of this process, those aside that the host keeps for its next batch.

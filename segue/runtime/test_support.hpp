@@ -25,6 +25,14 @@ inline model::Network network_of(std::string_view text, const std::string& file 
   return network.value_or(model::Network{});
 }
 
+/// A random network that can run here: one process carries every connection, and no thread needs a privilege.
+inline model::Network runnable(model::Network network) {
+  for (auto& connection : network.connections) {
+    connection.policy.transport = Transport::Automatic;
+  }
+  return network;
+}
+
 inline std::string why(const SwitchResult& result) {
   return result.error ? to_string(*result.error) : std::string(to_string(result.outcome));
 }

@@ -16,6 +16,7 @@
 namespace segue::runtime {
 namespace {
 
+using testing::runnable;
 using testing::why;
 
 constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
@@ -139,13 +140,6 @@ TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
   EXPECT_GT(ends.target, 20);
   EXPECT_GT(ends.before, 50);
   RecordProperty("cases", ends.all());
-}
-
-model::Network runnable(model::Network network) {
-  for (auto& connection : network.connections) {
-    connection.policy.transport = Transport::Automatic;
-  }
-  return network;
 }
 
 TEST(TransactionFaults, at_every_action_of_random_transitions) {
