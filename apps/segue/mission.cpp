@@ -74,6 +74,7 @@ int run_plan(const MissionOptions& options, NetworkOptions network, const Contex
   if (is_task_network(options.file)) {
     network.mode = options.mode;
     network.clock = options.clock;
+    network.files = options.files;
     return run_task_network(options.file, network, context);
   }
   if (options.mode == "concurrent")
@@ -115,6 +116,7 @@ void add_runner(CLI::App& verb, Context& context) {
       ->type_name("PATH");
   add_library_option(*runner, *options);
   add_network_options(*runner, *network);
+  add_run_files(*runner, options->files);
 }
 
 }  // namespace

@@ -3,18 +3,17 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/cdtn/critical_path.hpp>
 #include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/pddl.hpp>
 #include <segue/cdtn/priority.hpp>
-#include <segue/cdtn/report.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <segue/type/json.hpp>
 
 #include <fmt/format.h>
 
 #include <charconv>
-#include <ctime>
 #include <memory>
 #include <thread>
 
@@ -34,6 +33,7 @@ class NetworkRun {
       : flat_(std::move(flat)), options_(options) {}
 
   Result<void> run() {
+    if (auto fits = check(options_.files); !fits) return fits;
     for (const std::string& resource : options_.resources) {
       if (auto set = set_count(resource); !set) return set;
     }
@@ -47,26 +47,13 @@ class NetworkRun {
                               : run_sequentially(cdtn::ClockKind::Virtual).makespan;
     summary_.critical_path = cdtn::critical_path(flat_.network, order_, result_).length;
     if (flat_.network.size() > 0) summary_.engine_us_per_node = used_ * 1e6 / flat_.network.size();
-    return write_drawings();
+    return write(options_.files, gantt());
   }
 
-  void show(const Context& context) const {
-    if (context.json()) return print_json(cdtn::to_value(flat_.network, order_, result_, summary_));
-    Table table({{"node"},
-                 {"start", Table::Align::Right},
-                 {"end", Table::Align::Right},
-                 {"status"},
-                 {"waited last for"}});
-    for (std::uint32_t i = 0; i < flat_.network.size(); ++i)
-      table.add(row(cdtn::NodeId{i}));
-    print(table.text());
-    print_line(fmt::format("{} in {:.2f} s; one after the other {:.2f} s, critical path {:.2f} s",
-                           result_.done() ? "done" : "ended", seconds(result_.makespan),
-                           seconds(summary_.sequential), seconds(summary_.critical_path)));
-  }
+  void show(const Context& context) const { show_run(flat_.network, order_, result_, summary_, context); }
 
   [[nodiscard]] const cdtn::RunResult& result() const { return result_; }
-  [[nodiscard]] std::string gantt() const { return cdtn::to_gantt(flat_.network, order_, result_); }
+  [[nodiscard]] cdtn::Gantt gantt() const { return cdtn::gantt_of(flat_.network, order_, result_, summary_); }
 
  private:
   [[nodiscard]] cdtn::ClockKind clock() const {
@@ -111,29 +98,6 @@ class NetworkRun {
     return result;
   }
 
-  Result<void> write_drawings() const {
-    if (!options_.gantt.empty()) {
-      if (auto written = write_file(options_.gantt, gantt()); !written) return written;
-    }
-    if (options_.trace.empty()) return {};
-    return write_file(options_.trace, cdtn::to_trace(flat_.network, order_, result_));
-  }
-
-  [[nodiscard]] std::vector<std::string> row(cdtn::NodeId node) const {
-    const cdtn::NodeResult& own = result_.nodes[cdtn::index(node)];
-    std::string last;
-    if (const auto waits = cdtn::waits_of(flat_.network, order_, result_, node); !waits.empty()) {
-      const cdtn::Wait& wait = waits.back();
-      last = fmt::format("{} {}", to_string(wait.kind), wait.subject);
-      if (cdtn::index(wait.node) != cdtn::kNone) last += " of " + flat_.network.label(wait.node);
-    }
-    const auto time = [&](TimePoint point) {
-      return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));
-    };
-    return {printable(flat_.network.label(node)), time(own.started), time(own.ended),
-            std::string(to_string(own.status)), printable(last)};
-  }
-
   cdtn::FlatNetwork flat_;
   const NetworkOptions& options_;
   cdtn::Order order_;
@@ -153,10 +117,10 @@ int draw(const std::string& file, const std::string& output, NetworkOptions opti
   auto flat = load(file, diagnostics);
   if (!flat) return report_failure(context, diagnostics);
   options.clock = "virtual";
-  options.gantt = output;
+  options.files.svg = output;
   NetworkRun run(std::move(*flat), options);
   if (const auto done = run.run(); !done) return failed(context, done.error());
-  if (output.empty()) print(run.gantt());
+  if (output.empty()) print(cdtn::to_svg(run.gantt()));
   return run.result().error ? failed(context, *run.result().error) : kDone;
 }
 
@@ -212,7 +176,6 @@ void add_network_options(CLI::App& verb, NetworkOptions& options) {
   verb.add_option("--resource", options.resources, "that many of a resource, such as process:planner=2")
       ->type_name("NAME=COUNT");
   verb.add_flag("--strict", options.strict, "nothing happens behind a node that may still fail");
-  verb.add_option("--trace", options.trace, "also write a trace for Perfetto")->type_name("FILE");
 }
 
 void add_mission_gantt(CLI::App& parent, Context& context) {
@@ -232,6 +195,8 @@ void add_mission_gantt(CLI::App& parent, Context& context) {
       ->type_name("MODE")
       ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
   verb->add_option("-o,--output", options->output, "a file instead of standard output")->type_name("FILE");
+  verb->add_option("--trace", options->network.files.trace, "also write a trace for Perfetto")
+      ->type_name("FILE");
   add_network_options(*verb, options->network);
 }
 

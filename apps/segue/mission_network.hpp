@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "run_files.hpp"
 
 /// `segue mission` for task networks.
 namespace segue::cli {
@@ -20,8 +21,7 @@ struct NetworkOptions {
   std::uint32_t world_copies = 0;
   bool strict = false;
   std::vector<std::string> resources;  ///< NAME=COUNT
-  std::string gantt;                   ///< where the drawing goes
-  std::string trace;                   ///< where the trace goes
+  RunFiles files;
 };
 
 /// The options of a run that only task networks have.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "run_files.hpp"
 
 namespace segue::cli {
 
@@ -17,6 +18,7 @@ struct MissionOptions {
   std::vector<std::string> inputs;
   std::string start_at;
   std::vector<std::string> libraries;
+  RunFiles files;
   [[nodiscard]] std::vector<std::filesystem::path> folders() const {
     return {libraries.begin(), libraries.end()};
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/gantt.hpp>
 #include <segue/cdtn/priority.hpp>
-#include <segue/cdtn/report.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <segue/type/json.hpp>
 
@@ -267,14 +267,15 @@ TEST(Report, TellsWhoWaitedForWhat) {
     {"name": "c", "duration_s": 1, "pia": true, "preconditions": ["p()"], "effects": []})j");
   const Order order = derive_order(flat.network);
   const RunResult result = run(flat);
-  const auto waits = waits_of(flat.network, order, result, NodeId{1});
+  const WaitFinder finder(flat.network, order, result);
+  const auto waits = finder.of(NodeId{1});
   ASSERT_EQ(waits.size(), 1U);
   EXPECT_EQ(waits[0].kind, Wait::Kind::World);
   EXPECT_EQ(waits[0].subject, "p()");
-  EXPECT_THAT(critical_chain(flat.network, order, result), testing::ElementsAre(NodeId{0}, NodeId{1}));
-  const std::string drawing = to_gantt(flat.network, order, result);
-  EXPECT_THAT(drawing, HasSubstr("waits for world p() of a&lt;b, until 2.00 s"));
-  EXPECT_TRUE(type::parse_json(to_trace(flat.network, order, result)));
+  EXPECT_THAT(critical_chain(result, finder), testing::ElementsAre(NodeId{0}, NodeId{1}));
+  const Gantt gantt = gantt_of(flat.network, order, result, {});
+  EXPECT_THAT(to_svg(gantt), HasSubstr("waits for world p() of a&lt;b, until 2.00 s"));
+  EXPECT_TRUE(type::parse_json(to_trace(gantt)));
   EXPECT_TRUE(choose_priorities(flat.network, order, flat.trials, {}).empty()) << "a tie is program order";
 }
 

@@ -1,238 +1,73 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/report.hpp>
-#include <segue/cdtn/report_lanes.hpp>
-
-#include <fmt/format.h>
+#include "gantt.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 
 namespace segue::cdtn {
 
-namespace detail {
-
-std::vector<Bar> lanes_of(const Network& network, const RunResult& result) {
-  std::vector<Bar> bars;
-  for (std::uint32_t i = 0; i < network.size(); ++i) {
-    const NodeResult& node = result.nodes[i];
-    const bool ran =
-        node.attempts > 0 && node.status != NodeStatus::Skipped && node.status != NodeStatus::NotReached;
-    if (ran) bars.push_back({NodeId{i}, node.started, node.ended, 0, false});
-  }
-  for (const WastedRun& run : result.wasted)
-    bars.push_back({run.node, run.started, run.ended, 0, true});
+void Gantt::arrange() {
   std::ranges::stable_sort(bars, {}, &Bar::from);
   std::vector<TimePoint> free;
-  for (Bar& bar : bars) {
+  for (std::uint32_t i = 0; i < bars.size(); ++i) {
+    Bar& bar = bars[i];
     const auto lane = std::ranges::find_if(free, [&](TimePoint until) { return until <= bar.from; });
     bar.lane = static_cast<std::size_t>(lane - free.begin());
     if (lane == free.end())
       free.push_back(bar.until);
     else
       *lane = bar.until;
+    Node& node = nodes[bar.node];
+    node.bars.push_back(i);
+    for (const std::uint32_t resource : node.resources)
+      resources[resource].bars.push_back(i);
   }
-  return bars;
 }
-
-std::vector<Bar> uses_of(const Network& network, const RunResult& result, ResourceId resource) {
-  std::vector<Bar> bars = lanes_of(network, result);
-  std::erase_if(bars, [&](const Bar& bar) {
-    const auto claims = network.claims(bar.node);
-    return std::ranges::find(claims, resource, &Claim::resource) == claims.end();
-  });
-  return bars;
-}
-
-}  // namespace detail
 
 namespace {
 
-constexpr int kRow = 18;
-constexpr int kLabels = 190;
-constexpr int kWidth = 900;
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '<')
-      result += "&lt;";
-    else if (c == '&')
-      result += "&amp;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result;
+Gantt::Node node_of(const Network& network, const RunResult& result, const WaitFinder& waits, NodeId id) {
+  const NodeResult& own = result.nodes[index(id)];
+  Gantt::Node node;
+  node.name = network.label(id);
+  node.kind = network[id].kind;
+  node.status = own.status;
+  const bool ended = own.status != NodeStatus::NotReached && own.status != NodeStatus::Skipped;
+  if (!ended) return node;
+  node.outcome = network.outcomes.name(static_cast<std::uint32_t>(own.outcome));
+  node.ahead = own.status == NodeStatus::Done && waits.ran_ahead(id);
+  node.waits = waits.of(id);
+  return node;
 }
-
-class Drawing {
- public:
-  Drawing(const Network& network, const Order& order, const RunResult& result)
-      : network_(network), order_(order), result_(result) {
-    for (const detail::Bar& bar : detail::lanes_of(network, result))
-      last_ = std::max(last_, seconds(bar.until));
-  }
-
-  std::string draw() {
-    text(4, 16, fmt::format("{}: {:.2f} s", escaped(network_.name), seconds_of(result_.makespan)),
-         "font-size='13'");
-    legend();
-    y_ = 56;
-    by_node();
-    y_ += kRow;
-    by_resource();
-    axis();
-    return fmt::format(
-        "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
-        "font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n{2}"
-        "</svg>\n",
-        kLabels + kWidth + 30, y_ + 30, body_);
-  }
-
- private:
-  static double seconds_of(Duration duration) { return std::chrono::duration<double>(duration).count(); }
-  static double seconds(TimePoint time) { return seconds_of(time.time_since_epoch()); }
-  [[nodiscard]] double x(double time) const { return kLabels + (last_ > 0 ? time / last_ * kWidth : 0); }
-
-  void text(double at, int y, const std::string& content, std::string_view style = "") {
-    fmt::format_to(std::back_inserter(body_), "<text x='{:.1f}' y='{}' {}>{}</text>\n", at, y, style,
-                   content);
-  }
-
-  /// A bar whose title tells more where a pointer rests on it.
-  void bar(double from, double until, int y, int height, std::string_view style, const std::string& title) {
-    fmt::format_to(std::back_inserter(body_),
-                   "<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' {}><title>{}</title></rect>\n",
-                   x(from), y, std::max(1.0, x(until) - x(from)), height, style, escaped(title));
-  }
-
-  static std::string_view wait_colour(Wait::Kind kind) {
-    switch (kind) {
-      case Wait::Kind::Data:
-        return "fill='#9ecae1'";
-      case Wait::Kind::Condition:
-        return "fill='#c994c7'";
-      case Wait::Kind::World:
-        return "fill='#a1d99b'";
-      case Wait::Kind::Resource:
-        break;
-    }
-    return "fill='#fdae6b'";
-  }
-
-  [[nodiscard]] std::string_view run_colour(NodeId node) const {
-    switch (network_[node].kind) {
-      case NodeClass::Irreversible:
-        return "fill='#4a4a4a'";
-      case NodeClass::Pure:
-        return "fill='#3182bd'";
-      case NodeClass::Sensing:
-        break;
-    }
-    return "fill='#31a354'";
-  }
-
-  void legend() {
-    struct Entry {
-      const char* name;
-      std::string_view style;
-    };
-    const Entry entries[] = {{"irreversible", "fill='#4a4a4a'"},
-                             {"pure", "fill='#3182bd'"},
-                             {"sensing", "fill='#31a354'"},
-                             {"thrown away", "fill='none' stroke='#d62728' stroke-dasharray='3 2'"},
-                             {"waits for data", "fill='#9ecae1'"},
-                             {"for a condition", "fill='#c994c7'"},
-                             {"for the world", "fill='#a1d99b'"},
-                             {"for a resource", "fill='#fdae6b'"},
-                             {"critical chain", "fill='none' stroke='#d62728' stroke-width='2'"}};
-    int at = 4;
-    for (const Entry& entry : entries) {
-      fmt::format_to(std::back_inserter(body_), "<rect x='{}' y='26' width='12' height='10' {}/>\n", at,
-                     entry.style);
-      text(at + 16, 35, entry.name);
-      at += 118;
-    }
-  }
-
-  void by_node() {
-    const auto chain = critical_chain(network_, order_, result_);
-    const auto bars = detail::lanes_of(network_, result_);
-    for (std::uint32_t i = 0; i < network_.size(); ++i) {
-      const NodeId node{i};
-      const NodeResult& own = result_.nodes[i];
-      const bool done = own.status == NodeStatus::Done;
-      text(4, y_ + 11, escaped(network_.label(node).substr(0, 26)),
-           done                               ? ""
-           : own.status == NodeStatus::Failed ? "fill='#d62728'"
-                                              : "fill='#999'");
-      if (done || own.status == NodeStatus::Failed) waits(node);
-      const bool critical = std::ranges::find(chain, node) != chain.end();
-      for (const detail::Bar& one : bars) {
-        if (one.node == node) run(one, critical);
-      }
-      y_ += kRow;
-    }
-  }
-
-  void waits(NodeId node) {
-    for (const Wait& wait : waits_of(network_, order_, result_, node)) {
-      const std::string whom = index(wait.node) == kNone ? "" : " of " + network_.label(wait.node);
-      bar(seconds(wait.from), seconds(wait.until), y_ + 5, 4, wait_colour(wait.kind),
-          fmt::format("waits for {} {}{}, until {:.2f} s", to_string(wait.kind), wait.subject, whom,
-                      seconds(wait.until)));
-    }
-  }
-
-  void run(const detail::Bar& one, bool critical) {
-    const std::string title =
-        fmt::format("{}: {:.2f} to {:.2f} s{}", network_.label(one.node), seconds(one.from),
-                    seconds(one.until), one.wasted ? ", thrown away" : "");
-    std::string style(one.wasted ? "fill='none' stroke='#d62728' stroke-dasharray='3 2'"
-                                 : run_colour(one.node));
-    if (critical && !one.wasted) style += " stroke='#d62728' stroke-width='2'";
-    bar(seconds(one.from), seconds(one.until), y_ + 1, 12, style, title);
-  }
-
-  void by_resource() {
-    for (std::uint32_t i = 0; i < network_.resources.size(); ++i) {
-      text(4, y_ + 11, escaped(network_.resources.name(ResourceId{i}).substr(0, 26)));
-      for (const detail::Bar& one : detail::uses_of(network_, result_, ResourceId{i})) {
-        run(one, false);
-        const double room = x(seconds(one.until)) - x(seconds(one.from));
-        const std::string label = network_.label(one.node);
-        if (room > 7.0 * static_cast<double>(label.size()))
-          text(x(seconds(one.from)) + 3, y_ + 11, escaped(label), "fill='white' font-size='10'");
-      }
-      y_ += kRow;
-    }
-  }
-
-  void axis() {
-    if (last_ <= 0) return;
-    double step = std::pow(10, std::floor(std::log10(last_ / 4)));
-    step *= last_ / step > 20 ? 5 : last_ / step > 10 ? 2 : 1;
-    for (double time = 0; time <= last_ * 1.0001; time += step) {
-      fmt::format_to(std::back_inserter(body_),
-                     "<line x1='{0:.1f}' y1='50' x2='{0:.1f}' y2='{1}' stroke='#ddd'/>\n", x(time), y_);
-      text(x(time) - 8, y_ + 14, fmt::format("{:g} s", time));
-    }
-  }
-
-  const Network& network_;
-  const Order& order_;
-  const RunResult& result_;
-  double last_ = 0;
-  int y_ = 0;
-  std::string body_;
-};
 
 }  // namespace
 
-std::string to_gantt(const Network& network, const Order& order, const RunResult& result) {
-  return Drawing(network, order, result).draw();
+Gantt gantt_of(const Network& network, const Order& order, const RunResult& result,
+               const RunSummary& summary) {
+  const WaitFinder waits(network, order, result);
+  Gantt gantt;
+  gantt.name = network.name;
+  gantt.outcome = outcome_of(result);
+  gantt.makespan = result.makespan;
+  gantt.summary = summary;
+  gantt.statistics = result.statistics;
+  for (std::uint32_t i = 0; i < network.resources.size(); ++i)
+    gantt.resources.push_back({network.resources.name(ResourceId{i})});
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const NodeResult& own = result.nodes[i];
+    Gantt::Node node = node_of(network, result, waits, NodeId{i});
+    for (const Claim& claim : network.claims(NodeId{i})) {
+      if (std::ranges::find(node.resources, index(claim.resource)) == node.resources.end())
+        node.resources.push_back(index(claim.resource));
+    }
+    if (own.attempts > 0 && !node.outcome.empty()) gantt.bars.push_back({i, own.started, own.ended});
+    gantt.nodes.push_back(std::move(node));
+  }
+  for (const WastedRun& run : result.wasted)
+    gantt.bars.push_back({index(run.node), run.started, run.ended, 0, true});
+  for (const NodeId node : critical_chain(result, waits))
+    gantt.nodes[index(node)].critical = true;
+  gantt.arrange();
+  return gantt;
 }
 
 }  // namespace segue::cdtn

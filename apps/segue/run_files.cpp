@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_files.hpp"
+
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+#include "output.hpp"
+#include "run_times.hpp"
+
+namespace segue::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<void> check_path(const std::string& file) {
+  std::error_code error;
+  const fs::path path(file);
+  const fs::file_status there = fs::status(path, error);
+  if (fs::exists(there) && !fs::is_regular_file(there))
+    return fail(ErrorCode::InvalidArgument, "cannot write " + quote(file) + ": it is not a file");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (::access(folder.c_str(), W_OK | X_OK) == 0 && fs::is_directory(folder, error)) return {};
+  const int reason = errno == 0 ? ENOTDIR : errno;
+  const ErrorCode code = reason == ENOENT ? ErrorCode::NotFound : ErrorCode::PermissionDenied;
+  return fail(code, "cannot write " + quote(file) + ": " + std::strerror(reason));
+}
+
+}  // namespace
+
+void add_run_files(CLI::App& verb, RunFiles& files) {
+  verb.add_option("--svg", files.svg, "also write a drawing of the run")->type_name("FILE");
+  verb.add_option("--trace", files.trace, "also write a trace for Perfetto")->type_name("FILE");
+}
+
+Result<void> check(const RunFiles& files) {
+  std::vector<std::string> seen;
+  for (const std::string* file : {&files.svg, &files.trace}) {
+    if (file->empty()) continue;
+    if (auto fits = check_path(*file); !fits) return fits;
+    if (std::ranges::find(seen, *file) != seen.end())
+      return fail(ErrorCode::InvalidArgument, quote(*file) + " cannot hold two things");
+    seen.push_back(*file);
+  }
+  return {};
+}
+
+Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt) {
+  if (!files.svg.empty()) {
+    if (auto written = write_file(files.svg, cdtn::to_svg(gantt)); !written) return written;
+  }
+  if (files.trace.empty()) return {};
+  return write_file(files.trace, cdtn::to_trace(gantt));
+}
+
+namespace {
+
+std::vector<std::string> row(const cdtn::Network& network, const cdtn::RunResult& result,
+                             const cdtn::WaitFinder& finder, cdtn::NodeId node) {
+  const cdtn::NodeResult& own = result.nodes[cdtn::index(node)];
+  std::string last;
+  if (const auto waits = finder.of(node); !waits.empty()) {
+    const cdtn::Wait& wait = waits.back();
+    last = fmt::format("{} {}", to_string(wait.kind), wait.subject);
+    if (cdtn::index(wait.node) != cdtn::kNone) last += " of " + network.label(wait.node);
+  }
+  const auto time = [&](TimePoint point) {
+    return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));
+  };
+  return {printable(network.label(node)), time(own.started), time(own.ended),
+          std::string(to_string(own.status)), printable(last)};
+}
+
+}  // namespace
+
+void show_run(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+              const cdtn::RunSummary& summary, const Context& context) {
+  if (context.json()) return print_json(cdtn::to_value(network, order, result, summary));
+  const cdtn::WaitFinder finder(network, order, result);
+  Table table({{"node"},
+               {"start", Table::Align::Right},
+               {"end", Table::Align::Right},
+               {"status"},
+               {"waited last for"}});
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i)
+    table.add(row(network, result, finder, cdtn::NodeId{i}));
+  print(table.text());
+  print_line(fmt::format("{} in {:.2f} s; one after the other {:.2f} s, critical path {:.2f} s",
+                         result.done() ? "done" : "ended", seconds(result.makespan),
+                         seconds(summary.sequential), seconds(summary.critical_path)));
+}
+
+}  // namespace segue::cli

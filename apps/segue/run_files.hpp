@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/gantt.hpp>
+
+#include <filesystem>
+#include <string>
+
+#include "command.hpp"
+
+/// What the runs of all plans show and write, whatever ran them.
+namespace segue::cli {
+
+/// Where drawings and traces of a run go; empty: nowhere.
+struct RunFiles {
+  std::string svg;
+  std::string trace;
+};
+
+/// --svg, --trace
+void add_run_files(CLI::App& verb, RunFiles& files);
+
+/// Before a run: whether they can be written as far as that can be known. IoError, NotFound,
+/// PermissionDenied, InvalidArgument where two are the same.
+Result<void> check(const RunFiles& files);
+/// After it. Blocks.
+Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt);
+
+/// The rows of a task network's run, or with `--format json` all of it.
+void show_run(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+              const cdtn::RunSummary& summary, const Context& context);
+
+}  // namespace segue::cli

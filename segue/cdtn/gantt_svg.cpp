@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/cdtn/gantt.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace segue::cdtn {
+
+namespace {
+
+constexpr int kRow = 18;
+constexpr int kLabels = 190;
+constexpr int kWidth = 900;
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '<')
+      result += "&lt;";
+    else if (c == '&')
+      result += "&amp;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return result;
+}
+
+/// Cut between characters, not within one.
+std::string_view shortened(std::string_view name) {
+  std::size_t end = std::min<std::size_t>(name.size(), 26);
+  while (end < name.size() && end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U)
+    --end;
+  return name.substr(0, end);
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const Gantt& gantt) : gantt_(gantt), last_(seconds_of(gantt.makespan)) {
+    for (const Gantt::Bar& bar : gantt.bars)
+      last_ = std::max(last_, seconds(bar.until));
+  }
+
+  std::string draw() {
+    text(4, 16, fmt::format("{}: {:.2f} s", escaped(gantt_.name), seconds_of(gantt_.makespan)),
+         "font-size='13'");
+    legend();
+    y_ = 56;
+    by_node();
+    y_ += kRow;
+    by_resource();
+    axis();
+    return fmt::format(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
+        "font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n{2}"
+        "</svg>\n",
+        kLabels + kWidth + 30, y_ + 30, body_);
+  }
+
+ private:
+  static double seconds_of(Duration duration) { return std::chrono::duration<double>(duration).count(); }
+  static double seconds(TimePoint time) { return seconds_of(time.time_since_epoch()); }
+  [[nodiscard]] double x(double time) const { return kLabels + (last_ > 0 ? time / last_ * kWidth : 0); }
+
+  void text(double at, int y, const std::string& content, std::string_view style = "") {
+    fmt::format_to(std::back_inserter(body_), "<text x='{:.1f}' y='{}' {}>{}</text>\n", at, y, style,
+                   content);
+  }
+
+  /// A bar whose title tells more where a pointer rests on it.
+  void bar(double from, double until, int y, int height, std::string_view style, const std::string& title) {
+    fmt::format_to(std::back_inserter(body_),
+                   "<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' {}><title>{}</title></rect>\n",
+                   x(from), y, std::max(1.0, x(until) - x(from)), height, style, escaped(title));
+  }
+
+  static std::string_view wait_colour(Wait::Kind kind) {
+    switch (kind) {
+      case Wait::Kind::Data:
+        return "fill='#9ecae1'";
+      case Wait::Kind::Condition:
+        return "fill='#c994c7'";
+      case Wait::Kind::World:
+        return "fill='#a1d99b'";
+      case Wait::Kind::Resource:
+        break;
+    }
+    return "fill='#fdae6b'";
+  }
+
+  static std::string_view run_colour(NodeClass kind) {
+    switch (kind) {
+      case NodeClass::Irreversible:
+        return "fill='#4a4a4a'";
+      case NodeClass::Pure:
+        return "fill='#3182bd'";
+      case NodeClass::Sensing:
+        break;
+    }
+    return "fill='#31a354'";
+  }
+
+  void legend() {
+    struct Entry {
+      const char* name;
+      std::string_view style;
+    };
+    const Entry entries[] = {{"irreversible", "fill='#4a4a4a'"},
+                             {"pure", "fill='#3182bd'"},
+                             {"sensing", "fill='#31a354'"},
+                             {"thrown away", "fill='none' stroke='#d62728' stroke-dasharray='3 2'"},
+                             {"waits for data", "fill='#9ecae1'"},
+                             {"for a condition", "fill='#c994c7'"},
+                             {"for the world", "fill='#a1d99b'"},
+                             {"for a resource", "fill='#fdae6b'"},
+                             {"critical chain", "fill='none' stroke='#d62728' stroke-width='2'"}};
+    int at = 4;
+    for (const Entry& entry : entries) {
+      fmt::format_to(std::back_inserter(body_), "<rect x='{}' y='26' width='12' height='10' {}/>\n", at,
+                     entry.style);
+      text(at + 16, 35, entry.name);
+      at += 118;
+    }
+  }
+
+  void by_node() {
+    for (const Gantt::Node& node : gantt_.nodes) {
+      const bool done = node.status == NodeStatus::Done;
+      text(4, y_ + 11, escaped(shortened(node.name)),
+           done                                ? ""
+           : node.status == NodeStatus::Failed ? "fill='#d62728'"
+                                               : "fill='#999'");
+      for (const Wait& wait : node.waits)
+        draw_wait(wait);
+      for (const std::uint32_t one : node.bars)
+        run(gantt_.bars[one], node.critical);
+      y_ += kRow;
+    }
+  }
+
+  void draw_wait(const Wait& wait) {
+    const std::string whom = index(wait.node) == kNone ? "" : " of " + gantt_.nodes[index(wait.node)].name;
+    bar(seconds(wait.from), seconds(wait.until), y_ + 5, 4, wait_colour(wait.kind),
+        fmt::format("waits for {} {}{}, until {:.2f} s", to_string(wait.kind), wait.subject, whom,
+                    seconds(wait.until)));
+  }
+
+  void run(const Gantt::Bar& one, bool critical) {
+    const Gantt::Node& node = gantt_.nodes[one.node];
+    const std::string title = fmt::format("{}: {:.2f} to {:.2f} s{}", node.name, seconds(one.from),
+                                          seconds(one.until), one.wasted ? ", thrown away" : "");
+    std::string style(one.wasted ? "fill='none' stroke='#d62728' stroke-dasharray='3 2'"
+                                 : run_colour(node.kind));
+    if (critical && !one.wasted) style += " stroke='#d62728' stroke-width='2'";
+    bar(seconds(one.from), seconds(one.until), y_ + 1, 12, style, title);
+  }
+
+  void by_resource() {
+    for (const Gantt::Resource& resource : gantt_.resources) {
+      text(4, y_ + 11, escaped(shortened(resource.name)));
+      for (const std::uint32_t place : resource.bars) {
+        const Gantt::Bar& one = gantt_.bars[place];
+        run(one, false);
+        const double room = x(seconds(one.until)) - x(seconds(one.from));
+        const std::string& name = gantt_.nodes[one.node].name;
+        if (room > 7.0 * static_cast<double>(name.size()))
+          text(x(seconds(one.from)) + 3, y_ + 11, escaped(name), "fill='white' font-size='10'");
+      }
+      y_ += kRow;
+    }
+  }
+
+  void axis() {
+    if (last_ <= 0) return;
+    double step = std::pow(10, std::floor(std::log10(last_ / 4)));
+    step *= last_ / step > 20 ? 5 : last_ / step > 10 ? 2 : 1;
+    for (double time = 0; time <= last_ * 1.0001; time += step) {
+      fmt::format_to(std::back_inserter(body_),
+                     "<line x1='{0:.1f}' y1='50' x2='{0:.1f}' y2='{1}' stroke='#ddd'/>\n", x(time), y_);
+      text(x(time) - 8, y_ + 14, fmt::format("{:g} s", time));
+    }
+  }
+
+  const Gantt& gantt_;
+  double last_;
+  int y_ = 0;
+  std::string body_;
+};
+
+}  // namespace
+
+std::string to_svg(const Gantt& gantt) {
+  return Drawing(gantt).draw();
+}
+
+}  // namespace segue::cdtn

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/order.hpp>
+#include <segue/cdtn/run_result.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::cdtn {
+
+/// A stretch of time that a node could not start, or not count, and what it lacked.
+struct Wait {
+  enum class Kind : std::uint8_t { Data, Condition, World, Resource };
+  Kind kind = Kind::Data;
+  NodeId node{kNone};   ///< whose end it was, if that of one node
+  std::string subject;  ///< the input, outcome, fact or resource
+  TimePoint from;
+  TimePoint until;
+};
+std::string_view to_string(Wait::Kind kind);
+
+/// What nodes of a run waited for. Refers to the three it is made of.
+class WaitFinder {
+ public:
+  WaitFinder(const Network& network, const Order& order, const RunResult& result);
+
+  /// From the time at which everything else was there; the longest last. World includes its place among
+  /// nodes that do not say what they touch.
+  [[nodiscard]] std::vector<Wait> of(NodeId node) const;
+  /// Whether its run that counts began before all was certain that it relies on.
+  [[nodiscard]] bool ran_ahead(NodeId node) const;
+
+ private:
+  struct Use {
+    TimePoint ended;
+    NodeId node{};
+  };
+  void add_use(NodeId node, TimePoint ended);
+  [[nodiscard]] TimePoint met(const Dependency& dependency) const;
+  [[nodiscard]] Wait wait_for_resource(NodeId node, TimePoint ready) const;
+
+  const Network& network_;
+  const Order& order_;
+  const RunResult& result_;
+  std::vector<std::vector<Use>> uses_;  ///< by resource, by time
+};
+
+/// Chain of nodes that a run was as long for: from the last node back, each time to whom it waited for last.
+std::vector<NodeId> critical_chain(const RunResult& result, const WaitFinder& waits);
+
+}  // namespace segue::cdtn
