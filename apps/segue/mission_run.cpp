@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <ctime>
 #include <thread>
 
+#include "mission_gantt.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "run_times.hpp"
@@ -25,17 +25,13 @@ using type::ValueMap;
 /// More are no help to a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
 
-bool is_leaf(const mission::Program& program, mission::StateIndex state) {
-  const auto kind = program.node(state).kind;
-  return kind == mission::StateKind::Execution || kind == mission::StateKind::Decider;
-}
-
 /// One run from its options to what is shown of it.
 class MissionRun {
  public:
   MissionRun(const MissionOptions& options, const Context& context) : options_(options), context_(context) {}
 
   int run() {
+    if (const auto fits = check(options_.files); !fits) return failed(context_, fits.error());
     Diagnostics diagnostics;
     auto loaded = mission::load_mission(options_.file, options_.folders(), diagnostics);
     if (!loaded) return report_failure(context_, diagnostics);
@@ -47,7 +43,9 @@ class MissionRun {
     const double used = thread_seconds() - before;
     engine_us_ = engine_->executions() == 0 ? 0 : used * 1e6 / static_cast<double>(engine_->executions());
     makespan_ = clock().now() - begin_;
+    const auto written = draw();
     context_.json() ? show_json() : show_text();
+    if (!written) return failed(context_, written.error());
     return engine_->result().outcome < 0 ? kFailed : kDone;
   }
 
@@ -96,6 +94,14 @@ class MissionRun {
     watch.join();
   }
 
+  Result<void> draw() {
+    if (!context_.json() && !options_.files.any()) return {};
+    gantt_ = gantt_of(engine_->program(), engine_->history(), engine_->result().outcome, begin_,
+                      begin_ + makespan_);
+    gantt_.summary.engine_us_per_node = engine_us_;
+    return write(options_.files, gantt_);
+  }
+
   [[nodiscard]] double since_begin(TimePoint when) const { return seconds(when - begin_); }
 
   void show_text() {
@@ -142,13 +148,16 @@ class MissionRun {
     Value::List nodes;
     const auto& history = engine_->history();
     for (std::uint32_t i = 0; i < history.items().size(); ++i) {
-      if (is_leaf(engine_->program(), history.items()[i].state)) nodes.push_back(node(i));
+      if (is_leaf(engine_->program(), history.items()[i].state))
+        nodes.push_back(node(i, gantt_.nodes[nodes.size()]));
     }
     const auto& result = engine_->result();
     ValueMap map;
     map.append("outcome", result.outcome_name);
     if (!result.error.empty()) map.append("error", result.error);
     map.append("makespan_s", seconds(makespan_));
+    map.append("sequential_s", seconds(gantt_.summary.sequential));
+    map.append("critical_path_s", seconds(gantt_.summary.critical_path));
     map.append("nodes", std::move(nodes));
     map.append("outputs", outputs());
     map.append("globals", engine_->globals().snapshot());
@@ -156,7 +165,14 @@ class MissionRun {
     print_json(map);
   }
 
-  [[nodiscard]] Value node(std::uint32_t i) const {
+  [[nodiscard]] Value::List waited_for(const cdtn::Gantt::Node& shown) const {
+    Value::List waits;
+    for (const cdtn::Wait& wait : shown.waits)
+      waits.push_back(cdtn::to_value(wait, gantt_.nodes[cdtn::index(wait.node)].name));
+    return waits;
+  }
+
+  [[nodiscard]] Value node(std::uint32_t i, const cdtn::Gantt::Node& shown) const {
     const auto& history = engine_->history();
     const auto& item = history.items()[i];
     const mission::Program& program = engine_->program();
@@ -171,7 +187,8 @@ class MissionRun {
                              {"end_s", since_begin(item.end)},
                              {"status", outcome(item)},
                              {"pia", !action.pure},
-                             {"resources", std::move(resources)}});
+                             {"resources", std::move(resources)},
+                             {"waited_for", waited_for(shown)}});
     if (const auto error = history.error(i); !error.empty()) node.as_map().append("error", error);
     return node;
   }
@@ -182,6 +199,7 @@ class MissionRun {
   std::unique_ptr<mission::Engine> engine_;
   TimePoint begin_{};
   Duration makespan_{};
+  cdtn::Gantt gantt_;
   double engine_us_ = 0;
 };
 

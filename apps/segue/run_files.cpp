@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <vector>
@@ -22,14 +24,15 @@ namespace fs = std::filesystem;
 namespace {
 
 Result<void> check_path(const std::string& file) {
-  std::error_code error;
   const fs::path path(file);
-  const fs::file_status there = fs::status(path, error);
-  if (fs::exists(there) && !fs::is_regular_file(there))
+  struct stat entry {};
+  if (::stat(path.c_str(), &entry) == 0 && !S_ISREG(entry.st_mode))
     return fail(ErrorCode::InvalidArgument, "cannot write " + quote(file) + ": it is not a file");
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (::access(folder.c_str(), W_OK | X_OK) == 0 && fs::is_directory(folder, error)) return {};
-  const int reason = errno == 0 ? ENOTDIR : errno;
+  int reason = ::stat(folder.c_str(), &entry) == 0 ? 0 : errno;
+  if (reason == 0 && !S_ISDIR(entry.st_mode)) reason = ENOTDIR;
+  if (reason == 0 && ::access(folder.c_str(), W_OK | X_OK) != 0) reason = errno;
+  if (reason == 0) return {};
   const ErrorCode code = reason == ENOENT ? ErrorCode::NotFound : ErrorCode::PermissionDenied;
   return fail(code, "cannot write " + quote(file) + ": " + std::strerror(reason));
 }

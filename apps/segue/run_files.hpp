@@ -15,6 +15,7 @@ namespace segue::cli {
 struct RunFiles {
   std::string svg;
   std::string trace;
+  [[nodiscard]] bool any() const { return !svg.empty() || !trace.empty(); }
 };
 
 /// --svg, --trace

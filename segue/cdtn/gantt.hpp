@@ -2,7 +2,6 @@
 #pragma once
 
 #include <segue/cdtn/report.hpp>
-#include <segue/cdtn/waits.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report.hpp"
 
-#include <segue/cdtn/waits.hpp>
-
 #include <array>
 
 namespace segue::cdtn {
@@ -29,16 +27,6 @@ double in_seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Value wait_value(const Network& network, const Wait& wait) {
-  ValueMap entry;
-  entry.set("kind", to_string(wait.kind));
-  if (index(wait.node) != kNone) entry.set("node", network.label(wait.node));
-  entry.set("subject", wait.subject);
-  entry.set("from_s", in_seconds(wait.from));
-  entry.set("until_s", in_seconds(wait.until));
-  return entry;
-}
-
 Value node_value(const Network& network, const RunResult& result, const WaitFinder& finder, NodeId node) {
   const NodeResult& own = result.nodes[index(node)];
   ValueMap entry;
@@ -60,12 +48,22 @@ Value node_value(const Network& network, const RunResult& result, const WaitFind
   entry.set("resources", std::move(resources));
   Value::List waits;
   for (const Wait& wait : finder.of(node))
-    waits.push_back(wait_value(network, wait));
+    waits.push_back(to_value(wait, index(wait.node) == kNone ? "" : network.label(wait.node)));
   entry.set("waited_for", std::move(waits));
   return entry;
 }
 
 }  // namespace
+
+Value to_value(const Wait& wait, const std::string& node) {
+  ValueMap entry;
+  entry.set("kind", to_string(wait.kind));
+  if (!node.empty()) entry.set("node", node);
+  entry.set("subject", wait.subject);
+  entry.set("from_s", in_seconds(wait.from));
+  entry.set("until_s", in_seconds(wait.until));
+  return entry;
+}
 
 Value to_value(const Network& network, const Order& order, const RunResult& result,
                const RunSummary& summary) {

@@ -4,8 +4,10 @@
 #include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/waits.hpp>
 #include <segue/type/value.hpp>
 
+#include <string>
 #include <string_view>
 
 namespace segue::cdtn {
@@ -21,6 +23,9 @@ struct RunSummary {
   Duration critical_path{};  ///< no run is shorter
   double engine_us_per_node = 0;
 };
+
+/// A reason for waiting as JSON; `node` is the name of the one whose end it was, or empty.
+type::Value to_value(const Wait& wait, const std::string& node);
 
 /// What `segue mission run` prints as JSON.
 type::Value to_value(const Network& network, const Order& order, const RunResult& result,
