@@ -92,6 +92,13 @@ int import(const ImportOptions& source, PddlOptions pddl, const Context& context
   return kUsage;
 }
 
+void add_mode_option(CLI::App& verb, MissionOptions& options) {
+  verb.add_option("--mode", options.mode,
+                  "sequential: as it is written; concurrent: a task network's default")
+      ->type_name("MODE")
+      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
+}
+
 void add_runner(CLI::App& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
@@ -102,11 +109,7 @@ void add_runner(CLI::App& verb, Context& context) {
                               "  segue mission run fetch.json --clock virtual",
                               [options, network, &context] { return run_plan(*options, *network, context); });
   runner->add_option("FILE", options->file, "a mission file or a task network")->required()->type_name("");
-  runner
-      ->add_option("--mode", options->mode,
-                   "sequential: as it is written; concurrent: a task network's default")
-      ->type_name("MODE")
-      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
+  add_mode_option(*runner, *options);
   runner->add_option("--clock", options->clock, "real (default), or virtual: simulated actions take no time")
       ->type_name("CLOCK")
       ->check(CLI::IsMember({"real", "virtual"}).description(""));
@@ -117,6 +120,29 @@ void add_runner(CLI::App& verb, Context& context) {
   add_library_option(*runner, *options);
   add_network_options(*runner, *network);
   add_run_files(*runner, options->files);
+}
+
+/// In virtual time, with nothing on standard output but a drawing that has no file.
+void add_gantt(CLI::App& parent, Context& context) {
+  const auto options = std::make_shared<MissionOptions>();
+  const auto network = std::make_shared<NetworkOptions>();
+  CLI::App* verb = add_verb(parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
+                            "  segue mission gantt fetch.json -o fetch.svg\n"
+                            "  segue mission gantt fetch.json --mode sequential -o before.svg",
+                            [options, network, &context] {
+                              options->clock = "virtual";
+                              options->simulate = true;
+                              options->show = network->show = false;
+                              if (options->files.svg.empty()) options->files.svg = "-";
+                              return run_plan(*options, *network, context);
+                            });
+  options->mode.clear();
+  verb->add_option("FILE", options->file, "a mission file or a task network")->required()->type_name("");
+  add_mode_option(*verb, *options);
+  verb->add_option("-o,--output", options->files.svg, "a file instead of standard output")->type_name("FILE");
+  add_page_and_trace(*verb, options->files);
+  add_library_option(*verb, *options);
+  add_network_options(*verb, *network);
 }
 
 }  // namespace
@@ -156,7 +182,7 @@ void add_mission(CLI::App& app, Context& context) {
       ->type_name("DOMAIN PROBLEM PLAN");
   importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
   importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
-  add_mission_gantt(*verb, context);
+  add_gantt(*verb, context);
 }
 
 }  // namespace segue::cli

@@ -112,18 +112,6 @@ std::optional<cdtn::FlatNetwork> load(const std::string& file, Diagnostics& diag
   return flat;
 }
 
-int draw(const std::string& file, const std::string& output, NetworkOptions options, const Context& context) {
-  Diagnostics diagnostics;
-  auto flat = load(file, diagnostics);
-  if (!flat) return report_failure(context, diagnostics);
-  options.clock = "virtual";
-  options.files.svg = output;
-  NetworkRun run(std::move(*flat), options);
-  if (const auto done = run.run(); !done) return failed(context, done.error());
-  if (output.empty()) print(cdtn::to_svg(run.gantt()));
-  return run.result().error ? failed(context, *run.result().error) : kDone;
-}
-
 }  // namespace
 
 bool is_task_network(const std::filesystem::path& file) {
@@ -141,9 +129,9 @@ int run_task_network(const std::string& file, const NetworkOptions& options, con
   if (!flat) return report_failure(context, diagnostics);
   NetworkRun run(std::move(*flat), options);
   if (const auto done = run.run(); !done) return failed(context, done.error());
-  run.show(context);
+  if (options.show) run.show(context);
   if (run.result().done()) return kDone;
-  if (run.result().error && !context.json()) return failed(context, *run.result().error);
+  if (run.result().error && (!options.show || !context.json())) return failed(context, *run.result().error);
   return kFailed;
 }
 
@@ -176,28 +164,6 @@ void add_network_options(CLI::App& verb, NetworkOptions& options) {
   verb.add_option("--resource", options.resources, "that many of a resource, such as process:planner=2")
       ->type_name("NAME=COUNT");
   verb.add_flag("--strict", options.strict, "nothing happens behind a node that may still fail");
-}
-
-void add_mission_gantt(CLI::App& parent, Context& context) {
-  struct Options {
-    std::string file;
-    std::string output;
-    NetworkOptions network;
-  };
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
-      parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
-      "  segue mission gantt fetch.json -o fetch.svg\n"
-      "  segue mission gantt fetch.json --mode sequential -o before.svg",
-      [options, &context] { return draw(options->file, options->output, options->network, context); });
-  verb->add_option("FILE", options->file, "a task network")->required()->type_name("");
-  verb->add_option("--mode", options->network.mode, "concurrent (default) or sequential")
-      ->type_name("MODE")
-      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
-  verb->add_option("-o,--output", options->output, "a file instead of standard output")->type_name("FILE");
-  verb->add_option("--trace", options->network.files.trace, "also write a trace for Perfetto")
-      ->type_name("FILE");
-  add_network_options(*verb, options->network);
 }
 
 }  // namespace segue::cli

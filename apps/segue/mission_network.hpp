@@ -22,6 +22,7 @@ struct NetworkOptions {
   bool strict = false;
   std::vector<std::string> resources;  ///< NAME=COUNT
   RunFiles files;
+  bool show = true;  ///< what it did, on standard output
 };
 
 /// The options of a run that only task networks have.
@@ -38,8 +39,5 @@ struct PddlOptions {
   std::string output;
 };
 int import_pddl(const PddlOptions& options, const Context& context);
-
-/// `segue mission gantt`.
-void add_mission_gantt(CLI::App& parent, Context& context);
 
 }  // namespace segue::cli

@@ -44,7 +44,7 @@ class MissionRun {
     engine_us_ = engine_->executions() == 0 ? 0 : used * 1e6 / static_cast<double>(engine_->executions());
     makespan_ = clock().now() - begin_;
     const auto written = draw();
-    context_.json() ? show_json() : show_text();
+    if (options_.show) context_.json() ? show_json() : show_text();
     if (!written) return failed(context_, written.error());
     return engine_->result().outcome < 0 ? kFailed : kDone;
   }

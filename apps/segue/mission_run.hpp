@@ -19,6 +19,7 @@ struct MissionOptions {
   std::string start_at;
   std::vector<std::string> libraries;
   RunFiles files;
+  bool show = true;  ///< what was executed, on standard output
   [[nodiscard]] std::vector<std::filesystem::path> folders() const {
     return {libraries.begin(), libraries.end()};
   }

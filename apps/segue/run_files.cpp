@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "output.hpp"
@@ -41,14 +42,20 @@ Result<void> check_path(const std::string& file) {
 
 void add_run_files(CLI::App& verb, RunFiles& files) {
   verb.add_option("--svg", files.svg, "also write a drawing of the run")->type_name("FILE");
+  add_page_and_trace(verb, files);
+}
+
+void add_page_and_trace(CLI::App& verb, RunFiles& files) {
+  verb.add_option("--html", files.html, "also write a page with the run to look around in")
+      ->type_name("FILE");
   verb.add_option("--trace", files.trace, "also write a trace for Perfetto")->type_name("FILE");
 }
 
 Result<void> check(const RunFiles& files) {
   std::vector<std::string> seen;
-  for (const std::string* file : {&files.svg, &files.trace}) {
+  for (const std::string* file : {&files.svg, &files.html, &files.trace}) {
     if (file->empty()) continue;
-    if (auto fits = check_path(*file); !fits) return fits;
+    if (auto fits = *file == "-" ? Result<void>{} : check_path(*file); !fits) return fits;
     if (std::ranges::find(seen, *file) != seen.end())
       return fail(ErrorCode::InvalidArgument, quote(*file) + " cannot hold two things");
     seen.push_back(*file);
@@ -57,11 +64,18 @@ Result<void> check(const RunFiles& files) {
 }
 
 Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt) {
-  if (!files.svg.empty()) {
-    if (auto written = write_file(files.svg, cdtn::to_svg(gantt)); !written) return written;
+  using Form = std::string (*)(const cdtn::Gantt&);
+  const std::pair<const std::string&, Form> forms[] = {
+      {files.svg, cdtn::to_svg}, {files.html, cdtn::to_html}, {files.trace, cdtn::to_trace}};
+  for (const auto& [file, form] : forms) {
+    if (file.empty()) continue;
+    if (file == "-") {
+      print(form(gantt));
+    } else if (auto written = write_file(file, form(gantt)); !written) {
+      return written;
+    }
   }
-  if (files.trace.empty()) return {};
-  return write_file(files.trace, cdtn::to_trace(gantt));
+  return {};
 }
 
 namespace {
@@ -71,9 +85,8 @@ std::vector<std::string> row(const cdtn::Network& network, const cdtn::RunResult
   const cdtn::NodeResult& own = result.nodes[cdtn::index(node)];
   std::string last;
   if (const auto waits = finder.of(node); !waits.empty()) {
-    const cdtn::Wait& wait = waits.back();
-    last = fmt::format("{} {}", to_string(wait.kind), wait.subject);
-    if (cdtn::index(wait.node) != cdtn::kNone) last += " of " + network.label(wait.node);
+    const cdtn::NodeId other = waits.back().node;
+    last = to_string(waits.back(), cdtn::index(other) == cdtn::kNone ? "" : network.label(other));
   }
   const auto time = [&](TimePoint point) {
     return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));

@@ -11,15 +11,18 @@
 /// What the runs of all plans show and write, whatever ran them.
 namespace segue::cli {
 
-/// Where drawings and traces of a run go; empty: nowhere.
+/// Where drawings and traces of a run go; empty: nowhere; "-": to standard output.
 struct RunFiles {
   std::string svg;
+  std::string html;
   std::string trace;
-  [[nodiscard]] bool any() const { return !svg.empty() || !trace.empty(); }
+  [[nodiscard]] bool any() const { return !svg.empty() || !html.empty() || !trace.empty(); }
 };
 
-/// --svg, --trace
+/// --svg, --html, --trace
 void add_run_files(CLI::App& verb, RunFiles& files);
+/// The last two.
+void add_page_and_trace(CLI::App& verb, RunFiles& files);
 
 /// Before a run: whether they can be written as far as that can be known. IoError, NotFound,
 /// PermissionDenied, InvalidArgument where two are the same.

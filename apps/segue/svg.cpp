@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "svg.hpp"
 
+#include <segue/base/markup.hpp>
+
 #include <fmt/format.h>
 
 namespace segue::cli::svg {
@@ -14,26 +16,10 @@ void begin(Out out, double width, double height) {
                  width, height);
 }
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '>') {
-      safe += "&gt;";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
-
 void text(Out out, double x, double y, std::string_view anchor, std::string_view content,
           std::string_view style) {
   fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>\n", x, y, anchor,
-                 style.empty() ? "" : " ", style, escaped(content));
+                 style.empty() ? "" : " ", style, escape_markup(content));
 }
 
 void line(Out out, double x1, double y1, double x2, double y2, std::string_view style) {

@@ -14,8 +14,6 @@ using Out = std::back_insert_iterator<std::string>;
 void begin(Out out, double width, double height);
 inline constexpr std::string_view kEnd = "</svg>\n";
 
-std::string escaped(std::string_view text);
-
 /// `anchor`: start, middle or end; `style`: further attributes.
 void text(Out out, double x, double y, std::string_view anchor, std::string_view content,
           std::string_view style = {});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transition_picture.hpp"
 
+#include <segue/base/markup.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -259,7 +261,7 @@ class Picture {
                      x + 1, y, width, kBar, style.fill,
                      is_critical(place) ? fmt::format(" stroke=\"{}\" stroke-width=\"2\"", kCriticalColour)
                                         : std::string(),
-                     svg::escaped(tooltip(action, span)));
+                     escape_markup(tooltip(action, span)));
       const std::string_view kind = to_string(action.kind);
       if (width < static_cast<double>(kind.size()) * kLetter + 4) continue;
       svg::text(out_, x + 1 + width / 2, y + 11, "middle", kind,

@@ -2,6 +2,7 @@
 #include <segue/base/id.hpp>
 #include <segue/base/iso_time.hpp>
 #include <segue/base/life_cycle.hpp>
+#include <segue/base/markup.hpp>
 #include <segue/base/text.hpp>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,12 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
+
+TEST(Markup, NothingOfATextIsTakenForMarkup) {
+  EXPECT_EQ(escape_markup("<a b='c' d=\"e\">&</a>"),
+            "&lt;a b=&#39;c&#39; d=&quot;e&quot;&gt;&amp;&lt;/a&gt;");
+  EXPECT_EQ(escape_markup("gr\u00fc\u00df\x01\tx\ny"), "gr\u00fc\u00df  x\ny");
+}
 
 TEST(Quote, EscapesControlCharactersAndShortensLongText) {
   EXPECT_EQ(quote("far"), "'far'");

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
-#include <segue/cdtn/gantt.hpp>
-#include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <segue/type/json.hpp>
 
@@ -260,23 +258,6 @@ TEST(FlatNetwork, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(problems(R"j({"resources": {"r": {"count": 0}}, "nodes": [{"name": "a", "resources":
       [{"name": "r", "op": "block"}]}, {"name": "b", "resources": [{"name": "r", "op": "create"}]}]})j"),
               HasSubstr("missing-resource"));
-}
-
-TEST(Report, TellsWhoWaitedForWhat) {
-  const auto flat = read(R"j({"name": "a<b", "duration_s": 2, "pia": true, "effects": ["+p()"]},
-    {"name": "c", "duration_s": 1, "pia": true, "preconditions": ["p()"], "effects": []})j");
-  const Order order = derive_order(flat.network);
-  const RunResult result = run(flat);
-  const WaitFinder finder(flat.network, order, result);
-  const auto waits = finder.of(NodeId{1});
-  ASSERT_EQ(waits.size(), 1U);
-  EXPECT_EQ(waits[0].kind, Wait::Kind::World);
-  EXPECT_EQ(waits[0].subject, "p()");
-  EXPECT_THAT(critical_chain(result, finder), testing::ElementsAre(NodeId{0}, NodeId{1}));
-  const Gantt gantt = gantt_of(flat.network, order, result, {});
-  EXPECT_THAT(to_svg(gantt), HasSubstr("waits for world p() of a&lt;b, until 2.00 s"));
-  EXPECT_TRUE(type::parse_json(to_trace(gantt)));
-  EXPECT_TRUE(choose_priorities(flat.network, order, flat.trials, {}).empty()) << "a tie is program order";
 }
 
 }  // namespace

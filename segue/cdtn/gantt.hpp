@@ -25,7 +25,7 @@ struct Gantt {
     std::string name;
     NodeClass kind = NodeClass::Irreversible;
     NodeStatus status = NodeStatus::NotReached;
-    std::string outcome;    ///< empty where it did not end
+    std::string outcome{};  ///< empty where it did not end
     bool critical = false;  ///< in the chain of nodes that the run was as long for
     bool ahead = false;     ///< its run that counts began before that was certain
     std::vector<Wait> waits{};
@@ -57,6 +57,10 @@ Gantt gantt_of(const Network& network, const Order& order, const RunResult& resu
 /// An SVG drawing, by node and by resource: how long nodes waited and for what, what was run ahead and what
 /// for nothing, the critical chain. Times in seconds.
 std::string to_svg(const Gantt& gantt);
+
+/// One HTML file that needs nothing else: the same to zoom, move and search in, by node and by resource, with
+/// the comparison with the sequential run and a table of the nodes.
+std::string to_html(const Gantt& gantt);
 
 /// The JSON of Chrome's trace viewer, which Perfetto reads: a row for each resource and each lane of nodes.
 std::string to_trace(const Gantt& gantt);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/markup.hpp>
 #include <segue/cdtn/gantt.hpp>
 
 #include <fmt/format.h>
@@ -14,21 +15,6 @@ namespace {
 constexpr int kRow = 18;
 constexpr int kLabels = 190;
 constexpr int kWidth = 900;
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '<')
-      result += "&lt;";
-    else if (c == '&')
-      result += "&amp;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result;
-}
 
 /// Cut between characters, not within one.
 std::string_view shortened(std::string_view name) {
@@ -46,7 +32,7 @@ class Drawing {
   }
 
   std::string draw() {
-    text(4, 16, fmt::format("{}: {:.2f} s", escaped(gantt_.name), seconds_of(gantt_.makespan)),
+    text(4, 16, fmt::format("{}: {:.2f} s", escape_markup(gantt_.name), seconds_of(gantt_.makespan)),
          "font-size='13'");
     legend();
     y_ = 56;
@@ -75,7 +61,7 @@ class Drawing {
   void bar(double from, double until, int y, int height, std::string_view style, const std::string& title) {
     fmt::format_to(std::back_inserter(body_),
                    "<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' {}><title>{}</title></rect>\n",
-                   x(from), y, std::max(1.0, x(until) - x(from)), height, style, escaped(title));
+                   x(from), y, std::max(1.0, x(until) - x(from)), height, style, escape_markup(title));
   }
 
   static std::string_view wait_colour(Wait::Kind kind) {
@@ -87,9 +73,11 @@ class Drawing {
       case Wait::Kind::World:
         return "fill='#a1d99b'";
       case Wait::Kind::Resource:
+        return "fill='#fdae6b'";
+      case Wait::Kind::Turn:
         break;
     }
-    return "fill='#fdae6b'";
+    return "fill='#c7c7c7'";
   }
 
   static std::string_view run_colour(NodeClass kind) {
@@ -130,7 +118,7 @@ class Drawing {
   void by_node() {
     for (const Gantt::Node& node : gantt_.nodes) {
       const bool done = node.status == NodeStatus::Done;
-      text(4, y_ + 11, escaped(shortened(node.name)),
+      text(4, y_ + 11, escape_markup(shortened(node.name)),
            done                                ? ""
            : node.status == NodeStatus::Failed ? "fill='#d62728'"
                                                : "fill='#999'");
@@ -143,10 +131,9 @@ class Drawing {
   }
 
   void draw_wait(const Wait& wait) {
-    const std::string whom = index(wait.node) == kNone ? "" : " of " + gantt_.nodes[index(wait.node)].name;
+    const std::string whom = index(wait.node) == kNone ? "" : gantt_.nodes[index(wait.node)].name;
     bar(seconds(wait.from), seconds(wait.until), y_ + 5, 4, wait_colour(wait.kind),
-        fmt::format("waits for {} {}{}, until {:.2f} s", to_string(wait.kind), wait.subject, whom,
-                    seconds(wait.until)));
+        fmt::format("waits for {}, until {:.2f} s", to_string(wait, whom), seconds(wait.until)));
   }
 
   void run(const Gantt::Bar& one, bool critical) {
@@ -161,14 +148,14 @@ class Drawing {
 
   void by_resource() {
     for (const Gantt::Resource& resource : gantt_.resources) {
-      text(4, y_ + 11, escaped(shortened(resource.name)));
+      text(4, y_ + 11, escape_markup(shortened(resource.name)));
       for (const std::uint32_t place : resource.bars) {
         const Gantt::Bar& one = gantt_.bars[place];
         run(one, false);
         const double room = x(seconds(one.until)) - x(seconds(one.from));
         const std::string& name = gantt_.nodes[one.node].name;
         if (room > 7.0 * static_cast<double>(name.size()))
-          text(x(seconds(one.from)) + 3, y_ + 11, escaped(name), "fill='white' font-size='10'");
+          text(x(seconds(one.from)) + 3, y_ + 11, escape_markup(name), "fill='white' font-size='10'");
       }
       y_ += kRow;
     }

@@ -7,8 +7,15 @@
 namespace segue::cdtn {
 
 std::string_view to_string(Wait::Kind kind) {
-  static constexpr std::array<std::string_view, 4> kNames{"data", "condition", "world", "resource"};
+  static constexpr std::array<std::string_view, 5> kNames{"data", "condition", "world", "resource", "turn"};
   return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::string to_string(const Wait& wait, const std::string& node) {
+  std::string text(to_string(wait.kind));
+  if (!wait.subject.empty()) text += ' ' + wait.subject;
+  if (!node.empty()) text += (wait.kind == Wait::Kind::Turn ? " after " : " of ") + node;
+  return text;
 }
 
 namespace {
@@ -35,11 +42,13 @@ WaitFinder::WaitFinder(const Network& network, const Order& order, const RunResu
   }
   for (const WastedRun& run : result.wasted)
     add_use(run.node, run.ended);
+  std::ranges::stable_sort(ends_, {}, &Use::ended);
   for (std::vector<Use>& uses : uses_)
     std::ranges::stable_sort(uses, {}, &Use::ended);
 }
 
 void WaitFinder::add_use(NodeId node, TimePoint ended) {
+  ends_.push_back({ended, node});
   for (const Claim& claim : network_.claims(node))
     uses_[index(claim.resource)].push_back({ended, node});
 }
@@ -52,24 +61,33 @@ TimePoint WaitFinder::met(const Dependency& dependency) const {
   return dependency.reason() == Reason::Data ? from.ended : from.committed;
 }
 
-/// The node's resource that somebody else gave back last before it started.
-Wait WaitFinder::wait_for_resource(NodeId node, TimePoint ready) const {
-  const TimePoint started = result_.nodes[index(node)].started;
-  const auto claims = network_.claims(node);
-  Wait wait{Wait::Kind::Resource, NodeId{kNone}, network_.resources.name(claims.front().resource), ready,
-            started};
-  TimePoint latest{};
-  for (const Claim& claim : claims) {
-    const std::vector<Use>& uses = uses_[index(claim.resource)];
-    auto use = std::ranges::upper_bound(uses, started, {}, &Use::ended);
-    while (use != uses.begin() && std::prev(use)->node == node)
-      --use;
-    if (use == uses.begin() || std::prev(use)->ended <= latest) continue;
-    latest = std::prev(use)->ended;
-    wait.node = std::prev(use)->node;
-    wait.subject = network_.resources.name(claim.resource);
+/// Somebody else's that ended last, no later than `started`.
+const WaitFinder::Use* WaitFinder::last_before(const std::vector<Use>& uses, NodeId node, TimePoint started) {
+  auto use = std::ranges::upper_bound(uses, started, {}, &Use::ended);
+  while (use != uses.begin() && std::prev(use)->node == node)
+    --use;
+  return use == uses.begin() ? nullptr : &*std::prev(use);
+}
+
+/// The node's resource that somebody gave back last before it started.
+void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
+  const Use* last = nullptr;
+  ResourceId resource{};
+  for (const Claim& claim : network_.claims(node)) {
+    const Use* use = last_before(uses_[index(claim.resource)], node, result_.nodes[index(node)].started);
+    if (use == nullptr || use->ended <= ready || (last != nullptr && use->ended <= last->ended)) continue;
+    last = use;
+    resource = claim.resource;
   }
-  return wait;
+  if (last == nullptr) return;
+  waits.push_back({Wait::Kind::Resource, last->node, network_.resources.name(resource), ready, last->ended});
+}
+
+void WaitFinder::add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
+  const TimePoint started = result_.nodes[index(node)].started;
+  const Use* last = last_before(ends_, node, started);
+  if (last != nullptr && last->ended > ready)  // otherwise only the engine took its time
+    waits.push_back({Wait::Kind::Turn, last->node, {}, ready, last->ended});
 }
 
 std::vector<Wait> WaitFinder::of(NodeId node) const {
@@ -90,7 +108,9 @@ std::vector<Wait> WaitFinder::of(NodeId node) const {
   for (Wait& wait : waits)
     wait.from = std::exchange(from, wait.until);
   std::erase_if(waits, [](const Wait& wait) { return wait.from == wait.until; });
-  if (own.started > ready && !network_.claims(node).empty()) waits.push_back(wait_for_resource(node, ready));
+  add_resource(waits, node, ready);
+  if (!waits.empty()) ready = waits.back().until;
+  add_turn(waits, node, ready);
   return waits;
 }
 

@@ -11,9 +11,10 @@
 
 namespace segue::cdtn {
 
-/// A stretch of time that a node could not start, or not count, and what it lacked.
+/// A stretch of time that a node could not start, or not count, and what it lacked. Turn: nothing but a place
+/// among those that run, one after the other or as many as there are workers or copies of the world.
 struct Wait {
-  enum class Kind : std::uint8_t { Data, Condition, World, Resource };
+  enum class Kind : std::uint8_t { Data, Condition, World, Resource, Turn };
   Kind kind = Kind::Data;
   NodeId node{kNone};   ///< whose end it was, if that of one node
   std::string subject;  ///< the input, outcome, fact or resource
@@ -21,6 +22,8 @@ struct Wait {
   TimePoint until;
 };
 std::string_view to_string(Wait::Kind kind);
+/// "world at(base) of drive"; `node` is the name of whose end it was, or empty.
+std::string to_string(const Wait& wait, const std::string& node);
 
 /// What nodes of a run waited for. Refers to the three it is made of.
 class WaitFinder {
@@ -39,12 +42,15 @@ class WaitFinder {
     NodeId node{};
   };
   void add_use(NodeId node, TimePoint ended);
+  [[nodiscard]] static const Use* last_before(const std::vector<Use>& uses, NodeId node, TimePoint started);
   [[nodiscard]] TimePoint met(const Dependency& dependency) const;
-  [[nodiscard]] Wait wait_for_resource(NodeId node, TimePoint ready) const;
+  void add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
+  void add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
 
   const Network& network_;
   const Order& order_;
   const RunResult& result_;
+  std::vector<Use> ends_;               ///< of all, by time
   std::vector<std::vector<Use>> uses_;  ///< by resource, by time
 };
 

@@ -7,7 +7,6 @@ namespace segue::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 /// Two branches side by side, of 2 s and of 1 s + 4 s, then 3 s.
 constexpr const char* kTwoHands = R"(mission: two_hands
@@ -68,9 +67,28 @@ TEST_F(Missions, AMachineIsDrawnAsATaskNetworkIs) {
   EXPECT_TRUE(type::parse_json(read("t")));
 }
 
+TEST_F(Missions, ADrawingAloneGoesToStandardOutput) {
+  write("m.yaml", kTwoHands);
+  write("n.json", R"({"nodes": [{"name": "dig", "duration_s": 1}]})");
+  for (const std::string file : {"m.yaml", "n.json"}) {
+    const auto drawn = segue({"mission", "gantt", file, "--html", "page.html"});
+    EXPECT_EQ(drawn.status, 0) << drawn.errors;
+    EXPECT_THAT(drawn.output, ::testing::StartsWith("<svg"));
+    EXPECT_THAT(drawn.output, ::testing::EndsWith("</svg>\n"));
+    EXPECT_THAT(read("page.html"), ::testing::StartsWith("<!DOCTYPE html>"));
+  }
+}
+
+TEST_F(Missions, OneFileDoesNotHoldTwoThings) {
+  write("n.json", R"({"nodes": [{"name": "dig", "duration_s": 1}]})");
+  const auto run = segue({"mission", "run", "n.json", "--clock", "virtual", "--svg", "x", "--html", "x"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.errors, HasSubstr("'x' cannot hold two things"));
+}
+
 TEST_F(Missions, WhatCannotBeWrittenIsToldBeforeTheRun) {
   write("m.yaml", kTwoHands);
-  for (const std::string option : {"--svg", "--trace"}) {
+  for (const std::string option : {"--svg", "--html", "--trace"}) {
     for (const std::string file : {"nowhere/x", ".", "m.yaml/x"}) {
       const auto run = segue({"mission", "run", "m.yaml", "--clock", "virtual", option, file});
       EXPECT_EQ(run.status, 1) << option << ' ' << file;
