@@ -5,8 +5,10 @@
 #include <segue/runtime/beside.hpp>
 #include <segue/solve/solve.hpp>
 
+#include <algorithm>
 #include <array>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace segue::runtime::detail {
@@ -15,16 +17,72 @@ namespace {
 
 constexpr std::array kPhases = {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire};
 
-/// What ran before, as a target: a task that was in an error then stays as it is now, or is left clean.
-model::Network restorable(model::Network before, const model::Network& observed) {
-  for (auto& task : before.tasks) {
+/// Tasks that hang in the runtime's own process, which no transition can replace.
+std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
+  std::set<model::TaskId> stuck;
+  for (const auto& task : observed.tasks) {
+    if (task.state == TaskState::Fatal) {
+      stuck.insert(task.id);
+    }
+  }
+  for (const auto& deployment : observed.deployments) {
+    for (const auto& seat : deployment.tasks) {
+      stuck.erase(seat.task);
+    }
+  }
+  return stuck;
+}
+
+/// The target with those tasks as they are: all else can be done.
+model::Network with_stuck(model::Network target, const model::Network& observed) {
+  const auto stuck = stuck_tasks(observed);
+  if (stuck.empty()) {
+    return target;
+  }
+  std::erase_if(target.tasks, [&](const model::Task& task) { return stuck.contains(task.id); });
+  for (auto& deployment : target.deployments) {
+    std::erase_if(deployment.tasks, [&](const model::Placement& seat) { return stuck.contains(seat.task); });
+  }
+  std::erase_if(target.connections, [&](const model::Connection& wanted) {
+    const bool ends_there = stuck.contains(wanted.from.task) || stuck.contains(wanted.to.task);
+    const auto& there = observed.connections;
+    return ends_there && std::find(there.begin(), there.end(), wanted) == there.end();
+  });
+  for (const auto& id : stuck) {
+    target.tasks.push_back(*observed.find_task(id));
+  }
+  return target;
+}
+
+/// What of a network can be reached: a task that is in an error there stays as it is now, or is left clean.
+model::Network reachable(model::Network target, const model::Network& observed) {
+  for (auto& task : target.tasks) {
     if (!is_error(task.state)) {
       continue;
     }
     const model::Task* now = observed.find_task(task.id);
     task.state = now != nullptr && !is_error(now->state) ? now->state : TaskState::PreOperational;
   }
-  return before;
+  return with_stuck(std::move(target), observed);
+}
+
+/// Whether all of `before` runs as it did (no worse, where it was in an error), and what stands beside it
+/// does not interfere.
+bool is_restored(model::Network before, const model::Network& observed) {
+  const model::Network beside = without(observed, before);
+  const bool runs_alone = std::none_of(beside.tasks.begin(), beside.tasks.end(), [](const model::Task& task) {
+    return task.state == TaskState::Running || task.state == TaskState::RunTimeError;
+  });
+  const bool hears_no_other = std::none_of(
+      beside.connections.begin(), beside.connections.end(),
+      [&](const model::Connection& other) { return before.find_task(other.to.task) != nullptr; });
+  for (auto& task : before.tasks) {
+    const model::Task* now = observed.find_task(task.id);
+    if (is_error(task.state) && now != nullptr && !is_error(now->state)) {
+      task.state = now->state;
+    }
+  }
+  return runs_alone && hears_no_other && has_all_of(observed, before);
 }
 
 Error error_of(const ActionRecord& failed) {
@@ -158,7 +216,18 @@ bool Transaction::find_another_way(const ActionRecord& failed, SwitchResult& res
   const TimePoint started = RealClock::instance().now();
   const auto error = bring_to(plan_.target, result.actions);
   result.commit += RealClock::instance().now() - started;
-  return !error;
+  const model::Network observed = ground_.host.observe();
+  if (error || !has_all_of(observed, plan_.target)) {
+    return false;
+  }
+  if (const auto stuck = stuck_tasks(observed); !stuck.empty()) {
+    result.leftover =
+        fail(ErrorCode::Unsupported,
+             "could not be retired: it hangs in the runtime's own process, which no transition can restart",
+             stuck.begin()->str())
+            .because_of(error_of(failed));
+  }
+  return true;
 }
 
 Undo Transaction::go_back(const ActionRecord& failed) {
@@ -170,7 +239,7 @@ Undo Transaction::go_back(const ActionRecord& failed) {
                   quote(failed.action.label()) + " failed; going back to " + shown(before_.name));
   undo.error = bring_to(before_, undo.actions);
   const model::Network observed = ground_.host.observe();
-  undo.restored = has_all_of(observed, restorable(before_, observed));
+  undo.restored = is_restored(before_, observed);
   if (!undo.restored && options_.fallback && options_.fallback->name != plan_.transition.to) {
     ground_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
                     "what ran before cannot be restored; trying the fallback network");
@@ -187,7 +256,7 @@ Undo Transaction::go_back(const ActionRecord& failed) {
 
 std::optional<Error> Transaction::bring_to(const model::Network& target, std::vector<ActionRecord>& actions) {
   const model::Network observed = ground_.host.observe();
-  const auto way = solve::diff(observed, restorable(target, observed), ground_.catalog,
+  const auto way = solve::diff(observed, reachable(target, observed), ground_.catalog,
                                solve_options(ground_.host, model::Order::Seamless, false));
   if (!way) {
     return way.error();
@@ -198,7 +267,8 @@ std::optional<Error> Transaction::bring_to(const model::Network& target, std::ve
   for (const auto phase : kPhases) {
     done = done && execution->run(phase);
   }
-  ground_.host.conclude(*way);
+  // Only then are new incarnations what plain ids mean, and who was removed is forgotten.
+  done ? ground_.host.conclude(*way) : ground_.host.withdraw();
   std::optional<Error> error;
   if (const ActionRecord* failed = execution->failure()) {
     error = error_of(*failed);

@@ -2,56 +2,39 @@
 //
 // A fault at every action of many transitions: the robot then runs what it did, or what was wanted, or the
 // runtime says truthfully what it runs.
+#include <segue/runtime/beside.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/faulty_host.hpp>
 #include <support/random_networks.hpp>
 
 #include <gmock/gmock.h>
 
-#include <array>
-#include <atomic>
 #include <cstdlib>
+#include <set>
+#include <tuple>
 
 namespace segue::runtime {
 namespace {
 
+using segue::testing::Fault;
+using segue::testing::FaultyHost;
+using segue::testing::kFaultNames;
+using segue::testing::kFaults;
 using testing::runnable;
 using testing::why;
 
 constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
 
-enum class Fault {
-  Refused,    ///< the action is not done, once
-  Doubted,    ///< it is done and reported as failed, once
-  Persistent  ///< whatever is tried with it fails, on the way back too
+/// A runtime whose tasks are all stand-ins, and whose host may fail.
+struct FaultyRobot {
+  model::ComponentCatalog catalog;
+  host::LibrarySet libraries;
+  host::LocalTaskHost tasks{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  FaultyHost host{tasks};
+  Runtime runtime{"robot", host, catalog};
 };
-constexpr std::array kFaults = {Fault::Refused, Fault::Doubted, Fault::Persistent};
-
-Result<void> broken() {
-  return fail(ErrorCode::IoError, "a fault");
-}
-
-/// Does to the host what a fault does.
-void inject(testing::AskingHost& host, Fault fault, const std::string& label, std::atomic<bool>& struck) {
-  const auto strikes = [&struck, fault, label](const model::Action& action) -> Result<void> {
-    if (action.label() != label || (fault != Fault::Persistent && struck.exchange(true))) {
-      return {};
-    }
-    struck = true;
-    return broken();
-  };
-  if (fault == Fault::Doubted) {
-    host.ask_after(strikes);
-  } else {
-    host.ask(strikes);
-  }
-}
-
-void let_be(testing::AskingHost& host) {
-  host.ask(nullptr);
-  host.ask_after(nullptr);
-}
 
 /// How often each of the three allowed ends was seen.
 struct Ends {
@@ -61,23 +44,109 @@ struct Ends {
   [[nodiscard]] int all() const { return target + before + told; }
 };
 
-void judge(Runtime& runtime, const host::TaskHost& host, const SwitchResult& result,
-           const model::Network& before, const model::Network& target, Ends& ends) {
+/// A transition and what happened at one of its actions.
+struct Case {
+  const model::Network& before;
+  const model::Network& target;
+  const model::Transition& plan;
+  const model::Action& action;
+  Fault fault;
+};
+
+std::set<model::TaskId> tasks_of(const std::vector<model::Action>& actions) {
+  std::set<model::TaskId> tasks;
+  for (const auto& action : actions) {
+    if (action.task() != nullptr) {
+      tasks.insert(*action.task());
+    }
+  }
+  return tasks;
+}
+
+std::set<model::DeploymentKey> processes_of(const std::vector<model::Action>& actions) {
+  std::set<model::DeploymentKey> processes;
+  for (const auto& action : actions) {
+    if (const auto* what = std::get_if<model::DeploymentAction>(&action.what)) {
+      processes.insert(what->deployment.key());
+    }
+  }
+  return processes;
+}
+
+model::DeploymentKey seat_of(const model::Network& network, const model::TaskId& task) {
+  for (const auto& deployment : network.deployments) {
+    for (const auto& seat : deployment.tasks) {
+      if (seat.task == task) {
+        return deployment.key();
+      }
+    }
+  }
+  return {};
+}
+
+/// Who had no part in it was not touched: neither by the transition nor by the way back.
+void expect_others_untouched(const Case& what, const FaultyHost& host) {
+  const auto passed = host.passed();
+  const auto touched = tasks_of(passed);
+  const auto ended = processes_of(passed);
+  const auto planned_tasks = tasks_of(what.plan.actions);
+  const auto planned_processes = processes_of(what.plan.actions);
+  const bool in_prepare = what.action.phase == model::Phase::Prepare;
+  for (const auto& deployment : what.before.deployments) {
+    const auto key = deployment.key();
+    const bool concerned = key == host.place() || (planned_processes.contains(key) && !in_prepare);
+    EXPECT_TRUE(concerned || !ended.contains(key)) << "process " << to_string(key);
+  }
+  for (const auto& task : what.before.tasks) {
+    const bool planned = planned_tasks.contains(task.id) && !in_prepare;
+    const auto seat = seat_of(what.before, task.id);
+    const bool process_went = !seat.is_runtime() && (ended.contains(seat) || host.place() == seat);
+    EXPECT_TRUE(planned || process_went || !touched.contains(task.id)) << "task " << task.id.str();
+  }
+}
+
+/// Every part of the network that was runs, exactly as it did; nothing else does.
+void expect_restored(const Case& what, const Runtime& runtime, const model::Network& observed) {
+  EXPECT_EQ(runtime.belief().name, what.before.name);
+  EXPECT_TRUE(detail::has_all_of(observed, what.before))
+      << ::testing::PrintToString(differences(what.before, observed));
+  for (const auto& task : what.before.tasks) {
+    const auto* now = observed.find_task(task.id);
+    ASSERT_NE(now, nullptr) << task.id.str();
+    EXPECT_EQ(*now, task) << task.id.str();
+  }
+  for (const auto& task : detail::without(observed, what.before).tasks) {
+    EXPECT_NE(task.state, TaskState::Running) << task.id.str() << " beside what was restored";
+  }
+  for (const auto& connection : detail::without(observed, what.before).connections) {
+    const bool among_them = what.before.find_task(connection.from.task) != nullptr &&
+                            what.before.find_task(connection.to.task) != nullptr;
+    EXPECT_FALSE(among_them) << to_string(connection) << " among what was restored";
+  }
+}
+
+std::vector<Event> differences_told(const Runtime& runtime, std::uint64_t since) {
+  auto events = runtime.events(since);
+  std::erase_if(events, [](const Event& event) { return event.kind != EventKind::Difference; });
+  return events;
+}
+
+/// `since`: the last event before.
+void judge(const Case& what, const Runtime& runtime, const FaultyHost& host, const SwitchResult& result,
+           std::uint64_t since, Ends& ends) {
   const model::Network observed = host.observe();
   if (result.outcome == Outcome::Done) {
     ++ends.target;
+    EXPECT_EQ(runtime.belief().name, what.target.name);
     if (!result.leftover) {
-      EXPECT_THAT(differences(target, observed), ::testing::IsEmpty());
+      EXPECT_THAT(differences(what.target, observed), ::testing::IsEmpty());
+    } else if (!detail::has_all_of(observed, what.target)) {
+      EXPECT_FALSE(differences_told(runtime, since).empty()) << "what it lacks is told";
     }
-    EXPECT_EQ(runtime.belief().name, target.name);
   } else if (result.undo && result.undo->restored) {
     ++ends.before;
-    EXPECT_EQ(runtime.belief().name, before.name);
-    for (const auto& task : before.tasks) {
-      const auto* now = observed.find_task(task.id);
-      ASSERT_NE(now, nullptr) << task.id.str();
-      EXPECT_EQ(*now, task) << task.id.str();
-    }
+    expect_restored(what, runtime, observed);
+    expect_others_untouched(what, host);
   } else {
     ++ends.told;
     EXPECT_EQ(runtime.state(), RuntimeState::Failed);
@@ -86,25 +155,85 @@ void judge(Runtime& runtime, const host::TaskHost& host, const SwitchResult& res
   }
 }
 
-/// The transition with that fault at that action; afterwards the robot runs `before` again.
-void try_fault(testing::StandInRobot& robot, const model::Network& before, const model::Network& target,
-               const model::Action& action, Fault fault, Ends& ends) {
-  SCOPED_TRACE(before.name.str() + " to " + target.name.str() + ": " + action.label() + ", fault " +
-               std::to_string(static_cast<int>(fault)));
-  std::atomic<bool> struck{false};
-  inject(robot.asking, fault, action.label(), struck);
-  const auto result = robot.runtime.switch_to(target);
-  let_be(robot.asking);
-  EXPECT_TRUE(struck);
-  judge(robot.runtime, robot.host, result, before, target, ends);
-  const auto back = robot.runtime.switch_to(before);
+/// The transition with that fault at that action; afterwards the robot runs what it did before.
+void try_fault(FaultyRobot& robot, const Case& what, Ends& ends) {
+  SCOPED_TRACE(what.before.name.str() + " to " + what.target.name.str() + ": " + what.action.label() + " (" +
+               std::string(to_string(what.action.phase)) + "), " +
+               std::string(kFaultNames.at(static_cast<std::size_t>(what.fault))));
+  const auto events = robot.runtime.events();
+  robot.host.arm(what.fault, what.action.label());
+  const auto result = robot.runtime.switch_to(what.target);
+  EXPECT_TRUE(robot.host.struck());
+  judge(what, robot.runtime, robot.host, result, events.empty() ? 0 : events.back().number, ends);
+  robot.host.heal();
+  const auto back = robot.runtime.switch_to(what.before);
   ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
-  ASSERT_THAT(differences(before, robot.host.observe()), ::testing::IsEmpty());
+  ASSERT_THAT(differences(what.before, robot.host.observe()), ::testing::IsEmpty());
 }
 
-/// All of them with every fault only where somebody has the time.
+/// Every fault at every action only where somebody has the time.
 bool thorough() {
   return std::getenv("SEGUE_ALL_FAULTS") != nullptr;
+}
+
+/// Which faults strike an action: all of them, or a sample in which every action is struck, and every fault
+/// strikes every kind of action in every phase.
+class Sample {
+ public:
+  bool takes(const model::Action& action, Fault fault) {
+    const auto number = static_cast<std::size_t>(fault);
+    if (number == 0) {
+      ++turn_;
+    }
+    const bool is_new = seen_.emplace(action.kind, action.phase, fault).second;
+    return thorough() || is_new || turn_ % kFaults.size() == number;
+  }
+
+ private:
+  std::size_t turn_ = 0;
+  std::set<std::tuple<model::ActionKind, model::Phase, Fault>> seen_;
+};
+
+/// Every fault at every action between two networks.
+void try_all_faults(const model::Network& before, const model::Network& target, Ends& ends) {
+  FaultyRobot robot;
+  ASSERT_EQ(robot.runtime.switch_to(before).outcome, Outcome::Done);
+  const auto plan = robot.runtime.plan(target);
+  ASSERT_TRUE(plan);
+  for (const auto& action : plan->actions) {
+    for (const Fault fault : kFaults) {
+      ASSERT_NO_FATAL_FAILURE(try_fault(robot, {before, target, *plan, action, fault}, ends));
+    }
+  }
+}
+
+/// Nothing can replace the runtime's own process; all else is undone.
+TEST(TransactionFaults, of_tasks_in_the_process_of_the_runtime) {
+  const auto before = testing::network_of("network: before\ntasks: {a: {component: \"demo::A\"}}\n");
+  const auto target = testing::network_of(
+      "network: target\n"
+      "tasks: {a: {component: \"demo::A\"}, b: {component: \"demo::B\"}, c: {component: \"demo::B\"}}\n"
+      "connections: [b.out -> a.in, c.out -> a.in, a.out -> a.back, a.out -> b.in]\n");
+  Ends ends;
+  try_all_faults(before, target, ends);
+  EXPECT_GT(ends.before, 10);
+}
+
+/// Whoever leaves without an action is still there when the transition comes to nothing.
+TEST(TransactionFaults, where_tasks_that_were_never_configured_leave) {
+  const auto before = testing::network_of(
+      "network: before\n"
+      "tasks: {a: {component: \"demo::A\"}, b: {component: \"demo::A\"},"
+      " idle: {component: \"demo::B\", state: pre_operational}}\n"
+      "deployments: {one: {tasks: [a]}, two: {tasks: [b, idle]}}\n"
+      "connections: [idle.out -> a.in]\n");
+  const auto target = testing::network_of(
+      "network: target\n"
+      "tasks: {a: {component: \"demo::A\", properties: {gain: 2}}, b: {component: \"demo::A\"}}\n"
+      "deployments: {one: {tasks: [a]}, two: {tasks: [b]}}\n");
+  Ends ends;
+  try_all_faults(before, target, ends);
+  EXPECT_GT(ends.before, 10);
 }
 
 TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
@@ -113,25 +242,22 @@ TEST(TransactionFaults, at_every_action_of_the_artemis_transitions) {
       kArtemis, diagnostics, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}, .journal = {}});
   ASSERT_TRUE(example) << to_string(diagnostics);
   Ends ends;
-  std::size_t turn = 0;
+  Sample sample;
   for (const auto& from : example->runtime().controllers()) {
     for (const auto& to : example->runtime().controllers()) {
       if (from == to) {
         continue;
       }
-      testing::StandInRobot robot;
+      FaultyRobot robot;
       const auto before = *example->runtime().controller(from);
       const auto target = *example->runtime().controller(to);
       ASSERT_EQ(robot.runtime.switch_to(before).outcome, Outcome::Done);
       const auto plan = robot.runtime.plan(target);
       ASSERT_TRUE(plan);
       for (const auto& action : plan->actions) {
-        ++turn;
         for (const Fault fault : kFaults) {
-          // Every action is struck in some way, one in three of them here.
-          const bool its_turn = turn % 9 == static_cast<std::size_t>(fault) * 3;
-          if (its_turn || thorough()) {
-            ASSERT_NO_FATAL_FAILURE(try_fault(robot, before, target, action, fault, ends));
+          if (sample.takes(action, fault)) {
+            ASSERT_NO_FATAL_FAILURE(try_fault(robot, {before, target, *plan, action, fault}, ends));
           }
         }
       }
@@ -152,15 +278,7 @@ TEST(TransactionFaults, at_every_action_of_random_transitions) {
     auto target = runnable(segue::testing::random_variation(random, before, shape));
     before.name = model::NetworkName("before" + std::to_string(pair));
     target.name = model::NetworkName("target" + std::to_string(pair));
-    testing::StandInRobot robot;
-    ASSERT_EQ(robot.runtime.switch_to(before).outcome, Outcome::Done);
-    const auto plan = robot.runtime.plan(target);
-    ASSERT_TRUE(plan);
-    for (const auto& action : plan->actions) {
-      for (const Fault fault : kFaults) {
-        ASSERT_NO_FATAL_FAILURE(try_fault(robot, before, target, action, fault, ends));
-      }
-    }
+    ASSERT_NO_FATAL_FAILURE(try_all_faults(before, target, ends));
   }
   EXPECT_GT(ends.target, 100);
   EXPECT_GT(ends.before, 100);

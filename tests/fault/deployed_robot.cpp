@@ -27,7 +27,9 @@ constexpr auto kPatience = std::chrono::seconds(60);
 constexpr const char* kLibrary = "segue_test_faults";
 }  // namespace
 
-RobotLife::RobotLife(const deploy::Launch& launch) {
+RobotLife::RobotLife(const deploy::Launch& launch, std::unique_ptr<deploy::ProcessService> processes,
+                     const deploy::DeployedOptions& options)
+    : processes_(std::move(processes)) {
   EXPECT_TRUE(libraries_.load(kLibrary));
   auto models = libraries_.export_models(kLibrary, catalog_.types());
   EXPECT_TRUE(models);
@@ -43,15 +45,18 @@ RobotLife::RobotLife(const deploy::Launch& launch) {
   info.software = SEGUE_VERSION;
   info.incarnation = (*memory)->incarnation();
   own_ = std::make_unique<deploy::LocalDeployment>(info, *local_, *memory);
+  host_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, control::connect_deployment, launch,
+                                                     *local_, options);
+  asking_ = std::make_unique<AskingHost>(*host_);
+  runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
+}
+
+std::unique_ptr<deploy::ProcessService> DeployedRobotTest::make_processes() {
   deploy::ProcessServerOptions options;
   options.program = SEGUE_DEPLOYMENT_PROGRAM;
   auto server = deploy::ProcessServer::create(options);
   EXPECT_TRUE(server) << to_string(server.error());
-  server_ = std::move(*server);
-  host_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *server_, control::connect_deployment, launch,
-                                                     *local_);
-  asking_ = std::make_unique<AskingHost>(*host_);
-  runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
+  return std::move(*server);
 }
 
 void DeployedRobotTest::SetUp() {

@@ -28,7 +28,8 @@ namespace segue::testing {
 /// One life of a runtime: all that ends with it.
 class RobotLife {
  public:
-  explicit RobotLife(const deploy::Launch& launch);
+  RobotLife(const deploy::Launch& launch, std::unique_ptr<deploy::ProcessService> processes,
+            const deploy::DeployedOptions& options);
 
   runtime::Runtime& runtime() { return *runtime_; }
   host::TaskHost& host() { return *host_; }
@@ -42,7 +43,7 @@ class RobotLife {
   host::LibrarySet libraries_;
   std::unique_ptr<host::LocalTaskHost> local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<deploy::ProcessServer> server_;
+  std::unique_ptr<deploy::ProcessService> processes_;
   std::unique_ptr<deploy::DeployedTaskHost> host_;
   std::unique_ptr<AskingHost> asking_;
   std::unique_ptr<runtime::Runtime> runtime_;
@@ -61,7 +62,9 @@ class DeployedRobotTest : public ::testing::Test {
   static model::Network network(const std::string& name, const std::string& tasks = {},
                                 const std::string& deployments = {}, const std::string& connections = {});
 
-  void begin_life() { life_ = std::make_unique<RobotLife>(launch_); }
+  /// Who starts and ends the processes of a life.
+  virtual std::unique_ptr<deploy::ProcessService> make_processes();
+  void begin_life() { life_ = std::make_unique<RobotLife>(launch_, make_processes(), options_); }
   runtime::Runtime& runtime() { return life_->runtime(); }
   host::TaskHost& host() { return life_->host(); }
 
@@ -86,6 +89,7 @@ class DeployedRobotTest : public ::testing::Test {
 
   std::filesystem::path folder_;
   deploy::Launch launch_;
+  deploy::DeployedOptions options_;
   std::unique_ptr<RobotLife> life_;
 };
 

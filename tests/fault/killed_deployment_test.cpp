@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SIGKILL of a deployment process: while nothing happens, with samples in flight, and before every action of
 // a transition in turn.
-#include <atomic>
 #include <csignal>
 
-#include "deployed_robot.hpp"
+#include "disturbed_transition.hpp"
 
 namespace segue::testing {
 namespace {
 
 using runtime::EventKind;
 using runtime::Outcome;
-
-constexpr const char* kRelay =
-    "  relay: {component: \"fault::Relay\"}\n  sink: {component: \"fault::Watcher\"}\n";
-constexpr const char* kWork = "  work: {tasks: [relay]}\n";
-constexpr const char* kFlow =
-    "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n"
-    "  - {from: relay.out, to: sink.in, policy: buffer, size: 100}\n";
 
 using KilledDeployment = DeployedRobotTest;
 
@@ -86,56 +78,12 @@ TEST_F(KilledDeployment, all_at_once_is_survived) {
   EXPECT_EQ(deployments().size(), 3U);
 }
 
-/// Before which action, and who.
-class KilledDuringTransition : public DeployedRobotTest {
+class KilledDuringTransition : public DisturbedTransition {
  protected:
-  /// The second network keeps the chain, reconfigures the relay, moves `extra` to another process and lays
-  /// more connections.
-  const model::Network one_ = network("one", std::string(kRelay) + "  extra: {component: \"fault::Relay\"}\n",
-                                      std::string(kWork) + "  old: {tasks: [extra]}\n",
-                                      std::string(kFlow) + "  - beater.out -> extra.in\n");
-  const model::Network two_ =
-      network("two",
-              "  relay: {component: \"fault::Relay\", properties: {gain: 2}}\n"
-              "  sink: {component: \"fault::Watcher\"}\n  extra: {component: \"fault::Relay\"}\n",
-              std::string(kWork) + "  fresh: {tasks: [extra]}\n",
-              std::string(kFlow) + "  - beater.out -> extra.in\n  - extra.out -> sink.in\n");
-
-  /// Goes from one to two and kills `victim` before the action of that number. Answers how many actions
-  /// there were.
-  std::size_t go(const std::string& victim, std::size_t kill_before) {
-    const auto plan = runtime().plan(two_);
-    EXPECT_TRUE(plan);
-    std::atomic<std::size_t> begun{0};
-    life_->asking().ask([&](const model::Action&) -> Result<void> {
-      if (begun++ == kill_before && pid_of(victim) > 0) ::kill(pid_of(victim), SIGKILL);
-      return {};
-    });
-    const auto result = try_switch(two_);
-    life_->asking().ask(nullptr);
-    expect_no_secret_mixture(result);
-    return plan->actions.size();
-  }
-  /// The one, or the other, or the runtime says that it is neither.
-  void expect_no_secret_mixture(const runtime::SwitchResult& result) {
-    const auto observed = host().observe();
-    const bool restored = result.undo && result.undo->restored;
-    const auto& claimed = result.outcome == Outcome::Done ? two_ : one_;
-    if ((result.outcome == Outcome::Done || restored) && equivalent(observed, claimed)) return;
-    const bool told =
-        !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;
-    EXPECT_TRUE(told) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
-                      << ::testing::PrintToString(differences(claimed, observed));
-  }
   void kill_before_every_action(const std::string& victim) {
-    std::size_t actions = 1;
-    for (std::size_t i = 0; i < actions; ++i) {
-      SCOPED_TRACE(victim + " killed before action " + std::to_string(i));
-      recover_to(one_);
-      actions = go(victim, i);
-      recover_to(two_);
-    }
-    EXPECT_GT(actions, 10U);
+    before_every_action("kill " + victim, [&](std::size_t) {
+      if (const pid_t pid = pid_of(victim); pid > 0) ::kill(pid, SIGKILL);
+    });
   }
 };
 

@@ -3,6 +3,8 @@
 
 #include <segue/host/task_host.hpp>
 
+#include <support/forwarding_host.hpp>
+
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -13,11 +15,11 @@
 namespace segue::testing {
 
 /// A host that asks before every action: to fail it, or to hold it up.
-class AskingHost final : public host::TaskHost {
+class AskingHost final : public ForwardingHost {
  public:
   using Ask = std::function<Result<void>(const model::Action& action)>;
 
-  explicit AskingHost(host::TaskHost& inner) : inner_(inner) {}
+  using ForwardingHost::ForwardingHost;
   void ask(Ask ask) {
     const std::lock_guard lock(mutex_);
     ask_ = std::move(ask);
@@ -26,10 +28,6 @@ class AskingHost final : public host::TaskHost {
   void ask_after(Ask ask) {
     const std::lock_guard lock(mutex_);
     ask_after_ = std::move(ask);
-  }
-
-  Result<void> perform(const model::Action& action, TimePoint deadline) override {
-    return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
   }
 
   void perform_all(std::span<const model::Action> actions, TimePoint deadline,
@@ -61,16 +59,6 @@ class AskingHost final : public host::TaskHost {
       completed(std::move(ended));
     });
   }
-  [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
-  void withdraw() override { inner_.withdraw(); }
-
-  [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
-  Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
-  [[nodiscard]] Diagnostics check(const model::Network& network) const override {
-    return inner_.check(network);
-  }
-  void expect(const model::Network& target) override { inner_.expect(target); }
-  void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override {
     model::Network seen = inner_.observe();
     Listener tell;
@@ -90,26 +78,6 @@ class AskingHost final : public host::TaskHost {
     const std::lock_guard lock(mutex_);
     after_look_ = std::move(event);
   }
-  [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
-  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
-    return inner_.connections();
-  }
-  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
-    return inner_.describe(task);
-  }
-  Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
-                            TimePoint deadline) override {
-    return inner_.set_property(task, path, value, deadline);
-  }
-  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                           const type::Value& arguments, TimePoint deadline) override {
-    return inner_.call(task, operation, arguments, deadline);
-  }
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
-    return inner_.open_reader(port, buffer);
-  }
   void set_listener(Listener listener) override {
     {
       const std::lock_guard lock(mutex_);
@@ -119,7 +87,6 @@ class AskingHost final : public host::TaskHost {
   }
 
  private:
-  host::TaskHost& inner_;
   mutable std::mutex mutex_;
   Ask ask_;
   Ask ask_after_;

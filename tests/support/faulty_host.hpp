@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/task_host.hpp>
+
+#include <support/forwarding_host.hpp>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::testing {
+
+/// What may happen at an action.
+enum class Fault {
+  Refused,     ///< it is not done, once
+  Doubted,     ///< it is done and reported as failed, once
+  Persistent,  ///< whatever is tried with it fails, on the way back too
+  Slow,        ///< it does not answer by its deadline, and is done when somebody looks
+  Late,        ///< the same, but who looks first still sees its task hang
+  Lost,        ///< as Late, but it turns out that nothing was done
+  Hangs,       ///< it never answers; a task that hangs is Fatal until its process goes
+  Dies,        ///< its process dies at it
+  DiesAgain,   ///< its process dies whenever it is tried
+  ServerDies   ///< from then on no process can be started or ended
+};
+inline constexpr std::array kFaults = {Fault::Refused,   Fault::Doubted,   Fault::Persistent, Fault::Slow,
+                                       Fault::Late,      Fault::Lost,      Fault::Hangs,      Fault::Dies,
+                                       Fault::DiesAgain, Fault::ServerDies};
+inline constexpr std::array<std::string_view, kFaults.size()> kFaultNames = {
+    "refused", "doubted", "persistent", "slow", "late", "lost", "hangs", "dies", "dies again", "server dies"};
+
+/// A host at one of whose actions something happens. Processes are those of the network, wherever the tasks
+/// of `inner` really live; it answers as the host of deployed tasks does.
+class FaultyHost final : public ForwardingHost {
+ public:
+  using ForwardingHost::ForwardingHost;
+
+  /// Once, at the action of this label (always, where the fault says so).
+  void arm(Fault fault, std::string label) {
+    const std::lock_guard lock(mutex_);
+    fault_ = fault;
+    label_ = std::move(label);
+    struck_ = false;
+    place_.reset();
+    passed_.clear();
+  }
+  /// All is well again: hooks have returned, processes can be started.
+  void heal() {
+    const std::lock_guard lock(mutex_);
+    fault_.reset();
+    hanging_.clear();
+    server_is_down_ = false;
+  }
+  [[nodiscard]] bool struck() const {
+    const std::lock_guard lock(mutex_);
+    return struck_;
+  }
+  /// The process where it happened.
+  [[nodiscard]] std::optional<model::DeploymentKey> place() const {
+    const std::lock_guard lock(mutex_);
+    return place_;
+  }
+  /// What got through to the tasks since arm().
+  [[nodiscard]] std::vector<model::Action> passed() const {
+    const std::lock_guard lock(mutex_);
+    return passed_;
+  }
+
+  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                   const host::Completion& completed) override {
+    std::vector<model::Action> passed;
+    std::vector<std::size_t> index_of;
+    std::set<std::size_t> doubted;
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      model::Action action = actions[i];
+      const auto [passes, doubt, answer] = meet(action);
+      if (!passes) {
+        completed({{i, answer}});
+        continue;
+      }
+      if (doubt) doubted.insert(i);
+      passed.push_back(std::move(action));
+      index_of.push_back(i);
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      passed_.insert(passed_.end(), passed.begin(), passed.end());
+    }
+    inner_.perform_all(passed, deadline, [&](std::vector<host::Completed> ended) {
+      for (auto& one : ended) {
+        one.index = index_of.at(one.index);
+        if (one.outcome && doubted.contains(one.index)) one.outcome = broken();
+      }
+      completed(std::move(ended));
+    });
+  }
+
+  [[nodiscard]] model::Network observe() const override {
+    std::vector<model::Action> due;
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase_if(hanging_, [&](Hanging& one) {
+        if (one.looks-- > 0) return false;
+        if (one.is_done) due.push_back(one.action);
+        return true;
+      });
+    }
+    for (const auto& action : due)
+      static_cast<void>(inner_.perform(action, patience()));
+    model::Network seen = inner_.observe();
+    const std::lock_guard lock(mutex_);
+    for (const auto& one : hanging_) {
+      const auto* id = one.action.task();
+      model::Task* task = id == nullptr ? nullptr : seen.find_task(*id);
+      if (task != nullptr) task->state = TaskState::Fatal;
+    }
+    return seen;
+  }
+
+  void set_listener(Listener listener) override {
+    {
+      const std::lock_guard lock(mutex_);
+      listener_ = listener;
+    }
+    inner_.set_listener(std::move(listener));
+  }
+
+ private:
+  struct Hanging {
+    model::Action action;
+    std::optional<model::DeploymentKey> process;
+    int looks = 0;  ///< how many see it hang
+    bool is_done = false;
+  };
+  struct Meeting {
+    bool passes = true;
+    bool doubted = false;
+    Result<void> answer{};
+  };
+
+  static TimePoint patience() { return RealClock::instance().now() + std::chrono::seconds(60); }
+  static Result<void> broken() { return fail(ErrorCode::IoError, "a fault"); }
+  static Result<void> overdue() { return fail(ErrorCode::DeadlineExceeded, "a hook has not returned"); }
+  static Result<void> gone() { return fail(ErrorCode::Unavailable, "the process cannot be reached"); }
+  static bool is_of_process(const model::Action& action) {
+    return std::holds_alternative<model::DeploymentAction>(action.what);
+  }
+
+  /// What becomes of an action; may change it.
+  Meeting meet(model::Action& action) {
+    const auto place = place_of(action);
+    Fault fault{};
+    {
+      const std::lock_guard lock(mutex_);
+      if (is_of_process(action) && server_is_down_) return {false, false, gone()};
+      if (is_held_up(action)) return {false, false, overdue()};
+      if (!strikes(action)) {
+        if (action.kind == model::ActionKind::Undeploy) end_hanging(action);
+        return {};
+      }
+      struck_ = true;
+      place_ = place;
+      fault = *fault_;
+    }
+    return strike(fault, action, place);
+  }
+
+  Meeting strike(Fault fault, const model::Action& action, const std::optional<model::DeploymentKey>& place) {
+    switch (fault) {
+      case Fault::Refused:
+      case Fault::Persistent:
+        return {false, false, broken()};
+      case Fault::Doubted:
+        return {true, true, {}};
+      case Fault::Dies:
+      case Fault::DiesAgain:
+        return die(action, place);
+      case Fault::ServerDies: {
+        const std::lock_guard lock(mutex_);
+        server_is_down_ = true;
+        return is_of_process(action) ? Meeting{false, false, gone()} : Meeting{};
+      }
+      default:
+        break;
+    }
+    const bool once = fault == Fault::Late || fault == Fault::Lost;
+    const int looks = fault == Fault::Slow ? 0 : once ? 1 : std::numeric_limits<int>::max();
+    const std::lock_guard lock(mutex_);
+    hanging_.push_back({action, place, looks, fault == Fault::Slow || fault == Fault::Late});
+    return {false, false, overdue()};
+  }
+
+  Meeting die(const model::Action& action, const std::optional<model::DeploymentKey>& place) {
+    if (!place || place->is_runtime() || action.kind == model::ActionKind::Deploy) {
+      return {false, false, broken()};  // who was only being started; the runtime's own ends the test too
+    }
+    model::Deployment dead;
+    dead.host = place->host;
+    dead.process = place->process;
+    const model::Action kill{0, model::ActionKind::Undeploy, model::DeploymentAction{dead, true}, {}, {}};
+    const bool was_there = inner_.perform(kill, patience()).has_value();
+    Listener tell;
+    {
+      const std::lock_guard lock(mutex_);
+      tell = listener_;
+    }
+    if (was_there && tell) tell(host::ProcessEvent{*place, "was ended by SIGKILL", true});
+    const bool is_told_so = action.kind == model::ActionKind::Undeploy;
+    return is_told_so ? Meeting{} : Meeting{false, false, gone()};
+  }
+
+  // With the lock held.
+  bool strikes(const model::Action& action) const {
+    if (!fault_ || action.label() != label_) return false;
+    return !struck_ || *fault_ == Fault::Persistent || *fault_ == Fault::DiesAgain;
+  }
+  /// By another action of its task that hangs.
+  bool is_held_up(const model::Action& action) const {
+    const auto* id = action.task();
+    return id != nullptr && std::any_of(hanging_.begin(), hanging_.end(), [&](const Hanging& one) {
+             return one.action.task() != nullptr && *one.action.task() == *id;
+           });
+  }
+  /// With its process goes whatever hangs there.
+  void end_hanging(model::Action& undeploy) {
+    auto& what = std::get<model::DeploymentAction>(undeploy.what);
+    const auto ended =
+        std::erase_if(hanging_, [&](const Hanging& one) { return one.process == what.deployment.key(); });
+    what.kill = what.kill || ended > 0;
+  }
+
+  /// Where an action happens: the process of its task, of a connection's reader, or else of its writer.
+  [[nodiscard]] std::optional<model::DeploymentKey> place_of(const model::Action& action) const {
+    if (const auto* process = std::get_if<model::DeploymentAction>(&action.what)) {
+      return process->deployment.key();
+    }
+    if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) return config->process;
+    if (const auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
+      const auto reader = process_of(wire->connection.to.task);
+      return reader && !reader->is_runtime() ? reader : process_of(wire->connection.from.task);
+    }
+    return action.task() == nullptr ? std::nullopt : process_of(*action.task());
+  }
+  [[nodiscard]] std::optional<model::DeploymentKey> process_of(const model::TaskId& task) const {
+    for (const auto& report : inner_.tasks()) {
+      if (report.id == task) return report.process;
+    }
+    return std::nullopt;
+  }
+
+  mutable std::mutex mutex_;
+  std::optional<Fault> fault_;
+  std::string label_;
+  bool struck_ = false;
+  std::optional<model::DeploymentKey> place_;
+  bool server_is_down_ = false;
+  mutable std::vector<Hanging> hanging_;
+  std::vector<model::Action> passed_;
+  Listener listener_;
+};
+
+}  // namespace segue::testing

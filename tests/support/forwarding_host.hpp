@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/task_host.hpp>
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::testing {
+
+/// Another host under one's hands: passes everything on, for tests to override what they disturb. One action
+/// is a batch of one.
+class ForwardingHost : public host::TaskHost {
+ public:
+  explicit ForwardingHost(host::TaskHost& inner) : inner_(inner) {}
+
+  Result<void> perform(const model::Action& action, TimePoint deadline) override {
+    return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
+  }
+  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
+                   const host::Completion& completed) override {
+    inner_.perform_all(actions, deadline, completed);
+  }
+  [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
+  void withdraw() override { inner_.withdraw(); }
+
+  [[nodiscard]] model::Depth validation_depth() const override { return inner_.validation_depth(); }
+  Result<void> can_make(const model::ComponentName& name) const override { return inner_.can_make(name); }
+  [[nodiscard]] Diagnostics check(const model::Network& network) const override {
+    return inner_.check(network);
+  }
+  void expect(const model::Network& target) override { inner_.expect(target); }
+  void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
+  [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
+  [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
+  [[nodiscard]] std::vector<host::ConnectionReport> connections() const override {
+    return inner_.connections();
+  }
+  Result<model::ComponentModel> describe(const model::TaskId& task) const override {
+    return inner_.describe(task);
+  }
+  Result<type::Value> properties(const model::TaskId& task) const override { return inner_.properties(task); }
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override {
+    return inner_.set_property(task, path, value, deadline);
+  }
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override {
+    return inner_.call(task, operation, arguments, deadline);
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    return inner_.open_reader(port, buffer);
+  }
+  void set_listener(Listener listener) override { inner_.set_listener(std::move(listener)); }
+
+ protected:
+  host::TaskHost& inner_;
+};
+
+}  // namespace segue::testing
