@@ -202,7 +202,7 @@ Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) c
   if (std::holds_alternative<Script>(action.run) && scripts_) return scripts_;
   const bool script = std::holds_alternative<Script>(action.run);
   return fail(ErrorCode::NotFound,
-              what + (script ? ": scripts cannot be run here; simulate it"
+              what + (script ? ": this program runs no scripts; simulate it"
                              : " does not say under 'run' how it runs; simulate it, or say it"),
               action.name.str(), action.where);
 }

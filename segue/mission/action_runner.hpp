@@ -112,7 +112,7 @@ class Runners {
 
   void add(const std::string& callback, Function function);
   void add(const std::string& callback, std::shared_ptr<ActionRunner> runner);
-  /// For all actions with a script.
+  /// For all actions with a script, such as a ScriptRunner.
   void set_scripts(std::shared_ptr<ActionRunner> runner);
   /// Simulates every action but deciders by what is expected of it, whatever it says under `run`.
   void simulate_all();

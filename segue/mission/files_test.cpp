@@ -92,5 +92,19 @@ TEST_F(LibraryFiles, keepTheirActionsApart) {
   EXPECT_EQ(mission->states.back().action.str(), "tools:nap:rest");
 }
 
+TEST_F(LibraryFiles, keepScriptsOfOneNameInTwoFoldersApart) {
+  const std::string actions = "actions: {rest: {run: {python: rest.py}}}\n";
+  write("main.yaml", "mission: main\n" + actions +
+                         "start: rest\nstates:\n  rest: {on: {success: same}}\n"
+                         "  same: {library: same, on: {success: other}}\n"
+                         "  other: {library: tools/nap, on: {success: return success}}\n");
+  write("same.yaml", "mission: same\n" + actions + "action: rest\n");
+  write("tools/nap.yaml", "mission: nap\n" + actions + "action: rest\n");
+  const auto mission = load_mission(folder_ / "main.yaml", {}, diagnostics_);
+  ASSERT_TRUE(mission) << to_string(diagnostics_);
+  EXPECT_EQ(mission->actions.size(), 2U);
+  EXPECT_EQ(mission->states.back().action.str(), "tools:nap:rest");
+}
+
 }  // namespace
 }  // namespace segue::mission

@@ -6,10 +6,8 @@
 #include <segue/mission/action.hpp>
 #include <segue/type/value.hpp>
 
-#include <condition_variable>
 #include <cstdint>
-#include <map>
-#include <mutex>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,8 +15,9 @@
 
 namespace segue::mission {
 
-/// The global variables of a run. Thread safe; values are copied in and out. A variable keeps the type of its
-/// declaration, and one without declaration that of its first value.
+/// The global variables of a run: a handle, whose copies are the same variables and may outlive the run.
+/// Thread safe; values are copied in and out. A variable keeps the type of its declaration, and one without
+/// declaration that which it was made with.
 class Globals {
  public:
   /// What lock() gave; only its holder may write a locked variable.
@@ -27,8 +26,9 @@ class Globals {
   explicit Globals(const std::vector<Port>& declared = {});
 
   [[nodiscard]] std::optional<type::Value> get(std::string_view name) const;
-  /// TypeMismatch; PermissionDenied where the variable is locked and `key` is not its key.
-  Result<void> set(const std::string& name, type::Value value, Key key = 0);
+  /// TypeMismatch; PermissionDenied where the variable is locked and `key` is not its key. A variable that is
+  /// not there is made, of type `type` or else of that of the value.
+  Result<void> set(const std::string& name, type::Value value, Key key = 0, std::string_view type = {});
   /// PermissionDenied where it is locked. Deleting what is not there is no error.
   Result<void> erase(const std::string& name);
 
@@ -37,21 +37,15 @@ class Globals {
   Result<Key> lock(const std::string& name, Duration timeout);
   /// PermissionDenied where `key` is not that of the lock; `force` takes it from whoever holds it.
   Result<void> unlock(const std::string& name, Key key, bool force = false);
+  /// Whether somebody holds the lock who has another key.
+  [[nodiscard]] bool is_locked(std::string_view name, Key key = 0) const;
 
   /// All, by name.
   [[nodiscard]] type::Value snapshot() const;
 
  private:
-  struct Variable {
-    type::Value value;
-    std::string type = "any";
-    Key holder = 0;
-  };
-
-  mutable std::mutex mutex_;
-  std::condition_variable unlocked_;
-  std::map<std::string, Variable, std::less<>> variables_;
-  Key last_key_ = 0;
+  struct Variables;
+  std::shared_ptr<Variables> variables_;
 };
 
 }  // namespace segue::mission

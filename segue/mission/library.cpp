@@ -13,6 +13,13 @@ namespace {
 
 using std::filesystem::path;
 
+/// Files are relative to the mission's: one name in two folders is two scripts.
+bool scripts_are_one(const Action& a, const Action& b) {
+  const auto* script = std::get_if<Script>(&a.run);
+  return script == nullptr || script->file.empty() ||
+         path(a.where.file).parent_path() == path(b.where.file).parent_path();
+}
+
 /// Puts the state machines of other files into a mission.
 class Collector {
  public:
@@ -81,7 +88,7 @@ class Collector {
     for (Action& action : library.actions) {
       const auto same = std::ranges::find(mission_.actions, action.name, &Action::name);
       const bool taken = same != mission_.actions.end();
-      if (taken && *same == action) continue;
+      if (taken && *same == action && scripts_are_one(*same, action)) continue;
       if (taken) {
         const ActionName fresh(prefix + ":" + action.name.str());
         renamed.emplace(action.name, fresh);

@@ -164,11 +164,26 @@ class Converter {
     action.outcomes = outcomes(shown);
     action.where = raw.where;
     if (!raw.script.empty()) action.run = Script{{}, raw.script};
+    check_numbers(raw, shown);
     std::string name = id;
     std::ranges::replace(name, '/', ':');
     action.name = ActionName(unique(std::move(name), action_names_));
     mission_.actions.push_back(action);
     return action.name;
+  }
+
+  /// Here outcomes are numbered as they stand; in RAFCON numbers may be missing.
+  void check_numbers(const RafconState& raw, const Names& shown) {
+    std::int64_t next = 0;
+    for (const auto& [id, name] : shown.outcomes) {
+      if (id >= 0 && id != next++) {
+        diagnostics_.warning("outcome-numbers",
+                             "the outcomes of " + quote(raw.name) +
+                                 " are not numbered 0, 1, 2 ...: its script must return them by name",
+                             raw.where);
+        return;
+      }
+    }
   }
 
   /// Children by RAFCON's ids.

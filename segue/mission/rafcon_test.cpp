@@ -132,6 +132,13 @@ TEST_F(OwnMachine, ofTheOldFormatIsRead) {
   EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
 }
 
+TEST_F(OwnMachine, withGapsInItsOutcomesSaysWhatThatMeansForTheScript) {
+  const auto machine = import("renumbered");
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  EXPECT_THAT(to_string(diagnostics_), HasSubstr("its script must return them by name [outcome-numbers]"));
+  EXPECT_EQ(machine->mission.actions.front().outcomes, (std::vector<std::string>{"gone", "there"}));
+}
+
 TEST_F(OwnMachine, withAMissingLibraryIsRefused) {
   EXPECT_FALSE(import_rafcon(kOurs / "count_down", {}, diagnostics_));
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("there is no library 'own/tools/show value'"));

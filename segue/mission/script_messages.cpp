@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/script_messages.hpp>
+#include <segue/type/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace segue::mission::detail {
+
+using type::Value;
+using type::ValueMap;
+
+namespace {
+
+constexpr std::size_t kHead = 4;
+constexpr std::size_t kLongestLine = 4096;
+
+/// Where in the value something is that JSON lacks: ".scan[3]"; nothing where there is none.
+std::optional<std::string> not_finite(const Value& value) {
+  if (value.kind() == Value::Kind::Float && !std::isfinite(value.as_double())) return "";
+  if (value.is_list()) {
+    const Value::List& list = value.as_list();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (auto inside = not_finite(list[i])) return "[" + std::to_string(i) + "]" + *inside;
+    }
+  }
+  if (value.is_map()) {
+    for (const auto& [key, item] : value.as_map()) {
+      if (auto inside = not_finite(item)) return "." + key + *inside;
+    }
+  }
+  return std::nullopt;
+}
+
+Result<Value> inputs_of(const Call& call) {
+  ValueMap inputs;
+  const auto& ports = call.action().inputs;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    if (const auto place = not_finite(call.inputs()[i])) {
+      return fail(ErrorCode::InvalidArgument,
+                  "input " + quote(ports[i].name + *place) +
+                      " is infinite or no number, which cannot be passed on to a script");
+    }
+    inputs.append(ports[i].name, call.inputs()[i]);
+  }
+  if (!call.error_before().empty() && inputs.find("error") == nullptr)
+    inputs.append("error", call.error_before());
+  return Value(std::move(inputs));
+}
+
+Value outputs_of(Call& call) {
+  ValueMap outputs;
+  const auto& ports = call.action().outputs;
+  for (std::size_t i = 0; i < ports.size(); ++i)
+    outputs.append(ports[i].name, call.outputs()[i]);
+  return outputs;
+}
+
+std::string name_of(const Program& program, StateIndex index) {
+  const State& state = program.state(index);
+  return state.title.empty() ? state.id.str() : state.title;
+}
+
+Value branches_of(const Call& call) {
+  Value::List branches;
+  for (const BranchResult& branch : call.branches()) {
+    branches.push_back(
+        Value::map({{"id", call.program().state(branch.state).id.str()},
+                    {"name", name_of(call.program(), branch.state)},
+                    {"outcome", static_cast<std::int64_t>(branch.outcome)},
+                    {"outcome_name", call.program().outcome_name(branch.state, branch.outcome)},
+                    {"error", branch.error}}));
+  }
+  return branches;
+}
+
+/// Files are relative to the file that names them.
+void add_script(ValueMap& message, const Action& action, const Mission& mission) {
+  namespace fs = std::filesystem;
+  const auto& script = std::get<Script>(action.run);
+  const fs::path origin = action.where.file.empty() ? mission.file : action.where.file;
+  std::error_code ignored;
+  const fs::path folder = origin.empty() ? fs::path() : fs::absolute(origin, ignored).parent_path();
+  if (!script.text.empty()) {
+    message.append("text", script.text);
+    message.append("folder", folder.string());
+    return;
+  }
+  const fs::path file = folder / script.file;
+  message.append("file", file.lexically_normal().string());
+  message.append("folder", file.lexically_normal().parent_path().string());
+}
+
+Value text_list(const std::vector<std::string>& texts) {
+  return Value::List(texts.begin(), texts.end());
+}
+
+}  // namespace
+
+Result<std::string> framed(const Value& message, std::size_t largest) {
+  const std::string body = type::to_json(message, -1);
+  if (body.size() > largest) {
+    return fail(ErrorCode::ResourceExhausted, std::to_string(body.size()) + " bytes are more than the " +
+                                                  std::to_string(largest) +
+                                                  " that can be passed on to a script");
+  }
+  std::string text(kHead, '\0');
+  for (std::size_t i = 0; i < kHead; ++i)
+    text[i] = static_cast<char>((body.size() >> (8 * i)) & 0xFFU);
+  return text + body;
+}
+
+void MessageReader::append(std::string_view text) {
+  if (read_ > 0) text_.erase(0, std::exchange(read_, 0));
+  text_ += text;
+}
+
+Result<std::optional<Value>> MessageReader::next() {
+  const std::string_view left = std::string_view(text_).substr(read_);
+  if (left.size() < kHead) return std::optional<Value>();
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < kHead; ++i)
+    size |= static_cast<std::size_t>(static_cast<unsigned char>(left[i])) << (8 * i);
+  if (size > largest_) {
+    return fail(ErrorCode::ResourceExhausted, "a message of " + std::to_string(size) +
+                                                  " bytes, where at most " + std::to_string(largest_) +
+                                                  " are possible");
+  }
+  if (left.size() - kHead < size) return std::optional<Value>();
+  read_ += kHead + size;
+  auto value = type::parse_json(left.substr(kHead, size));
+  if (!value) return value.error();
+  return std::optional<Value>(std::move(*value));
+}
+
+void LineReader::append(std::string_view text) {
+  if (read_ > 0) text_.erase(0, std::exchange(read_, 0));
+  text_ += text;
+}
+
+std::optional<std::string> LineReader::next() {
+  const std::string_view left = std::string_view(text_).substr(read_);
+  const std::size_t end = left.find('\n');
+  if (end == std::string_view::npos && left.size() < kLongestLine) return std::nullopt;
+  const std::size_t size = std::min({end, left.size(), kLongestLine});
+  read_ += size == end ? size + 1 : size;
+  return std::string(left.substr(0, size));
+}
+
+std::string LineReader::rest() {
+  std::string text = text_.substr(read_);
+  text_.clear();
+  read_ = 0;
+  return text;
+}
+
+Result<Value> execute_message(std::uint64_t id, const std::string& run, Call& call) {
+  auto inputs = inputs_of(call);
+  if (!inputs) return inputs.error();
+  const Program& program = call.program();
+  const State& state = program.state(call.state());
+  ValueMap message;
+  message.append("do", "execute");
+  message.append("id", id);
+  message.append("run", run);
+  message.append("backward", call.backward());
+  message.append("path", call.path().empty() ? program.mission().name : call.path());
+  message.append("state", state.id.str());
+  message.append("name", name_of(program, call.state()));
+  add_script(message, call.action(), program.mission());
+  message.append("inputs", std::move(*inputs));
+  message.append("outputs", outputs_of(call));
+  message.append("outcomes", text_list(call.action().outcomes));
+  if (state.kind == StateKind::Decider) message.append("branches", branches_of(call));
+  return Value(std::move(message));
+}
+
+namespace {
+
+using Answer = Result<Value>;
+
+std::string text_of(const Value& request, std::string_view key) {
+  const Value* value = request.find(key);
+  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
+}
+
+Globals::Key key_of(const Value& request) {
+  const Value* key = request.find("key");
+  return key == nullptr || !key->is_integer() ? 0 : key->as_uint();
+}
+
+template <class T>
+Answer done(const Result<T>& result) {
+  if (!result) return result.error();
+  if constexpr (std::is_void_v<T>) {
+    return Value();
+  } else {
+    return Value(*result);
+  }
+}
+
+/// A list with the value, empty where there is no such variable; null while somebody else holds its lock.
+Answer get(const Globals& globals, const std::string& name, Globals::Key key) {
+  if (globals.is_locked(name, key)) {
+    if (key == 0) return Value();
+    return fail(ErrorCode::PermissionDenied, "wrong access key for the global variable " + quote(name));
+  }
+  auto value = globals.get(name);
+  if (value && not_finite(*value)) {
+    return fail(ErrorCode::InvalidArgument,
+                "the global variable " + quote(name) +
+                    " is infinite or no number, which cannot be passed on to a script");
+  }
+  return Value(value ? Value::List{std::move(*value)} : Value::List{});
+}
+
+/// The key; null while somebody else holds the lock.
+Answer lock(Globals& globals, const std::string& name) {
+  auto key = globals.lock(name, Duration::zero());
+  if (!key && key.error().code == ErrorCode::DeadlineExceeded) return Value();
+  return done(key);
+}
+
+Answer serve(Globals& globals, const Value& request) {
+  const std::string call = text_of(request, "call");
+  const std::string name = text_of(request, "name");
+  const Globals::Key key = key_of(request);
+  if (call == "get") return get(globals, name, key);
+  if (call == "set") {
+    const Value* value = request.find("value");
+    return done(globals.set(name, value == nullptr ? Value() : *value, key, text_of(request, "type")));
+  }
+  if (call == "lock") return lock(globals, name);
+  if (call == "unlock") {
+    const Value* force = request.find("force");
+    return done(globals.unlock(name, key, force != nullptr && force->is_bool() && force->as_bool()));
+  }
+  if (call == "delete") return done(globals.erase(name));
+  if (call == "is_locked") return Value(globals.is_locked(name));
+  if (call == "all") return globals.snapshot();
+  return fail(ErrorCode::Unsupported, "there is no call " + quote(call) + " of global variables");
+}
+
+}  // namespace
+
+ValueMap answer_about_globals(Globals& globals, const Value& request) {
+  ValueMap answer;
+  if (auto value = serve(globals, request)) {
+    answer.append("value", std::move(*value));
+  } else {
+    answer.append("error", value.error().message);
+    answer.append("code", std::string(to_string(value.error().code)));
+  }
+  return answer;
+}
+
+}  // namespace segue::mission::detail

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
+#include <segue/base/text.hpp>
+#include <segue/mission/script_process.hpp>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace segue::mission::detail {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kWorker = "share/segue/script_worker.py";
+/// The number that its end of the socket has in the child.
+constexpr int kChannel = 3;
+
+/// The worker of this build or installation: beside the folder of the program, or of this library
+/// (<prefix>/lib, <prefix>/lib/<architecture>).
+Result<fs::path> installed_worker() {
+  std::vector<fs::path> prefixes;
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  if (!failed) prefixes.push_back(self.parent_path().parent_path());
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&installed_worker), &info) != 0 && info.dli_fname != nullptr) {
+    const fs::path own = fs::absolute(info.dli_fname, failed).parent_path();
+    prefixes.push_back(own.parent_path());
+    prefixes.push_back(own.parent_path().parent_path());
+  }
+  for (const fs::path& prefix : prefixes) {
+    if (fs::is_regular_file(prefix / kWorker, failed)) return prefix / kWorker;
+  }
+  return fail(ErrorCode::NotFound, std::string("cannot find ") + kWorker +
+                                       ", which executes Python scripts, in the folder where Segue is "
+                                       "installed; install Segue again");
+}
+
+/// posix_spawn's arguments as values: clean signals, a group of its own, no descriptors but those given.
+class SpawnSettings {
+ public:
+  SpawnSettings() {
+    ::posix_spawn_file_actions_init(&actions_);
+    ::posix_spawnattr_init(&attributes_);
+    sigset_t none;
+    sigset_t all;
+    ::sigemptyset(&none);
+    ::sigfillset(&all);
+    ::posix_spawnattr_setsigmask(&attributes_, &none);
+    ::posix_spawnattr_setsigdefault(&attributes_, &all);
+    ::posix_spawnattr_setpgroup(&attributes_, 0);
+    ::posix_spawnattr_setflags(&attributes_,
+                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnSettings() {
+    ::posix_spawn_file_actions_destroy(&actions_);
+    ::posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+  /// Sources must be beyond kChannel, so that none is overwritten before its turn.
+  void hand_over(const Descriptor& source, int number) {
+    ::posix_spawn_file_actions_adddup2(&actions_, source.get(), number);
+  }
+  void close_others() { ::posix_spawn_file_actions_addclosefrom_np(&actions_, kChannel + 1); }
+
+  Result<pid_t> spawn(const std::string& program, std::vector<std::string> words) const {
+    std::vector<char*> arguments;
+    for (std::string& word : words)
+      arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    pid_t pid = 0;
+    const int reason =
+        ::posix_spawnp(&pid, program.c_str(), &actions_, &attributes_, arguments.data(), environ);
+    if (reason == 0) return pid;
+    return system_error("cannot start the Python interpreter " + quote(program), reason);
+  }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+  posix_spawnattr_t attributes_{};
+};
+
+Descriptor moved_up(int descriptor) {
+  const Descriptor original(descriptor);
+  return Descriptor(::fcntl(original.get(), F_DUPFD_CLOEXEC, kChannel + 1));
+}
+
+ScriptProcess::Read read_some(ssize_t count, std::span<char> buffer, std::string_view& text) {
+  if (count == 0) return ScriptProcess::Read::End;
+  if (count < 0) {
+    const bool later = errno == EAGAIN || errno == EINTR;
+    return later ? ScriptProcess::Read::Nothing : ScriptProcess::Read::End;
+  }
+  text = {buffer.data(), static_cast<std::size_t>(count)};
+  return ScriptProcess::Read::Some;
+}
+
+}  // namespace
+
+Result<ScriptProcess> ScriptProcess::start(const ScriptOptions& options) {
+  auto worker = options.worker.empty() ? installed_worker() : Result<fs::path>(options.worker);
+  if (!worker) return worker.error();
+  std::array<int, 2> socket{-1, -1};
+  std::array<int, 2> pipe{-1, -1};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, socket.data()) != 0)
+    return system_error("cannot make a socket for Python", errno);
+  ScriptProcess process;
+  process.messages_ = Descriptor(socket[0]);
+  const Descriptor channel = moved_up(socket[1]);
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return system_error("cannot make a pipe for Python", errno);
+  process.output_ = Descriptor(pipe[0]);
+  const Descriptor output = moved_up(pipe[1]);
+  const Descriptor null = moved_up(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  if (!channel.valid() || !output.valid() || !null.valid())
+    return system_error("cannot make descriptors for Python", errno);
+  ::fcntl(process.output_.get(), F_SETFL, O_NONBLOCK);
+
+  SpawnSettings settings;
+  settings.hand_over(null, STDIN_FILENO);
+  settings.hand_over(output, STDOUT_FILENO);
+  settings.hand_over(output, STDERR_FILENO);
+  settings.hand_over(channel, kChannel);
+  settings.close_others();
+  auto pid = settings.spawn(options.python,
+                            {options.python, worker->string(), std::to_string(options.largest_message)});
+  if (!pid) return pid.error();
+  process.pid_ = Pid(*pid);
+  process.ended_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, *pid, 0)));
+  if (!process.ended_.valid()) return system_error("cannot watch the Python interpreter", errno);
+  return process;
+}
+
+ScriptProcess::~ScriptProcess() {
+  if (pid_ == 0) return;
+  kill();
+  (void)reap();
+}
+
+ScriptProcess::Events ScriptProcess::wait(int wake, bool sending, std::optional<TimePoint> until) const {
+  const short both = POLLIN | POLLOUT;
+  std::array<pollfd, 4> waited{pollfd{messages_.get(), sending ? both : short{POLLIN}, 0},
+                               {output_.get(), POLLIN, 0},
+                               {ended_.get(), POLLIN, 0},
+                               {wake, POLLIN, 0}};
+  int limit = -1;
+  if (until) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*until - RealClock::instance().now());
+    limit = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 3'600'000));
+  }
+  if (::poll(waited.data(), waited.size(), limit) <= 0) return {};
+  return {(waited[0].revents & ~POLLOUT) != 0, waited[1].revents != 0, waited[2].revents != 0};
+}
+
+ScriptProcess::Read ScriptProcess::read_messages(std::span<char> buffer, std::string_view& text) {
+  if (!messages_.valid()) return Read::End;
+  const Read read =
+      read_some(::recv(messages_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT), buffer, text);
+  if (read == Read::End) messages_ = Descriptor();
+  return read;
+}
+
+ScriptProcess::Read ScriptProcess::read_output(std::span<char> buffer, std::string_view& text) {
+  if (!output_.valid()) return Read::End;
+  const Read read = read_some(::read(output_.get(), buffer.data(), buffer.size()), buffer, text);
+  if (read == Read::End) output_ = Descriptor();
+  return read;
+}
+
+std::size_t ScriptProcess::send(std::string_view text) const {
+  const ssize_t count = ::send(messages_.get(), text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  return count < 0 ? 0 : static_cast<std::size_t>(count);
+}
+
+void ScriptProcess::end_messages() const {
+  ::shutdown(messages_.get(), SHUT_WR);
+}
+
+void ScriptProcess::kill() const {
+  if (pid_ != 0) ::kill(-pid_, SIGKILL);
+}
+
+std::string ScriptProcess::reap() {
+  int status = 0;
+  // What it has begun goes with it.
+  kill();
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = Pid();
+  if (!WIFSIGNALED(status)) return "ended with exit status " + std::to_string(WEXITSTATUS(status));
+  const int number = WTERMSIG(status);
+  const char* name = ::sigdescr_np(number);
+  return "was killed by signal " + std::to_string(number) + " (" + (name == nullptr ? "?" : name) + ")";
+}
+
+}  // namespace segue::mission::detail

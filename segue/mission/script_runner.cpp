@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/script_runner.hpp>
+#include <segue/mission/script_worker.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <mutex>
+#include <random>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace segue::mission {
+
+namespace {
+
+/// As RAFCON's: one prefix a run, then a number.
+std::string run_prefix() {
+  std::random_device random;
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%08x%08x%08x%08x.run_id.", random(), random(), random(), random());
+  return text.data();
+}
+
+std::string run_number(std::uint64_t number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%020llu", static_cast<unsigned long long>(number));
+  return text.data();
+}
+
+}  // namespace
+
+class ScriptRunner::Impl {
+ public:
+  explicit Impl(ScriptOptions options) : options_(std::move(options)), runs_(run_prefix()) {}
+
+  std::pair<std::uint64_t, std::string> next_run() {
+    const std::lock_guard guard(mutex_);
+    const std::uint64_t id = ++last_id_;
+    return {id, runs_ + run_number(id)};
+  }
+
+  /// Gives it to the worker that takes more, or to a new one.
+  void begin(std::uint64_t id, detail::ScriptExecution execution, const std::string& message) {
+    const std::lock_guard guard(mutex_);
+    std::erase_if(workers_, [](const auto& worker) { return worker->ended(); });
+    for (const auto& worker : workers_) {
+      if (worker->begin(id, execution, message)) return;
+    }
+    auto worker = std::make_unique<detail::ScriptWorker>(options_);
+    if (paused_) worker->pause(true);
+    try {
+      (void)worker->begin(id, execution, message);
+      workers_.push_back(std::move(worker));
+    } catch (const std::system_error& failed) {
+      execution.completer({kAborted, std::string("no thread for Python: ") + failed.what()},
+                          std::move(execution.outputs));
+    }
+  }
+
+  void preempt(std::uint64_t id) {
+    const std::lock_guard guard(mutex_);
+    for (const auto& worker : workers_)
+      worker->preempt(id);
+  }
+
+  void pause(bool paused) {
+    const std::lock_guard guard(mutex_);
+    paused_ = paused;
+    for (const auto& worker : workers_)
+      worker->pause(paused);
+  }
+
+  [[nodiscard]] std::optional<pid_t> process() const {
+    const std::lock_guard guard(mutex_);
+    for (const auto& worker : workers_) {
+      if (worker->takes_more()) return worker->process();
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] const ScriptOptions& options() const { return options_; }
+
+ private:
+  const ScriptOptions options_;
+  const std::string runs_;
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<detail::ScriptWorker>> workers_;
+  std::uint64_t last_id_ = 0;
+  bool paused_ = false;
+};
+
+ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
+ScriptRunner::~ScriptRunner() = default;
+
+std::optional<Ending> ScriptRunner::start(Call& call) {
+  const auto [id, run] = impl_->next_run();
+  const auto message = detail::execute_message(id, run, call);
+  if (!message) return Ending{kAborted, message.error().message};
+  const auto text = detail::framed(*message, impl_->options().largest_message);
+  if (!text) return Ending{kAborted, "its inputs: " + text.error().message};
+  detail::ScriptExecution execution{call.path(), {}, call.globals(), {}, {}, {}, {}};
+  for (const Port& port : call.action().outputs)
+    execution.output_names.push_back(port.name);
+  execution.outputs.assign(call.outputs().begin(), call.outputs().end());
+  execution.completer = call.defer([weak = std::weak_ptr(impl_), number = id] {
+    if (const auto impl = weak.lock()) impl->preempt(number);
+  });
+  impl_->begin(id, std::move(execution), *text);
+  return std::nullopt;
+}
+
+void ScriptRunner::set_paused(bool paused) {
+  impl_->pause(paused);
+}
+
+std::optional<pid_t> ScriptRunner::process() const {
+  return impl_->process();
+}
+
+}  // namespace segue::mission

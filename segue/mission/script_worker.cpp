@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/mission/script_worker.hpp>
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <limits>
+
+namespace segue::mission::detail {
+
+using type::Value;
+using type::ValueMap;
+
+namespace {
+
+/// How long a process may take to end once it has nothing more to do.
+constexpr Duration kEndGrace = std::chrono::seconds(2);
+/// What is read at once, and how often once the process has ended: others may still hold its descriptors.
+constexpr std::size_t kPiece = std::size_t{64} << 10U;
+constexpr int kLastPieces = 64;
+
+TimePoint real_now() {
+  return RealClock::instance().now();
+}
+
+std::optional<std::uint64_t> number_of(const Value& message, std::string_view key) {
+  const Value* value = message.find(key);
+  if (value == nullptr || !value->is_integer()) return std::nullopt;
+  return value->as_uint();
+}
+
+std::string text_of(const Value& message, std::string_view key) {
+  const Value* value = message.find(key);
+  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
+}
+
+LogLevel level_of(const std::string& name) {
+  for (const LogLevel level : {LogLevel::Debug, LogLevel::Warning, LogLevel::Error}) {
+    if (name == to_string(level)) return level;
+  }
+  return LogLevel::Info;
+}
+
+Ending ending_of(const Value& message) {
+  const Value* outcome = message.find("outcome");
+  if (outcome == nullptr || !outcome->is_integer()) return {kAborted, text_of(message, "error")};
+  const std::int64_t number = std::clamp<std::int64_t>(outcome->as_int(), std::numeric_limits<Outcome>::min(),
+                                                       std::numeric_limits<Outcome>::max());
+  return {static_cast<Outcome>(number), text_of(message, "error")};
+}
+
+}  // namespace
+
+ScriptWorker::ScriptWorker(ScriptOptions options)
+    : options_(std::move(options)),
+      wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      messages_(options_.largest_message) {}
+
+ScriptWorker::~ScriptWorker() {
+  {
+    const std::lock_guard guard(mutex_);
+    open_ = false;
+    closing_ = true;
+    enqueue_text({});
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std::string& message) {
+  const std::lock_guard guard(mutex_);
+  if (!open_) return false;
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  executions_.emplace(id, std::move(execution));
+  enqueue_text(message);
+  return true;
+}
+
+void ScriptWorker::preempt(std::uint64_t id) {
+  const std::lock_guard guard(mutex_);
+  const auto found = executions_.find(id);
+  if (found == executions_.end() || found->second.overdue) return;
+  found->second.overdue = real_now() + options_.preemption_grace;
+  enqueue(Value::map({{"do", "preempt"}, {"id", id}}));
+}
+
+void ScriptWorker::pause(bool paused) {
+  const std::lock_guard guard(mutex_);
+  enqueue(Value::map({{"do", "pause"}, {"paused", paused}}));
+}
+
+bool ScriptWorker::takes_more() const {
+  const std::lock_guard guard(mutex_);
+  return open_;
+}
+
+std::optional<pid_t> ScriptWorker::process() const {
+  const std::lock_guard guard(mutex_);
+  return pid_ == 0 ? std::nullopt : std::optional(pid_);
+}
+
+void ScriptWorker::run() {
+  auto process = ScriptProcess::start(options_);
+  if (process) {
+    {
+      const std::lock_guard guard(mutex_);
+      pid_ = process->pid();
+    }
+    serve(*process);
+    const std::string how = process->reap();
+    abort_all(told_of_end(how));
+  } else {
+    abort_all(to_string(process.error()) + "; install python3, or name another interpreter");
+  }
+  ended_ = true;
+}
+
+void ScriptWorker::serve(ScriptProcess& process) {
+  ScriptProcess::Events events;
+  while (!events.ended) {
+    bool sending = false;
+    {
+      const std::lock_guard guard(mutex_);
+      sending = sent_ < outgoing_.size();
+    }
+    events = process.wait(wake_.get(), sending, next_deadline());
+    eventfd_t ignored = 0;
+    (void)::eventfd_read(wake_.get(), &ignored);
+    if (events.messages) read_messages(process);
+    if (events.output) read_output(process);
+    flush(process);
+    check_time(process);
+  }
+  for (int i = 0; i < kLastPieces && read_messages(process); ++i) {
+  }
+  for (int i = 0; i < kLastPieces && read_output(process); ++i) {
+  }
+  if (const std::string rest = lines_.rest(); !rest.empty()) log(LogLevel::Info, "python", last_line_ = rest);
+}
+
+void ScriptWorker::flush(const ScriptProcess& process) {
+  const std::lock_guard guard(mutex_);
+  while (sent_ < outgoing_.size()) {
+    const std::size_t count = process.send(std::string_view(outgoing_).substr(sent_));
+    if (count == 0) return;
+    sent_ += count;
+  }
+  outgoing_.clear();
+  sent_ = 0;
+}
+
+/// False where nothing was there.
+bool ScriptWorker::read_messages(ScriptProcess& process) {
+  std::array<char, kPiece> buffer;
+  std::string_view text;
+  const auto read = process.read_messages(buffer, text);
+  // Whoever has just died has closed it too; the other news is on its way.
+  if (read == ScriptProcess::Read::End && !killed_ && !told_to_end_)
+    kill_at(real_now() + kEndGrace, "it had closed its connection");
+  if (read != ScriptProcess::Read::Some) return false;
+  if (broken_) return true;
+  messages_.append(text);
+  for (;;) {
+    auto message = messages_.next();
+    if (!message) {
+      refuse("it sent what is no message: " + to_string(message.error()));
+      return true;
+    }
+    if (!*message) return true;
+    handle(**message);
+  }
+}
+
+bool ScriptWorker::read_output(ScriptProcess& process) {
+  std::array<char, kPiece> buffer;
+  std::string_view text;
+  if (process.read_output(buffer, text) != ScriptProcess::Read::Some) return false;
+  lines_.append(text);
+  while (auto line = lines_.next()) {
+    log(LogLevel::Info, "python", *line);
+    if (!line->empty()) last_line_ = std::move(*line);
+  }
+  return true;
+}
+
+void ScriptWorker::handle(const Value& message) {
+  const std::string what = text_of(message, "do");
+  if (what == "end") {
+    handle_end(message);
+  } else if (what == "ask") {
+    handle_question(message);
+  } else if (what == "log") {
+    const std::string path = text_of(message, "path");
+    log(level_of(text_of(message, "level")), path.empty() ? "python" : path, text_of(message, "text"));
+  } else {
+    refuse("it sent what is no message");
+  }
+}
+
+void ScriptWorker::handle_end(const Value& message) {
+  std::unique_lock guard(mutex_);
+  const auto found = executions_.find(number_of(message, "id").value_or(0));
+  if (found == executions_.end()) {
+    guard.unlock();
+    return refuse("it ended what it had not been given");
+  }
+  const ScriptExecution execution = std::move(found->second);
+  executions_.erase(found);
+  guard.unlock();
+  std::vector<Value> outputs = execution.outputs;
+  const Value* written = message.find("outputs");
+  for (std::size_t i = 0; written != nullptr && i < outputs.size(); ++i) {
+    if (const Value* value = written->find(execution.output_names[i])) outputs[i] = *value;
+  }
+  execution.completer(ending_of(message), std::move(outputs));
+}
+
+void ScriptWorker::handle_question(const Value& message) {
+  const std::lock_guard guard(mutex_);
+  const auto found = executions_.find(number_of(message, "execution").value_or(0));
+  ValueMap answer;
+  if (found == executions_.end()) {
+    answer.append("error", "global variables cannot be used after the end of execute()");
+    answer.append("code", "invalid-state");
+  } else {
+    answer = answer_about_globals(found->second.globals, message);
+    const Value* value = answer.find("value");
+    if (text_of(message, "call") == "lock" && value != nullptr && value->is_integer())
+      found->second.locks.emplace_back(text_of(message, "name"), value->as_uint());
+  }
+  answer.append("do", "answer");
+  answer.append("number", number_of(message, "number").value_or(0));
+  enqueue(std::move(answer));
+}
+
+/// Scripts that go on although they were preempted get no company, and no mercy once they are alone.
+void ScriptWorker::retire_overdue(TimePoint now) {
+  const auto overdue = [&](const auto& each) { return each.second.overdue && *each.second.overdue <= now; };
+  const auto late = std::ranges::find_if(executions_, overdue);
+  if (late == executions_.end() || killed_) return;
+  if (std::exchange(open_, false)) {
+    log(LogLevel::Warning, late->second.path,
+        "it went on after it was preempted; further scripts begin in a new process");
+  }
+  if (std::ranges::all_of(executions_, overdue)) kill_at(now, "it went on after it was preempted");
+}
+
+void ScriptWorker::check_time(const ScriptProcess& process) {
+  const TimePoint now = checked_ = real_now();
+  {
+    const std::lock_guard guard(mutex_);
+    retire_overdue(now);
+    const bool idle = executions_.empty();
+    if (!told_to_end_ && (closing_ || (!open_ && idle))) {
+      told_to_end_ = true;
+      process.end_messages();
+      kill_at(idle ? now + kEndGrace : now, "nothing waits for it any more");
+    }
+  }
+  if (!kill_at_ || *kill_at_ > now || killed_) return;
+  killed_ = true;
+  process.kill();
+}
+
+std::optional<TimePoint> ScriptWorker::next_deadline() const {
+  if (killed_) return std::nullopt;
+  std::optional<TimePoint> next = kill_at_;
+  const std::lock_guard guard(mutex_);
+  for (const auto& [id, execution] : executions_) {
+    if (execution.overdue && *execution.overdue > checked_)
+      next = std::min(next.value_or(*execution.overdue), *execution.overdue);
+  }
+  return next;
+}
+
+/// Nothing that comes after this makes sense.
+void ScriptWorker::refuse(const std::string& reason) {
+  broken_ = true;
+  kill_at(real_now(), reason);
+}
+
+/// The earliest time and its reason count.
+void ScriptWorker::kill_at(TimePoint when, const std::string& reason) {
+  if (killed_ || (kill_at_ && *kill_at_ <= when)) return;
+  kill_at_ = when;
+  kill_reason_ = reason;
+}
+
+std::string ScriptWorker::told_of_end(const std::string& how) const {
+  if (killed_) return "the Python process was killed, since " + kill_reason_;
+  std::string text = "the Python process " + how;
+  if (!last_line_.empty()) text += "; its last output: " + last_line_;
+  return text;
+}
+
+/// What is under way, and gives back the locks that nobody else knows of.
+void ScriptWorker::abort_all(const std::string& error) {
+  std::map<std::uint64_t, ScriptExecution> left;
+  {
+    const std::lock_guard guard(mutex_);
+    open_ = false;
+    pid_ = 0;
+    left.swap(executions_);
+  }
+  for (auto& [id, execution] : left) {
+    for (const auto& [name, key] : execution.locks)
+      (void)execution.globals.unlock(name, key);
+    execution.completer({kAborted, error}, std::move(execution.outputs));
+  }
+}
+
+/// With the mutex held, as the next one.
+void ScriptWorker::enqueue(const Value& message) {
+  auto text = framed(message, options_.largest_message);
+  if (text) return enqueue_text(*text);
+  const Value* number = message.find("number");
+  const Value refusal = Value::map({{"do", "answer"},
+                                    {"number", number == nullptr ? Value() : *number},
+                                    {"error", text.error().message},
+                                    {"code", "resource-exhausted"}});
+  if (auto shorter = framed(refusal, std::numeric_limits<std::size_t>::max())) enqueue_text(*shorter);
+}
+
+void ScriptWorker::enqueue_text(std::string_view text) {
+  outgoing_ += text;
+  (void)::eventfd_write(wake_.get(), 1);
+}
+
+}  // namespace segue::mission::detail
