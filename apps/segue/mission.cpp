@@ -117,6 +117,8 @@ void add_runner(CLI::App& verb, Context& context) {
   runner->add_option("--input", options->inputs, "an input of the mission")->type_name("NAME=VALUE");
   runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
       ->type_name("PATH");
+  runner->add_option("--python", options->python, "what executes Python scripts; default: python3")
+      ->type_name("PROGRAM");
   add_library_option(*runner, *options);
   add_network_options(*runner, *network);
   add_run_files(*runner, options->files);

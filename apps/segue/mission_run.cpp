@@ -3,6 +3,7 @@
 
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/script_runner.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <fmt/format.h>
@@ -59,6 +60,9 @@ class MissionRun {
     auto program = mission::Program::compile(std::move(loaded));
     if (!program) return program.error();
     mission::Runners runners;
+    mission::ScriptOptions scripts;
+    scripts.python = options_.python;
+    runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
     if (options_.simulate) runners.simulate_all();
     mission::EngineOptions settings;
     settings.clock = &clock();

@@ -20,6 +20,7 @@ struct MissionOptions {
   std::vector<std::string> libraries;
   RunFiles files;
   bool show = true;  ///< what was executed, on standard output
+  std::string python = "python3";
   [[nodiscard]] std::vector<std::filesystem::path> folders() const {
     return {libraries.begin(), libraries.end()};
   }

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "system_test.hpp"
+
+namespace segue::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using type::Value;
+
+/// Machines as RAFCON stores them.
+const std::filesystem::path kMachines = SEGUE_SOURCE_DIR "/tests/rafcon";
+const std::string kOwnLibraries = "own=" + (kMachines / "libraries").string();
+
+bool wait_until(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+/// Gone, or only waiting for its parent to look.
+bool ended(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/stat");
+  std::string number;
+  std::string name;
+  std::string state;
+  return !(status >> number >> name >> state) || state == "Z";
+}
+
+class MissionScripts : public SystemTest {
+ protected:
+  Finished import(const std::filesystem::path& machine, const std::string& file) {
+    return segue({"mission", "import", "--rafcon", machine, "--libraries", kOwnLibraries, "-o", file});
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+};
+
+TEST_F(MissionScripts, AnImportedMachineRunsWithItsScriptsAndLibraries) {
+  const auto imported = import(kMachines / "count_down", "m.yaml");
+  ASSERT_EQ(imported.status, 0) << imported.errors;
+  EXPECT_THAT(imported.errors,
+              HasSubstr("m.yaml: 4 states, 1 of them libraries, 4 transitions, 4 data flows"));
+  const auto run = json({"mission", "run", "m.yaml"});
+  EXPECT_EQ(run.find("outcome")->as_string(), "finished");
+  EXPECT_EQ(run.find("nodes")->as_list().size(), 4U);
+  EXPECT_EQ(*run.find("outputs")->find("left"), Value(0));
+  EXPECT_EQ(*run.find("globals")->find("last"), Value(0));
+  EXPECT_THAT(segue({"mission", "run", "m.yaml"}).errors, HasSubstr("info: show: left: 0\n"));
+}
+
+TEST_F(MissionScripts, AnImportedMachineRunsSideBySideAndDecides) {
+  ASSERT_EQ(import(kMachines / "side_by_side", "m.yaml").status, 0);
+  const auto run = json({"mission", "run", "m.yaml"});
+  EXPECT_EQ(run.find("outcome")->as_string(), "success");
+  const auto& right = run.find("nodes")->as_list()[1];
+  EXPECT_EQ(right.find("status")->as_string(), "aborted");
+  EXPECT_EQ(right.find("error")->as_string(), "barrier/right:3: RuntimeError: right fails");
+}
+
+TEST_F(MissionScripts, AnImportGoesToStandardOutputWhereNoFileIsNamed) {
+  const auto imported =
+      segue({"mission", "import", "--rafcon", kMachines / "count_down", "--libraries", kOwnLibraries});
+  ASSERT_EQ(imported.status, 0) << imported.errors;
+  EXPECT_EQ(imported.output.rfind("mission: Count_down\n", 0), 0U) << imported.output;
+  write("m.yaml", imported.output);
+  EXPECT_EQ(segue({"mission", "check", "m.yaml"}).status, 0);
+}
+
+TEST_F(MissionScripts, AnImportWithoutItsLibraryLeavesTheFileAlone) {
+  write("m.yaml", "what was there\n");
+  const auto imported = segue({"mission", "import", "--rafcon", kMachines / "count_down", "-o", "m.yaml"});
+  EXPECT_EQ(imported.status, 1);
+  EXPECT_THAT(imported.errors, HasSubstr("there is no library 'own/tools/show value'"));
+  EXPECT_THAT(imported.errors, HasSubstr("missing-library"));
+  EXPECT_EQ(read("m.yaml"), "what was there\n");
+}
+
+TEST_F(MissionScripts, AnImportOfADamagedMachineSaysWhere) {
+  std::filesystem::copy(kMachines / "count_down", folder_ / "machine",
+                        std::filesystem::copy_options::recursive);
+  write("machine/core_data.json", "{\n  \"name\": oops\n}\n");
+  const auto imported = import("machine", "m.yaml");
+  EXPECT_EQ(imported.status, 1);
+  EXPECT_THAT(imported.errors, HasSubstr("machine/core_data.json:2:"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "m.yaml"));
+}
+
+TEST_F(MissionScripts, AnImportTakesThePlaceOfAnEarlierOne) {
+  ASSERT_EQ(import(kMachines / "side_by_side", "m.yaml").status, 0);
+  ASSERT_EQ(import(kMachines / "count_down", "m.yaml").status, 0);
+  EXPECT_THAT(read("m.yaml"), HasSubstr("mission: Count_down\n"));
+}
+
+TEST_F(MissionScripts, AnImportMustKnowWhatAndWhereTo) {
+  EXPECT_EQ(segue({"mission", "import", "-o", "m.yaml"}).status, 2);
+  EXPECT_EQ(import("nowhere", "m.yaml").status, 1);
+  const auto unwritable = import(kMachines / "side_by_side", "nowhere/m.yaml");
+  EXPECT_EQ(unwritable.status, 1);
+  EXPECT_THAT(unwritable.errors, HasSubstr("nowhere/m.yaml"));
+}
+
+TEST_F(MissionScripts, AnImportTellsWhatIsOddInTheNewFile) {
+  const auto imported = import(kMachines / "renumbered", "m.yaml");
+  EXPECT_EQ(imported.status, 0);
+  EXPECT_THAT(imported.errors, HasSubstr("must return them by name"));
+  EXPECT_EQ(json({"mission", "run", "m.yaml"}).find("outcome")->as_string(), "there");
+}
+
+/// A mission whose script is a file.
+constexpr const char* kScripted =
+    "mission: m\nactions: {work: {run: {python: scripts/work.py}}}\naction: work\n";
+
+TEST_F(MissionScripts, ScriptsAreFoundBesideTheMissionAndTheirOutputIsNotTheRuns) {
+  write("plans/m.yaml", kScripted);
+  write("plans/scripts/tools.py", "WORD = 'hello'\n");
+  write("plans/scripts/work.py",
+        "import tools\ndef execute(self, inputs, outputs, gvm):\n  print(tools.WORD)\n  return 0\n");
+  EXPECT_EQ(json({"mission", "run", "plans/m.yaml"}).find("outcome")->as_string(), "success");
+  EXPECT_THAT(segue({"mission", "run", "plans/m.yaml"}).errors, HasSubstr("hello"));
+}
+
+TEST_F(MissionScripts, AScriptThatIsInterruptedEndsAsPreempted) {
+  write("m.yaml", kScripted);
+  write("scripts/work.py",
+        "def execute(self, inputs, outputs, gvm):\n  open('works', 'w').close()\n"
+        "  return 0 if self.preemptive_wait() else 'aborted'\n");
+  Process run(command({"mission", "run", "m.yaml"}), folder_);
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "works"); }));
+  run.signal(SIGINT);
+  const auto finished = run.wait();
+  EXPECT_EQ(finished.status, 1) << finished.errors;
+  EXPECT_THAT(finished.output, HasSubstr("m: preempted after"));
+}
+
+TEST_F(MissionScripts, ScriptsEndWithAMissionThatIsKilled) {
+  write("m.yaml", kScripted);
+  // The second keeps the interpreter to itself: its process cannot see that nobody is left.
+  for (const std::string work : {"self.preemptive_wait()", "re.match('(a+)+$', 'a' * 100 + 'b')"}) {
+    write("scripts/work.py",
+          "import os, re\ndef execute(self, inputs, outputs, gvm):\n"
+          "  with open('begins', 'w') as file: file.write(str(os.getpid()))\n"
+          "  os.rename('begins', 'works')\n  " +
+              work + "\n");
+    Process run(command({"mission", "run", "m.yaml"}), folder_);
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "works"); }));
+    const pid_t worker = std::stoi(read("works"));
+    run.signal(SIGKILL);
+    EXPECT_EQ(run.wait().status, 128 + SIGKILL);
+    EXPECT_TRUE(wait_until([&] { return ended(worker); })) << work;
+    std::filesystem::remove(folder_ / "works");
+  }
+}
+
+TEST_F(MissionScripts, AnInterpreterThatIsNotThereIsToldByTheMissionsError) {
+  write("m.yaml", kScripted);
+  const auto run = json({"mission", "run", "m.yaml", "--python", "/nowhere/python3"}, 1);
+  EXPECT_THAT(run.find("error")->as_string(), HasSubstr("cannot start the Python interpreter"));
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--simulate"}).status, 0) << "needs none";
+}
+
+}  // namespace
+}  // namespace segue::testing
