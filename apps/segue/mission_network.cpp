@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <memory>
+#include <stop_token>
 #include <thread>
 
 #include "models.hpp"
@@ -39,21 +39,19 @@ class NetworkRun {
     }
     const auto rule = options_.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch;
     order_ = cdtn::derive_order(flat_.network, rule);
-    const double before = thread_seconds();
-    result_ = options_.mode == "sequential" ? run_sequentially(clock()) : run_concurrently();
-    used_ = thread_seconds() - before;
-    summary_.sequential = clock() == cdtn::ClockKind::Virtual && options_.mode == "sequential"
-                              ? result_.makespan
-                              : run_sequentially(cdtn::ClockKind::Virtual).makespan;
+    execute();
     summary_.critical_path = cdtn::critical_path(flat_.network, order_, result_).length;
     if (flat_.network.size() > 0) summary_.engine_us_per_node = used_ * 1e6 / flat_.network.size();
-    return write(options_.files, gantt());
+    return {};
   }
 
   void show(const Context& context) const { show_run(flat_.network, order_, result_, summary_, context); }
 
   [[nodiscard]] const cdtn::RunResult& result() const { return result_; }
-  [[nodiscard]] cdtn::Gantt gantt() const { return cdtn::gantt_of(flat_.network, order_, result_, summary_); }
+  [[nodiscard]] Result<void> write_files() const {
+    if (!options_.files.any()) return {};
+    return write(options_.files, cdtn::gantt_of(flat_.network, order_, result_, summary_));
+  }
 
  private:
   [[nodiscard]] cdtn::ClockKind clock() const {
@@ -73,29 +71,50 @@ class NetworkRun {
     return {};
   }
 
-  cdtn::RunResult run_sequentially(cdtn::ClockKind kind) {
-    cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
-    return cdtn::run_sequential(flat_.network, environment, kind);
+  /// This run, and the sequential one to compare it with. Another thread waits for a signal meanwhile.
+  void execute() {
+    StopSignal signal;
+    std::stop_source stop;
+    std::thread watch([&] {
+      signal.wait({});
+      stop.request_stop();
+    });
+    const double before = thread_seconds();
+    result_ = options_.mode == "sequential" ? run_sequentially(clock(), stop.get_token())
+                                            : run_concurrently(stop.get_token());
+    used_ = thread_seconds() - before;
+    summary_.sequential = sequential_time(stop.get_token());
+    signal.request("the run has ended");
+    watch.join();
   }
 
-  cdtn::RunResult run_concurrently() {
+  Duration sequential_time(const std::stop_token& stop) {
+    if (!result_.stopped && clock() == cdtn::ClockKind::Virtual && options_.mode == "sequential")
+      return result_.makespan;
+    if (const auto whole = run_sequentially(cdtn::ClockKind::Virtual, stop); !whole.stopped)
+      return whole.makespan;
+    Duration done{};
+    for (const cdtn::NodeResult& node : result_.nodes)
+      if (node.status == cdtn::NodeStatus::Done) done += node.ended - node.started;
+    return done;
+  }
+
+  cdtn::RunResult run_sequentially(cdtn::ClockKind kind, std::stop_token stop) {
+    cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
+    return cdtn::run_sequential(flat_.network, environment, kind, std::move(stop));
+  }
+
+  cdtn::RunResult run_concurrently(const std::stop_token& stop) {
     cdtn::EngineOptions options;
     options.clock = clock();
     options.strict = options_.strict;
     options.workers = options_.workers;
     options.world_copies = options_.world_copies;
-    options.priorities = cdtn::choose_priorities(flat_.network, order_, flat_.trials, options);
+    options.priorities = cdtn::choose_priorities(flat_.network, order_, flat_.trials, options, stop);
     cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
     cdtn::Engine engine(flat_.network, order_, environment, options);
-    if (options.clock == cdtn::ClockKind::Virtual) return engine.run();
-    StopSignal signal;
-    std::thread watch([&] {
-      if (const auto reason = signal.wait({}); reason && !reason->empty()) engine.stop();
-    });
-    cdtn::RunResult result = engine.run();
-    signal.request("");
-    watch.join();
-    return result;
+    const std::stop_callback end(stop, [&] { engine.stop(); });
+    return engine.run();
   }
 
   cdtn::FlatNetwork flat_;
@@ -130,6 +149,8 @@ int run_task_network(const std::string& file, const NetworkOptions& options, con
   NetworkRun run(std::move(*flat), options);
   if (const auto done = run.run(); !done) return failed(context, done.error());
   if (options.show) run.show(context);
+  // Standard output has had its document.
+  if (const auto written = run.write_files(); !written) return failed(Context{}, written.error());
   if (run.result().done()) return kDone;
   if (run.result().error && (!options.show || !context.json())) return failed(context, *run.result().error);
   return kFailed;

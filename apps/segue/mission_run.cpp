@@ -44,9 +44,11 @@ class MissionRun {
     const double used = thread_seconds() - before;
     engine_us_ = engine_->executions() == 0 ? 0 : used * 1e6 / static_cast<double>(engine_->executions());
     makespan_ = clock().now() - begin_;
-    const auto written = draw();
+    if (context_.json() || options_.files.any()) make_gantt();
     if (options_.show) context_.json() ? show_json() : show_text();
-    if (!written) return failed(context_, written.error());
+    // Standard output has had its document.
+    if (const auto written = write(options_.files, gantt_); !written)
+      return failed(Context{}, written.error());
     return engine_->result().outcome < 0 ? kFailed : kDone;
   }
 
@@ -98,12 +100,10 @@ class MissionRun {
     watch.join();
   }
 
-  Result<void> draw() {
-    if (!context_.json() && !options_.files.any()) return {};
+  void make_gantt() {
     gantt_ = gantt_of(engine_->program(), engine_->history(), engine_->result().outcome, begin_,
                       begin_ + makespan_);
     gantt_.summary.engine_us_per_node = engine_us_;
-    return write(options_.files, gantt_);
   }
 
   [[nodiscard]] double since_begin(TimePoint when) const { return seconds(when - begin_); }

@@ -15,6 +15,8 @@ namespace segue::cli {
 namespace {
 
 constexpr int kEndedBySignal = 130;
+/// Who is sent one is often sent it again at once, as one of a group; only a later one is a second.
+constexpr auto kSameRequest = std::chrono::milliseconds(200);
 
 sigset_t stop_signals() {
   sigset_t signals;
@@ -28,7 +30,7 @@ sigset_t stop_signals() {
 
 StopSignal::StopSignal() : wake_(::eventfd(0, EFD_CLOEXEC)) {
   const sigset_t signals = stop_signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  pthread_sigmask(SIG_BLOCK, &signals, &before_);
   thread_ = std::thread([this] { listen(); });
 }
 
@@ -37,18 +39,26 @@ StopSignal::~StopSignal() {
   [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   thread_.join();
   ::close(wake_);
+  const sigset_t signals = stop_signals();
+  const timespec at_once{};
+  while (::sigtimedwait(&signals, nullptr, &at_once) > 0) {
+  }
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
 void StopSignal::listen() {
   const sigset_t signals = stop_signals();
   const int descriptor = ::signalfd(-1, &signals, SFD_CLOEXEC);
+  std::optional<TimePoint> first;
   std::array<pollfd, 2> waited = {{{descriptor, POLLIN, 0}, {wake_, POLLIN, 0}}};
   for (;;) {
     if (::poll(waited.data(), waited.size(), -1) < 0) continue;
     if (waited[1].revents != 0) break;
     signalfd_siginfo signal{};
     if (::read(descriptor, &signal, sizeof signal) != sizeof signal) continue;
-    if (requested()) ::_exit(kEndedBySignal);
+    const TimePoint now = RealClock::instance().now();
+    if (requested() && now - first.value_or(now) > kSameRequest) ::_exit(kEndedBySignal);
+    if (!first) first = now;
     request(signal.ssi_signo == SIGINT ? "interrupted" : "terminated");
   }
   ::close(descriptor);

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 
 #include <condition_variable>
+#include <csignal>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,8 +12,9 @@
 
 namespace segue::cli {
 
-/// SIGINT and SIGTERM as something that can be waited for. The first asks to end; a second ends the process
-/// at once with status 130. Make one before any other thread, since it blocks the signals for all of them.
+/// SIGINT and SIGTERM as something that can be waited for. The first asks to end; a second, a fifth of a
+/// second later or more, ends the process at once with status 130. Make one before any other thread, since it
+/// blocks the signals for all of them, and end it on the same thread, which then takes signals as before.
 class StopSignal {
  public:
   StopSignal();
@@ -33,6 +35,7 @@ class StopSignal {
   std::condition_variable changed_;
   std::optional<std::string> reason_;
   int wake_ = -1;
+  sigset_t before_{};
   std::thread thread_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <segue/type/json.hpp>
 
@@ -8,6 +9,7 @@
 
 #include <future>
 #include <list>
+#include <stop_token>
 #include <thread>
 
 namespace segue::cdtn {
@@ -234,6 +236,70 @@ TEST(FlatNetwork, IsWrittenAsItIsRead) {
   const auto again = read_flat_network(text, "again.json", diagnostics);
   ASSERT_TRUE(again) << to_string(diagnostics);
   EXPECT_EQ(write_flat_network(*again), text);
+}
+
+/// Asks to stop when a node starts.
+class StoppingEnvironment final : public Environment {
+ public:
+  StoppingEnvironment(const Network& network, NodeId at) : inner_(network), at_(at) {}
+  void start(Launch& launch, Completions& completions) override {
+    if (launch.node() == at_) stop.request_stop();
+    inner_.start(launch, completions);
+  }
+  void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
+    inner_.cancel(node, attempt, completions);
+  }
+  std::stop_source stop;
+
+ private:
+  SimulatedEnvironment inner_;
+  NodeId at_;
+};
+
+constexpr const char* kThree = R"j({"name": "a", "duration_s": 1, "effects": ["+p()"]},
+    {"name": "b", "duration_s": 100, "effects": ["+q()"]}, {"name": "c", "duration_s": 1, "effects": []})j";
+
+TEST(Sequential, AStopPreemptsWhatRunsAndNothingFollows) {
+  const auto flat = read(kThree);
+  StoppingEnvironment environment(flat.network, NodeId{1});
+  const RunResult result =
+      run_sequential(flat.network, environment, ClockKind::Virtual, environment.stop.get_token());
+  EXPECT_TRUE(result.stopped);
+  EXPECT_FALSE(result.failed);
+  EXPECT_EQ(result.nodes[0].status, NodeStatus::Done);
+  EXPECT_EQ(result.nodes[1].status, NodeStatus::Preempted);
+  EXPECT_EQ(result.nodes[2].status, NodeStatus::NotReached);
+  EXPECT_EQ(seconds(result.makespan), 1);
+  EXPECT_THAT(result.world.texts(flat.network.facts), testing::ElementsAre("p()"));
+}
+
+TEST(Sequential, AStopBeforehandStartsNothing) {
+  const auto flat = read(kThree);
+  StoppingEnvironment environment(flat.network, NodeId{kNone});
+  environment.stop.request_stop();
+  const RunResult result =
+      run_sequential(flat.network, environment, ClockKind::Real, environment.stop.get_token());
+  EXPECT_TRUE(result.stopped);
+  EXPECT_EQ(result.statistics.starts, 0U);
+}
+
+TEST(Sequential, AStopWakesARunThatWaits) {
+  const auto flat = read(R"j({"name": "a", "duration_s": 3600, "effects": []})j");
+  SimulatedEnvironment environment(flat.network);
+  std::stop_source stop;
+  std::thread other([&] { stop.request_stop(); });
+  const RunResult result = run_sequential(flat.network, environment, ClockKind::Real, stop.get_token());
+  other.join();
+  EXPECT_TRUE(result.stopped);
+  EXPECT_NE(result.nodes[0].status, NodeStatus::Done);
+}
+
+TEST(Priorities, AStopLeavesProgramOrder) {
+  const auto flat = read(kThree);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(
+      choose_priorities(flat.network, derive_order(flat.network), flat.trials, {}, stop.get_token()).empty());
 }
 
 TEST(FlatNetwork, SaysWhatIsWrongAndWhere) {

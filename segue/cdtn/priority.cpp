@@ -6,13 +6,16 @@
 namespace segue::cdtn {
 
 std::vector<std::uint64_t> choose_priorities(const Network& network, const Order& order,
-                                             std::vector<Trial> trials, EngineOptions options) {
+                                             std::vector<Trial> trials, EngineOptions options,
+                                             std::stop_token stop) {
   options.clock = ClockKind::Virtual;
   options.log = false;
   SimulatedEnvironment environment(network, std::move(trials));
   const auto simulate = [&](std::vector<std::uint64_t> priorities) {
     options.priorities = std::move(priorities);
-    return Engine(network, order, environment, options).run();
+    Engine engine(network, order, environment, options);
+    const std::stop_callback end(stop, [&] { engine.stop(); });
+    return engine.run();
   };
   const RunResult in_order = simulate({});
   const RunResult by_path = simulate(critical_path_priorities(network, order));

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace segue::cdtn {
 
@@ -19,10 +20,16 @@ ReportPtr aborted(std::string why) {
   return report;
 }
 
+ReportPtr preempted() {
+  auto report = std::make_unique<Report>();
+  report->outcome = kPreempted;
+  return report;
+}
+
 class SequentialRun {
  public:
-  SequentialRun(const Network& network, Environment& environment, ClockKind clock)
-      : network_(network), environment_(environment), events_(clock) {
+  SequentialRun(const Network& network, Environment& environment, ClockKind clock, std::stop_token stop)
+      : network_(network), environment_(environment), events_(clock), stop_(std::move(stop)) {
     result_.world = network.initial_world;
     result_.nodes.resize(network.size());
     result_.outputs.resize(network.size());
@@ -35,8 +42,11 @@ class SequentialRun {
   }
 
   RunResult run() {
-    for (std::uint32_t i = 0; i < network_.size() && !result_.failed; ++i)
-      step(NodeId{i});
+    const std::stop_callback wake(stop_, [this] { events_.finish(NodeId{kNone}, 0, nullptr); });
+    for (std::uint32_t i = 0; i < network_.size() && !result_.failed && !result_.stopped; ++i) {
+      result_.stopped = stop_.stop_requested();
+      if (!result_.stopped) step(NodeId{i});
+    }
     result_.makespan = events_.now().time_since_epoch();
     return std::move(result_);
   }
@@ -84,6 +94,10 @@ class SequentialRun {
     if (report) result_.outputs[index(node)] = report->outputs;
     apply(node, outcome);
     leave_groups(node);
+    if (outcome.failure && outcome.outcome == kPreempted && result_.stopped) {
+      entry.status = NodeStatus::Preempted;
+      return;
+    }
     if (outcome.failure) return fail_with(node, *outcome.failure);
     entry.status = NodeStatus::Done;
   }
@@ -96,6 +110,7 @@ class SequentialRun {
   }
 
   ReportPtr execute(NodeId node);
+  ReportPtr wait_for(NodeId node);
 
   void apply(NodeId node, const NodeOutcome& outcome) {
     for (const Access& access : network_.accesses(node)) {
@@ -153,6 +168,7 @@ class SequentialRun {
   const Network& network_;
   Environment& environment_;
   EventQueue events_;
+  const std::stop_token stop_;
   RunResult result_;
   std::vector<std::uint32_t> held_;  ///< units, by resource: by groups
   std::vector<std::uint32_t> members_left_;
@@ -192,16 +208,31 @@ ReportPtr SequentialRun::execute(NodeId node) {
   result_.nodes[index(node)].attempts = 1;
   ++result_.statistics.starts;
   environment_.start(launch, events_);
-  auto end = events_.next(true, TimePoint::max(), [&](const auto& one) { return one.node == node; });
+  ReportPtr report = wait_for(node);
   if (launch.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
     return aborted("looked at the world without declaring reads_world");
-  return std::move(end->report);
+  return report;
+}
+
+/// Its end; where a stop is asked for before, it is cancelled and waited for only so long.
+ReportPtr SequentialRun::wait_for(NodeId node) {
+  TimePoint deadline = TimePoint::max();
+  for (;;) {
+    const auto counts = [&](const auto& one) { return one.node == node || index(one.node) == kNone; };
+    auto end = events_.next(true, deadline, counts);
+    if (end && end->node == node) return std::move(end->report);
+    if (!end) return preempted();
+    if (std::exchange(result_.stopped, true)) continue;
+    environment_.cancel(node, 1, events_);
+    deadline = events_.elapsed() + environment_.patience();
+  }
 }
 
 }  // namespace
 
-RunResult run_sequential(const Network& network, Environment& environment, ClockKind clock) {
-  return SequentialRun(network, environment, clock).run();
+RunResult run_sequential(const Network& network, Environment& environment, ClockKind clock,
+                         std::stop_token stop) {
+  return SequentialRun(network, environment, clock, std::move(stop)).run();
 }
 
 }  // namespace segue::cdtn

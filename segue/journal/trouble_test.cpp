@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/journal_test_support.hpp>
+#include <support/full_disk.hpp>
 
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <fstream>
 
 /// The robot goes on whatever becomes of the file.
 namespace segue::journal {
 namespace {
 
+using segue::testing::FullDisk;
 using testing::all_of;
 using testing::change;
 using testing::Folder;
@@ -20,24 +20,6 @@ using testing::Troubles;
 using Kind = Trouble::Kind;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-/// No file of this process grows beyond so many bytes: what a full disk looks like from here.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit full = before_;
-    full.rlim_cur = bytes;
-    ::setrlimit(RLIMIT_FSIZE, &full);
-  }
-  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit before_{};
-};
 
 std::vector<std::uint64_t> requests_in(const std::filesystem::path& path) {
   std::vector<std::uint64_t> requests;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include "../support/full_disk.hpp"
 #include "system_test.hpp"
 
 namespace segue::testing {
@@ -94,6 +95,72 @@ TEST_F(Missions, WhatCannotBeWrittenIsToldBeforeTheRun) {
       EXPECT_EQ(run.status, 1) << option << ' ' << file;
       EXPECT_EQ(run.output, "") << "it ran";
       EXPECT_THAT(run.errors, HasSubstr("cannot write '" + file + "'"));
+    }
+  }
+}
+
+constexpr const char* kEndless = R"(mission: endless
+actions:
+  tick: {run: {simulated: {duration: 1s}}}
+  tock: {run: {simulated: {}}}
+start: tick
+states:
+  tick: {on: {success: tock}}
+  tock: {on: {success: tick}}
+)";
+constexpr const char* kLong = R"j({"nodes": [
+  {"name": "short", "effects": ["+p()"]},
+  {"name": "long", "duration_s": 3600, "preconditions": ["p()"], "effects": ["+q()"]},
+  {"name": "after", "preconditions": ["q()"], "effects": []}]})j";
+
+class Interrupted : public Missions, public ::testing::WithParamInterface<int> {
+ protected:
+  /// Starts it, and signals twice, as to a group, as soon as it is ready for that.
+  Finished interrupt(std::vector<std::string> arguments) {
+    Process process(command(std::move(arguments)), folder_);
+    EXPECT_TRUE(process.wait_until_blocked(GetParam()));
+    process.signal(GetParam());
+    process.signal(GetParam());
+    return process.wait();
+  }
+};
+
+TEST_P(Interrupted, AMachineThatNeverEndsEndsInOrder) {
+  write("m.yaml", kEndless);
+  const auto run = interrupt({"mission", "run", "m.yaml", "--clock", "virtual", "--simulate"});
+  EXPECT_EQ(run.status, 1) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("endless: preempted after"));
+}
+
+TEST_P(Interrupted, ATaskNetworkTellsHowFarItCame) {
+  write("n.json", kLong);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const auto run =
+        interrupt({"mission", "run", "n.json", "--mode", mode, "--html", mode, "--format", "json"});
+    EXPECT_EQ(run.status, 1) << mode << run.errors;
+    const auto told = type::parse_json(run.output);
+    ASSERT_TRUE(told) << mode << run.output;
+    EXPECT_EQ(told->find("outcome")->as_string(), "stopped");
+    const auto& nodes = told->find("nodes")->as_list();
+    EXPECT_NE(nodes.at(1).find("status")->as_string(), "done") << mode;
+    EXPECT_EQ(nodes.at(2).find("status")->as_string(), "not reached") << mode;
+    EXPECT_THAT(read(mode), HasSubstr("</html>")) << "what was asked for is written";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(By, Interrupted, ::testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Missions, AFullDiskIsToldAndLeavesNothing) {
+  write("m.yaml", kTwoHands);
+  write("n.json", kLong);
+  for (const std::string file : {"m.yaml", "n.json"}) {
+    for (const std::string option : {"--svg", "--html", "--trace"}) {
+      const FullDisk full(100);
+      const auto run =
+          segue({"mission", "run", file, "--clock", "virtual", option, "out", "--format", "json"});
+      EXPECT_EQ(run.status, 1) << file << ' ' << option;
+      EXPECT_THAT(run.errors, HasSubstr("cannot write 'out': File too large"));
+      EXPECT_TRUE(type::parse_json(run.output)) << "the run itself is shown";
+      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 3) << "two plans, runtime";
     }
   }
 }

@@ -9,7 +9,10 @@
 
 #include <array>
 #include <csignal>
+#include <fstream>
 #include <stdexcept>
+#include <string>
+#include <thread>
 
 extern char** environ;
 
@@ -74,6 +77,21 @@ Process::~Process() {
 
 void Process::signal(int number) const {
   ::kill(pid_, number);
+}
+
+bool Process::wait_until_blocked(int signal) const {
+  const std::string key = "SigBlk:";
+  const auto deadline = Clock::now() + kPatience;
+  while (Clock::now() < deadline) {
+    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (!line.starts_with(key)) continue;
+      const auto mask = std::stoull(line.substr(key.size()), nullptr, 16);
+      if ((mask >> (signal - 1) & 1U) != 0) return true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
 }
 
 bool Process::read_from(int& descriptor, std::string& into) {

@@ -33,6 +33,8 @@ class Process {
   /// Waits for a line with `text` on standard output; false at the deadline or the end of the process.
   bool wait_for(const std::string& text);
   void signal(int number) const;
+  /// Waits until it takes this signal in an orderly way, by blocking it; false at the deadline.
+  [[nodiscard]] bool wait_until_blocked(int signal) const;
   /// Waits for the end.
   Finished wait();
 
