@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the Python scripts of missions see: `self` and `gvm` of execute(self, inputs, outputs, gvm), and which values
+cross over to the engine. script_worker.py executes them."""
+import itertools
+import math
+import threading
+from collections.abc import Mapping
+
+DEEPEST = 180  # lists and maps within each other; the engine refuses more than 200
+SCRIPT_TYPES = {bool: "bool", int: "int", float: "float", str: "text", list: "list", tuple: "list", dict: "map"}
+
+
+def clean(text):
+    """Text that every reader can take: lone surrogates become question marks."""
+    return str(text).encode("utf-8", "replace").decode("utf-8")
+
+
+def plain(value, what, depth=0):
+    """The value as JSON carries it, or TypeError or ValueError with the place in it."""
+    if depth > DEEPEST:
+        raise ValueError(f"{what}: lists and maps are nested deeper than {DEEPEST} levels")
+    if value is None or value is True or value is False:
+        return value
+    if isinstance(value, int):
+        if not -(2**63) <= value < 2**64:
+            raise ValueError(f"{what}: the number does not fit into 64 bits")
+        return int(value)
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise ValueError(f"{what}: {float(value)} cannot be passed on; use None")
+        return float(value)
+    if isinstance(value, str):
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise ValueError(f"{what}: the text is not valid Unicode") from None
+        return str(value)
+    if isinstance(value, (list, tuple)):
+        return [plain(item, f"{what}[{i}]", depth + 1) for i, item in enumerate(value)]
+    if isinstance(value, Mapping):
+        return {key_of(key, what): plain(item, f"{what}[{key!r}]", depth + 1) for key, item in value.items()}
+    if callable(getattr(value, "tolist", None)):  # arrays and scalars of numpy and the like
+        return plain(value.tolist(), what, depth + 1)
+    raise TypeError(f"{what}: a value of type {type(value).__name__} cannot be passed on; make it a bool, number, "
+                    "text, list or map")
+
+
+def key_of(key, what):
+    if not isinstance(key, str):
+        raise TypeError(f"{what}: the key {key!r} is no text")
+    return plain(key, f"{what}: the key {key!r}")
+
+
+class Outcome:
+    def __init__(self, outcome_id, name):
+        self.outcome_id = outcome_id
+        self.name = name
+
+    def __str__(self):
+        return f"{self.name} ({self.outcome_id})"
+
+    __repr__ = __str__
+
+
+class ScriptState:
+    """`self` in execute()."""
+
+    def __init__(self, message, logger, memory, paused):
+        self.name = message["name"]
+        self.state_id = message["state"]
+        self.run_id = message["run"]
+        self.persistent_variables = memory
+        self.logger = logger
+        self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
+        self.outcomes[-1] = Outcome(-1, "aborted")
+        self.outcomes[-2] = Outcome(-2, "preempted")
+        self._path = message["path"]
+        self._preempted = threading.Event()
+        self._interrupted = threading.Event()  # paused or preempted
+        self._going_on = threading.Event()  # not paused, or preempted
+        self._paused = False
+        self._set_paused(paused)
+
+    @property
+    def preempted(self):
+        return self._preempted.is_set()
+
+    @property
+    def paused(self):
+        return self._paused
+
+    @property
+    def started(self):
+        return not self._paused
+
+    def preemptive_wait(self, time=None):
+        """Waits for that many seconds or for ever; True when it was preempted meanwhile."""
+        return self._preempted.wait(time)
+
+    def wait_for_interruption(self, timeout=None):
+        """Waits until it is paused or preempted; False when the time was over first."""
+        return self._interrupted.wait(timeout)
+
+    def wait_for_unpause(self, timeout=None):
+        """Waits until it is not paused, or preempted; False when the time was over first."""
+        return self._going_on.wait(timeout)
+
+    def get_path(self, by_name=False):
+        return self._path
+
+    def _preempt(self):
+        self._preempted.set()
+        self._interrupted.set()
+        self._going_on.set()
+
+    def _set_paused(self, paused):
+        self._paused = paused
+        if paused:
+            self._interrupted.set()
+        elif not self.preempted:
+            self._interrupted.clear()
+        if not paused or self.preempted:
+            self._going_on.set()
+        else:
+            self._going_on.clear()
+
+
+class ScriptDecider(ScriptState):
+    """`self` of deciders: how the states beside it ended."""
+
+    def __init__(self, message, logger, memory, paused):
+        super().__init__(message, logger, memory, paused)
+        self._branches = message["branches"]
+
+    def _find(self, key, value):
+        return next((branch for branch in self._branches if branch[key] == value), None)
+
+    def _outcome(self, branch):
+        return branch and Outcome(branch["outcome"], branch["outcome_name"])
+
+    def _error(self, branch):
+        return RuntimeError(branch["error"]) if branch and branch["error"] else None
+
+    def get_outcome_for_state_name(self, name):
+        return self._outcome(self._find("name", name) or self._find("id", name))
+
+    def get_outcome_for_state_id(self, state_id):
+        return self._outcome(self._find("id", state_id))
+
+    def get_errors_for_state_name(self, name):
+        return self._error(self._find("name", name) or self._find("id", name))
+
+    def get_errors_for_state_id(self, state_id):
+        return self._error(self._find("id", state_id))
+
+
+class GlobalVariables:
+    """`gvm` in execute(): the variables live in the engine. Reading waits while somebody else holds the lock."""
+
+    LONGEST_PAUSE = 0.05  # seconds between two looks at a lock
+
+    def __init__(self, channel, execution, state):
+        self._channel = channel
+        self._execution = execution
+        self._state = state
+
+    def _ask(self, call, **arguments):
+        answer = self._channel.ask(execution=self._execution, call=call, **arguments)
+        if "error" not in answer:
+            return answer.get("value")
+        raise (TypeError if answer["code"] == "type-mismatch" else RuntimeError)(answer["error"])
+
+    def _retry(self, attempt):
+        """Until it gives something; None when the state was preempted meanwhile."""
+        pause = 0.001
+        while True:
+            result = attempt()
+            if result is not None or self._state.preemptive_wait(pause):
+                return result
+            pause = min(2 * pause, self.LONGEST_PAUSE)
+
+    def set_variable(self, key, value, per_reference=False, access_key=None, data_type=None):
+        if data_type not in (None, type(None)) and value is not None and not isinstance(value, data_type):
+            raise TypeError(f"the global variable {key!r} shall be of type {data_type.__name__}, not "
+                            f"{type(value).__name__}")
+        self._ask("set", name=key, value=plain(value, key), key=access_key or 0,
+                  type=SCRIPT_TYPES.get(data_type, "any"))
+
+    def get_variable(self, key, per_reference=None, access_key=None, default=None):
+        found = self._retry(lambda: self._ask("get", name=key, key=access_key or 0))
+        if found is None:
+            raise RuntimeError(f"preempted while the global variable {key!r} was locked")
+        return found[0] if found else default
+
+    def lock_variable(self, key, block=False):
+        """An access key; False where somebody else holds the lock (with `block`: and it was preempted meanwhile)."""
+        def attempt():
+            return self._ask("lock", name=key)
+
+        return (self._retry(attempt) if block else attempt()) or False
+
+    def unlock_variable(self, key, access_key, force=False):
+        self._ask("unlock", name=key, key=access_key or 0, force=bool(force))
+        return True
+
+    def set_locked_variable(self, key, access_key, value):
+        self.set_variable(key, value, access_key=access_key)
+
+    def get_locked_variable(self, key, access_key, default=None):
+        return self.get_variable(key, access_key=access_key, default=default)
+
+    def is_locked(self, key):
+        return self._ask("is_locked", name=key)
+
+    def delete_variable(self, key):
+        self._ask("delete", name=key)
+
+    def variable_exist(self, key):
+        return key in self.get_all_variables()
+
+    variable_exists = variable_exist
+
+    def get_all_keys(self):
+        return list(self.get_all_variables())
+
+    def get_all_keys_starting_with(self, start):
+        return [key for key in self.get_all_keys() if key.startswith(start)]
+
+    def get_all_variables(self):
+        return self._ask("all")
+
+    @property
+    def global_variable_dictionary(self):
+        return self.get_all_variables()
