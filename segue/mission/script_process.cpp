@@ -89,7 +89,9 @@ class SpawnSettings {
     const int reason =
         ::posix_spawnp(&pid, program.c_str(), &actions_, &attributes_, arguments.data(), environ);
     if (reason == 0) return pid;
-    return system_error("cannot start the Python interpreter " + quote(program), reason);
+    Error error = system_error("cannot start the Python interpreter " + quote(program), reason);
+    error.message += "; install python3, or name another interpreter";
+    return error;
   }
 
  private:

@@ -21,8 +21,9 @@ struct ScriptOptions {
   std::filesystem::path worker;
   /// Inputs or outputs beyond these bytes (as JSON) abort an execution.
   std::size_t largest_message = std::size_t{64} << 20U;
-  /// How long a script may go on in real time after it was preempted; not less than the engine's.
-  Duration preemption_grace = std::chrono::seconds(10);
+  /// How long a script may go on in real time after it was preempted. Shorter than the engine's, so that
+  /// nothing follows it that still runs beside it.
+  Duration preemption_grace = std::chrono::seconds(9);
 };
 
 /// Executes Python scripts (docs/missions.md) in a process of its own, which begins with the first script.
@@ -31,7 +32,8 @@ struct ScriptOptions {
 ///
 /// Where that process ends, what it was executing aborts, and the next script begins another. A script that
 /// ignores its preemption beyond the grace gets no company any more: others begin in a new process, and the
-/// old one is killed as soon as only such scripts are left in it. Persistent variables last as long as their
+/// old one is killed as soon as only such scripts are left in it; until then it is the engine that gives such
+/// a script up. Persistent variables last as long as their
 /// process. All functions may be called from any thread, and none blocks but the destructor.
 class ScriptRunner final : public ActionRunner {
  public:

@@ -401,7 +401,7 @@ TEST_F(Scripts, seeThatTheyArePaused) {
 }
 
 TEST_F(Scripts, thatIgnorePreemptionAreKilled) {
-  engine_options_.preemption_grace = options_.preemption_grace = 50ms;
+  options_.preemption_grace = 50ms;
   load("mission: m\nactions:\n" +
        action("a", execute("import time\nself.logger.info('works')\nwhile True: time.sleep(0.01)")) +
        action("b", execute("return 0")) +
@@ -415,8 +415,11 @@ TEST_F(Scripts, thatIgnorePreemptionAreKilled) {
   engine_->run();
   other.join();
   EXPECT_EQ(engine_->result().outcome, kPreempted);
+  EXPECT_EQ(engine_->history().items()[1].outcome, kPreempted);
+  EXPECT_EQ(engine_->history().error(1),
+            "the Python process was killed, since it went on after it was preempted");
   ASSERT_NE(process, 0);
-  EXPECT_TRUE(wait_until([&] { return is_gone(process); }));
+  EXPECT_TRUE(is_gone(process));
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
@@ -435,6 +438,46 @@ TEST_F(Scripts, thatKeepTheInterpreterToThemselvesAreKilledInTheEnd) {
   runner_.reset();
   engine_.reset();
   EXPECT_TRUE(is_gone(process));
+}
+
+TEST_F(Scripts, thatIgnorePreemptionGetNoCompany) {
+  options_.preemption_grace = 1ms;
+  engine_options_.preemption_grace = 1s;
+  const std::string tell = "import os\ngvm.set_variable(self.name, os.getpid())\n";
+  const auto& result =
+      run("mission: m\nactions:\n" +
+          action("quick", execute("while not gvm.variable_exist('stubborn'): pass\nreturn 0")) +
+          action("stubborn", execute(tell + "while True: self.preemptive_wait(0.01)")) +
+          action("after", execute(tell + "return 0")) +
+          action("other", execute(tell + "while not gvm.variable_exist('after'): pass\nreturn 0")) +
+          "  d: {run: {decide: [{outcome: success}]}}\n" +
+          "kind: barrier\nstates:\n  other: {}\n  d: {kind: decider, on: {success: return success}}\n"
+          "  left:\n    start: race\n    states:\n"
+          "      after: {on: {success: return success}}\n"
+          "      race:\n        kind: preemptive\n        on: {success: after}\n        states:\n"
+          "          quick: {on: {success: return success}}\n"
+          "          stubborn: {on: {success: return success}}\n");
+  EXPECT_EQ(result.outcome, 0) << result.error;
+  const auto process = [&](const std::string& name) {
+    return static_cast<pid_t>(engine_->globals().get(name).value_or(Value(0)).as_int());
+  };
+  EXPECT_EQ(process("other"), process("stubborn"));
+  EXPECT_NE(process("after"), process("stubborn"));
+  EXPECT_TRUE(wait_until([&] { return is_gone(process("stubborn")); }));
+  EXPECT_FALSE(is_gone(process("after")));
+}
+
+TEST_F(Scripts, thatPrintWithoutEndArePreempted) {
+  load("mission: m\nactions:\n" +
+       action("a", execute("while not self.preempted: print('x' * 3000)\nreturn 0")) + "action: a\n");
+  std::thread other([&] {
+    EXPECT_TRUE(lines_.wait_for("xxx"));
+    engine_->stop();
+  });
+  engine_->run();
+  other.join();
+  EXPECT_EQ(engine_->result().outcome, kPreempted);
+  EXPECT_EQ(engine_->result().error, "");
 }
 
 // Side by side

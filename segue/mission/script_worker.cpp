@@ -114,7 +114,7 @@ void ScriptWorker::run() {
     const std::string how = process->reap();
     abort_all(told_of_end(how));
   } else {
-    abort_all(to_string(process.error()) + "; install python3, or name another interpreter");
+    abort_all(to_string(process.error()));
   }
   ended_ = true;
 }
