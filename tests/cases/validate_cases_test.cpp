@@ -3,6 +3,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/type/yaml.hpp>
+#include <support/expected_diagnostics.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,30 +57,6 @@ Diagnostics examine(const Case& test) {
   return found;
 }
 
-/// "6:5 error unknown-task", with the document's name first where it is not the network.
-std::string head(const Diagnostic& diagnostic) {
-  SourceLocation where = diagnostic.where;
-  if (where.file == "network" && where.line > 0) where.file.clear();
-  const std::string at =
-      where.file.empty() ? std::to_string(where.line) + ":" + std::to_string(where.column) : to_string(where);
-  return at + " " + std::string(to_string(diagnostic.severity)) + " " + diagnostic.code;
-}
-
-/// "6:5 error unknown-task: did you mean 'b'": what follows the first ": " must be part of the message.
-bool fits(const Diagnostic& diagnostic, const std::string& expected) {
-  const auto colon = expected.find(": ");
-  if (expected.substr(0, colon) != head(diagnostic)) return false;
-  return colon == std::string::npos ||
-         diagnostic.message.find(expected.substr(colon + 2)) != std::string::npos;
-}
-
-std::string all(const Diagnostics& diagnostics) {
-  std::string text;
-  for (const Diagnostic& item : diagnostics.items())
-    text += "  - \"" + head(item) + ": " + item.message + "\"\n";
-  return text;
-}
-
 class ValidateCase : public ::testing::TestWithParam<std::filesystem::path> {};
 
 TEST_P(ValidateCase, reportsExactlyWhatItExpects) {
@@ -91,14 +68,7 @@ TEST_P(ValidateCase, reportsExactlyWhatItExpects) {
     const bool known = kOther.contains(key) || std::ranges::find(kDocuments, key) != kDocuments.end();
     ASSERT_TRUE(known) << "no case has a part " << key;
   }
-  const Value* expect = test.root.find("expect");
-  ASSERT_TRUE(expect != nullptr && expect->is_list()) << "a case needs a list 'expect'";
-  const Diagnostics found = examine(test);
-  ASSERT_EQ(found.items().size(), expect->as_list().size()) << "found:\n" << all(found);
-  for (std::size_t i = 0; i < found.items().size(); ++i) {
-    const std::string& expected = expect->as_list()[i].as_string();
-    EXPECT_TRUE(fits(found.items()[i], expected)) << "expected: " << expected << "\nfound:\n" << all(found);
-  }
+  testing::expect_diagnostics(examine(test), test.root.find("expect"), "network");
 }
 
 std::vector<std::filesystem::path> case_files() {
