@@ -121,47 +121,80 @@ void run_engine(benchmark::State& state, Kind kind) {
       static_cast<double>(network.bytes() + order.bytes() + bytes) / static_cast<double>(network.size());
 }
 
-/// A chain of nodes beside which others wait for a unit that the chain's first node holds to the end.
-void step_beside_waiting(benchmark::State& state) {
-  constexpr std::uint32_t kSteps = 10'000;
+enum class Lack { Resource, Data, Condition, Fact };
+
+/// What nodes lack until the first one, which takes `duration`, has ended.
+Network make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
   Network network;
-  const ResourceId arm = network.resources.intern("system:arm");
+  NodeSpec holder;
+  holder.name = "holder";
+  holder.duration = duration;
   NodeSpec spec;
-  spec.name = "holder";
-  spec.kind = NodeClass::Pure;
-  spec.duration = std::chrono::seconds(kSteps + 1);
-  spec.claims = {{arm}};
-  network.append(spec);
-  spec.duration = {};
   spec.name = "waiting";
-  for (std::int64_t i = 0; i < state.range(0); ++i)
-    network.append(spec);
-  spec.claims.clear();
-  spec.duration = std::chrono::seconds(1);
-  for (std::uint32_t i = 0; i < kSteps; ++i) {
-    const NodeId node = network.append(spec);
-    spec.inputs = {{node, 0, 0}};
+  const Claim arm{network.resources.intern("system:arm")};
+  const Literal ready{*network.facts.intern("ready()"), true};
+  switch (lack) {
+    case Lack::Resource:
+      holder.claims = spec.claims = {arm};
+      holder.kind = spec.kind = NodeClass::Pure;
+      break;
+    case Lack::Data:
+      spec.inputs = {{NodeId{0}, 0, 0}};
+      break;
+    case Lack::Condition:
+      holder.branches = true;
+      spec.conditions = {{NodeId{0}, kSuccess}};
+      break;
+    case Lack::Fact:
+      holder.effects = spec.preconditions = {ready};
+      break;
   }
+  network.append(holder);
+  for (std::int64_t i = 0; i < waiting; ++i)
+    network.append(spec);
+  return network;
+}
+
+/// Tells the real time from the start of one node to that of another.
+class Stopwatch final : public Environment {
+ public:
+  Stopwatch(const Network& network, NodeId first, NodeId last)
+      : inner_(network), first_(first), last_(last) {}
+  void start(Launch& launch, Completions& completions) override {
+    if (launch.node() == last_) end_ = std::chrono::steady_clock::now();
+    inner_.start(launch, completions);
+    if (launch.node() == first_) begin_ = std::chrono::steady_clock::now();
+  }
+  void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
+    inner_.cancel(node, attempt, completions);
+  }
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(end_ - begin_).count(); }
+
+ private:
+  SimulatedEnvironment inner_;
+  NodeId first_;
+  NodeId last_;
+  std::chrono::steady_clock::time_point begin_;
+  std::chrono::steady_clock::time_point end_;
+};
+
+/// A step of a chain of nodes, beside which others wait to the end.
+void step_beside_waiting(benchmark::State& state, Lack lack) {
+  constexpr std::uint32_t kSteps = 10'000;
+  Network network = make_crowd(lack, state.range(0), std::chrono::seconds(kSteps + 1));
+  const NodeId first{network.size()};
+  NodeSpec spec;
+  spec.name = "step";
+  spec.kind = NodeClass::Pure;
+  spec.duration = std::chrono::seconds(1);
+  for (std::uint32_t i = 0; i < kSteps; ++i)
+    spec.inputs = {{network.append(spec), 0, 0}};
   const Order order = derive_order(network);
-  struct Stop final : Environment {
-    Stop(const Network& network, NodeId last) : inner(network), last_(last) {}
-    void start(Launch& launch, Completions& completions) override {
-      if (launch.node() == last_) end = std::chrono::steady_clock::now();
-      inner.start(launch, completions);
-      if (launch.node() == NodeId{index(last_) - kSteps + 1}) begin = std::chrono::steady_clock::now();
-    }
-    void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
-      inner.cancel(node, attempt, completions);
-    }
-    SimulatedEnvironment inner;
-    NodeId last_;
-    std::chrono::steady_clock::time_point begin, end;
-  };
   for (auto _ : state) {
-    Stop environment(network, NodeId{network.size() - 1});
-    Engine(network, order, environment).run();
-    state.SetIterationTime(std::chrono::duration<double>(environment.end - environment.begin).count() /
-                           kSteps);
+    Stopwatch environment(network, first, NodeId{network.size() - 1});
+    const RunResult result = Engine(network, order, environment).run();
+    if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
+    state.SetIterationTime(environment.seconds() / kSteps);
   }
 }
 
@@ -257,6 +290,10 @@ void sizes(benchmark::internal::Benchmark* bench) {
   bench->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond);
 }
 
+void crowds(benchmark::internal::Benchmark* bench) {
+  bench->Arg(0)->Arg(1000)->Arg(10'000)->Arg(100'000)->UseManualTime()->Iterations(5);
+}
+
 BENCHMARK(run_counters)->Apply(sizes);
 BENCHMARK(run_pool)->Apply(sizes)->UseRealTime();
 BENCHMARK_CAPTURE(run_engine, data, Kind::Data)->Apply(sizes);
@@ -264,7 +301,10 @@ BENCHMARK_CAPTURE(run_engine, facts, Kind::Facts)->Apply(sizes);
 BENCHMARK_CAPTURE(append_nodes, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, facts, Kind::Facts)->Apply(sizes);
-BENCHMARK(step_beside_waiting)->Arg(0)->Arg(1000)->Arg(100'000)->UseManualTime()->Iterations(1);
+BENCHMARK_CAPTURE(step_beside_waiting, resource, Lack::Resource)->Apply(crowds);
+BENCHMARK_CAPTURE(step_beside_waiting, data, Lack::Data)->Apply(crowds);
+BENCHMARK_CAPTURE(step_beside_waiting, condition, Lack::Condition)->Apply(crowds);
+BENCHMARK_CAPTURE(step_beside_waiting, fact, Lack::Fact)->Apply(crowds);
 
 }  // namespace
 
