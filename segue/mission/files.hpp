@@ -32,7 +32,11 @@ void add_libraries(Mission& mission, const std::vector<std::filesystem::path>& f
 /// which is looked for within one container.
 Diagnostics validate(const Mission& mission);
 
-/// All three: reads the file and its libraries, and validates. Nothing where there are errors.
+/// Where the script of an action lies that names a file; relative to the file that declares the action.
+std::filesystem::path script_file(const Mission& mission, const Action& action);
+
+/// All three: reads the file and its libraries, and validates. Nothing where there are errors. Warns of
+/// scripts that are not there.
 std::optional<Mission> load_mission(const std::filesystem::path& file,
                                     const std::vector<std::filesystem::path>& library_folders,
                                     Diagnostics& diagnostics);

@@ -128,6 +128,29 @@ void add_libraries(Mission& mission, const std::vector<path>& folders, Diagnosti
   Collector(mission, folders, diagnostics).run();
 }
 
+path script_file(const Mission& mission, const Action& action) {
+  const path origin = action.where.file.empty() ? mission.file : action.where.file;
+  std::error_code ignored;
+  const path folder = origin.empty() ? path() : std::filesystem::absolute(origin, ignored).parent_path();
+  return (folder / std::get<Script>(action.run).file).lexically_normal();
+}
+
+namespace {
+
+void check_scripts(const Mission& mission, Diagnostics& diagnostics) {
+  for (const Action& action : mission.actions) {
+    const auto* script = std::get_if<Script>(&action.run);
+    if (script == nullptr || script->file.empty()) continue;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(script_file(mission, action), ignored)) continue;
+    diagnostics.warning("missing-script",
+                        "action " + quote(action.name.str()) + ": there is no script " + quote(script->file),
+                        action.where);
+  }
+}
+
+}  // namespace
+
 std::optional<Mission> load_mission(const path& file, const std::vector<path>& library_folders,
                                     Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
@@ -136,6 +159,7 @@ std::optional<Mission> load_mission(const path& file, const std::vector<path>& l
   if (!mission) return std::nullopt;
   add_libraries(*mission, library_folders, diagnostics);
   diagnostics.append(validate(*mission));
+  check_scripts(*mission, diagnostics);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return mission;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/mission/files.hpp>
 #include <segue/mission/script_messages.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 namespace segue::mission::detail {
@@ -78,21 +78,16 @@ Value branches_of(const Call& call) {
   return branches;
 }
 
-/// Files are relative to the file that names them.
+/// The script, and where modules are that it may import: beside it, or beside the mission that holds it.
 void add_script(ValueMap& message, const Action& action, const Mission& mission) {
-  namespace fs = std::filesystem;
   const auto& script = std::get<Script>(action.run);
-  const fs::path origin = action.where.file.empty() ? mission.file : action.where.file;
-  std::error_code ignored;
-  const fs::path folder = origin.empty() ? fs::path() : fs::absolute(origin, ignored).parent_path();
-  if (!script.text.empty()) {
+  const std::filesystem::path file = script_file(mission, action);
+  if (script.text.empty()) {
+    message.append("file", file.string());
+  } else {
     message.append("text", script.text);
-    message.append("folder", folder.string());
-    return;
   }
-  const fs::path file = folder / script.file;
-  message.append("file", file.lexically_normal().string());
-  message.append("folder", file.lexically_normal().parent_path().string());
+  message.append("folder", file.parent_path().string());
 }
 
 Value text_list(const std::vector<std::string>& texts) {
