@@ -152,7 +152,6 @@ overview.addEventListener('pointerdown', event => { overview.setPointerCapture(e
 overview.addEventListener('pointermove', event => { if (event.buttons) centreOverview(event); });
 
 function step(by) {
-  if (state.byResource) return;
   const at = state.selected ? state.selected.id + by : by > 0 ? 0 : nodes.length - 1;
   if (nodes[at]) select(nodes[at]);
 }

@@ -15,6 +15,8 @@ namespace {
 constexpr int kRow = 18;
 constexpr int kLabels = 190;
 constexpr int kWidth = 900;
+constexpr int kTop = 56;
+constexpr std::string_view kAhead = "fill='#e6a700'";
 
 /// Cut between characters, not within one.
 std::string_view shortened(std::string_view name) {
@@ -32,24 +34,32 @@ class Drawing {
   }
 
   std::string draw() {
-    text(4, 16, fmt::format("{}: {:.2f} s", escape_markup(gantt_.name), seconds_of(gantt_.makespan)),
-         "font-size='13'");
+    text(4, 16, escape_markup(head()), "font-size='13'");
     legend();
-    y_ = 56;
+    axis(kTop + kRow * static_cast<int>(gantt_.nodes.size() + 1 + gantt_.resources.size()));
+    y_ = kTop;
     by_node();
     y_ += kRow;
     by_resource();
-    axis();
     return fmt::format(
         "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
-        "font-family='sans-serif' font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n{2}"
-        "</svg>\n",
-        kLabels + kWidth + 30, y_ + 30, body_);
+        "font-family='sans-serif' font-size='11' role='img'>\n<title>{2}</title>\n"
+        "<rect width='100%' height='100%' fill='white'/>\n{3}</svg>\n",
+        kLabels + kWidth + 30, y_ + 30, escape_markup(head()), body_);
   }
 
  private:
   static double seconds_of(Duration duration) { return std::chrono::duration<double>(duration).count(); }
   static double seconds(TimePoint time) { return seconds_of(time.time_since_epoch()); }
+  [[nodiscard]] std::string head() const {
+    std::string text =
+        fmt::format("{}: {} in {:.2f} s", gantt_.name, gantt_.outcome, seconds_of(gantt_.makespan));
+    const double sequential = seconds_of(gantt_.summary.sequential);
+    if (sequential <= 0 || gantt_.makespan <= Duration{}) return text;
+    return text + fmt::format("; one after the other {:.2f} s, critical path {:.2f} s, speed-up {:.2f}",
+                              sequential, seconds_of(gantt_.summary.critical_path),
+                              sequential / seconds_of(gantt_.makespan));
+  }
   [[nodiscard]] double x(double time) const { return kLabels + (last_ > 0 ? time / last_ * kWidth : 0); }
 
   void text(double at, int y, const std::string& content, std::string_view style = "") {
@@ -100,18 +110,20 @@ class Drawing {
     const Entry entries[] = {{"irreversible", "fill='#4a4a4a'"},
                              {"pure", "fill='#3182bd'"},
                              {"sensing", "fill='#31a354'"},
+                             {"ran ahead, and won", kAhead},
                              {"thrown away", "fill='none' stroke='#d62728' stroke-dasharray='3 2'"},
                              {"waits for data", "fill='#9ecae1'"},
                              {"for a condition", "fill='#c994c7'"},
                              {"for the world", "fill='#a1d99b'"},
                              {"for a resource", "fill='#fdae6b'"},
+                             {"for its turn", "fill='#c7c7c7'"},
                              {"critical chain", "fill='none' stroke='#d62728' stroke-width='2'"}};
     int at = 4;
     for (const Entry& entry : entries) {
       fmt::format_to(std::back_inserter(body_), "<rect x='{}' y='26' width='12' height='10' {}/>\n", at,
                      entry.style);
       text(at + 16, 35, entry.name);
-      at += 118;
+      at += 30 + 6 * static_cast<int>(std::string_view(entry.name).size());
     }
   }
 
@@ -138,12 +150,16 @@ class Drawing {
 
   void run(const Gantt::Bar& one, bool critical) {
     const Gantt::Node& node = gantt_.nodes[one.node];
-    const std::string title = fmt::format("{}: {:.2f} to {:.2f} s{}", node.name, seconds(one.from),
-                                          seconds(one.until), one.wasted ? ", thrown away" : "");
+    const std::string title =
+        fmt::format("{}: {:.2f} to {:.2f} s{}", node.name, seconds(one.from), seconds(one.until),
+                    one.wasted   ? ", thrown away"
+                    : node.ahead ? ", ran ahead, and won"
+                                 : "");
     std::string style(one.wasted ? "fill='none' stroke='#d62728' stroke-dasharray='3 2'"
                                  : run_colour(node.kind));
     if (critical && !one.wasted) style += " stroke='#d62728' stroke-width='2'";
     bar(seconds(one.from), seconds(one.until), y_ + 1, 12, style, title);
+    if (node.ahead && !one.wasted) bar(seconds(one.from), seconds(one.until), y_ + 14, 2, kAhead, title);
   }
 
   void by_resource() {
@@ -161,14 +177,14 @@ class Drawing {
     }
   }
 
-  void axis() {
+  void axis(int bottom) {
     if (last_ <= 0) return;
     double step = std::pow(10, std::floor(std::log10(last_ / 4)));
     step *= last_ / step > 20 ? 5 : last_ / step > 10 ? 2 : 1;
     for (double time = 0; time <= last_ * 1.0001; time += step) {
       fmt::format_to(std::back_inserter(body_),
-                     "<line x1='{0:.1f}' y1='50' x2='{0:.1f}' y2='{1}' stroke='#ddd'/>\n", x(time), y_);
-      text(x(time) - 8, y_ + 14, fmt::format("{:g} s", time));
+                     "<line x1='{0:.1f}' y1='50' x2='{0:.1f}' y2='{1}' stroke='#ddd'/>\n", x(time), bottom);
+      text(x(time) - 8, bottom + 14, fmt::format("{:g} s", time));
     }
   }
 
