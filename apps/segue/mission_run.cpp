@@ -165,6 +165,10 @@ class MissionRun {
     map.append("nodes", std::move(nodes));
     map.append("outputs", outputs());
     map.append("globals", engine_->globals().snapshot());
+    Value::List world;
+    for (const std::string& fact : history.world())
+      world.emplace_back(fact);
+    map.append("world", std::move(world));
     map.append("engine_us_per_node", engine_us_);
     print_json(map);
   }

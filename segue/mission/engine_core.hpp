@@ -76,6 +76,7 @@ class EngineCore {
   Activation* proceed(Activation& hierarchy);
   Activation* leave(Activation& activation, Outcome outcome);
   Activation* finish(Activation& activation);
+  void write_history(const Activation& activation);
   Activation* child_of_hierarchy(Activation& hierarchy, Activation& child);
   Activation* child_of_concurrency(Activation& concurrency, Activation& child);
   Activation* join(Activation& concurrency);

@@ -145,8 +145,7 @@ Activation* EngineCore::finish(Activation& activation) {
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
-  if (activation.item != History::kNone)
-    history.end(activation.item, activation.outcome, now(), activation.error);
+  if (activation.item != History::kNone) write_history(activation);
   Activation* around = activation.parent;
   if (around == nullptr) {
     result = {activation.outcome, program->outcome_name(activation.state, activation.outcome),
@@ -170,6 +169,19 @@ Activation* EngineCore::finish(Activation& activation) {
   }
   around->phase = Phase::Finish;
   return around;
+}
+
+void EngineCore::write_history(const Activation& activation) {
+  history.end(activation.item, activation.outcome, now(), activation.error);
+  const Node& node = program->node(activation.state);
+  if (node.kind != StateKind::Execution && node.kind != StateKind::Decider) return;
+  const Action& action = program->mission().actions[node.action];
+  if (action.effects.empty()) return;
+  // What is declared belongs to the outcome that is expected.
+  const std::string& expected =
+      action.expected_outcome.empty() ? action.outcomes.front() : action.expected_outcome;
+  if (program->outcome_name(activation.state, activation.outcome) == expected)
+    history.add_effects(activation.item, action, activation.inputs);
 }
 
 Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& child) {

@@ -216,6 +216,28 @@ TEST(MissionEngine, outlivedByACompleter) {
   if (late) (*late)({0, {}}, {});
 }
 
+TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
+  Runners runners;
+  VirtualClock clock;
+  EngineOptions options;
+  options.clock = &clock;
+  options.backward = true;
+  const auto engine = engine_for(parsed("mission: m\nactions:\n"
+                                        "  lift: {effects: ['+up'], run: {simulated: {}}}\n"
+                                        "  lower: {effects: ['-up', '+down'], run: {simulated: {}}}\n"
+                                        "start: lift\nstates:\n  lift: {on: {success: lower}}\n"
+                                        "  lower: {on: {success: wait}}\n"
+                                        "  wait: {action: lift, on: {success: return success}}\n"),
+                                 runners, std::move(options));
+  for (int i = 0; i < 2; ++i) {
+    engine->step_into();
+    ASSERT_EQ(engine->run(), Engine::Progress::Held);
+  }
+  EXPECT_EQ(engine->history().world(), std::vector<std::string>{"down"});
+  ASSERT_TRUE(engine->step_back());
+  EXPECT_EQ(engine->history().world(), std::vector<std::string>{"up"});
+}
+
 TEST(MissionGlobals, areLockedByOneAtATime) {
   Globals globals;
   ASSERT_TRUE(globals.set("x", 1));

@@ -58,6 +58,34 @@ TEST_F(Missions, AMachineTellsWhatItWasAsLongForAndWhatWouldFollowOneAfterTheOth
   EXPECT_EQ(waits[0].find("subject")->as_string(), "fine");
 }
 
+TEST_F(Missions, AMachineTellsTheFactsThatHoldInTheEnd) {
+  write("m.yaml", R"j(mission: tidy
+actions:
+  take: {inputs: {what: text}, effects: ["+held({what})", "-free"], run: {simulated: {duration: 1s}}}
+  drop:
+    outcomes: [dropped, stuck]
+    expect: {outcome: dropped}
+    inputs: {what: text}
+    effects: ["-held({what})", "+free"]
+    run: {simulated: {}}
+  shake:
+    outcomes: [dropped, stuck]
+    expect: {outcome: dropped}
+    effects: ["-held(pen)"]
+    run: {simulated: {outcomes: [stuck]}}
+start: cup
+states:
+  cup: {action: take, inputs: {what: cup}, on: {success: away}}
+  away: {action: drop, inputs: {what: cup}, on: {dropped: pen, stuck: pen}}
+  pen: {action: take, inputs: {what: pen}, on: {success: again}}
+  again: {action: shake, on: {dropped: return success, stuck: return success}}
+)j");
+  const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual"});
+  const auto& world = run.find("world")->as_list();
+  ASSERT_EQ(world.size(), 1U) << "the cup was put away, the pen did not fall";
+  EXPECT_EQ(world[0].as_string(), "held(pen)");
+}
+
 TEST_F(Missions, AMachineIsDrawnAsATaskNetworkIs) {
   write("m.yaml", kTwoHands);
   const auto run =
