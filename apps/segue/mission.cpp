@@ -8,6 +8,7 @@
 
 #include <memory>
 
+#include "mission_load.hpp"
 #include "mission_network.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
@@ -20,7 +21,7 @@ namespace {
 int check(const std::vector<std::string>& files, const MissionOptions& options, const Context& context) {
   Diagnostics diagnostics;
   for (const std::string& file : files)
-    (void)mission::load_mission(file, options.folders(), diagnostics);
+    (void)load_mission(file, options.libraries, diagnostics);
   diagnostics.sort();
   print_diagnostics(diagnostics);
   if (context.json()) {
@@ -37,20 +38,10 @@ struct ImportOptions {
   std::vector<std::string> libraries;
 };
 
-std::vector<mission::RafconLibraryPath> library_paths(const std::vector<std::string>& given) {
-  std::vector<mission::RafconLibraryPath> paths;
-  for (const std::string& entry : given) {
-    const auto equals = entry.find('=');
-    const std::filesystem::path folder = equals == std::string::npos ? entry : entry.substr(equals + 1);
-    paths.push_back(
-        {equals == std::string::npos ? folder.filename().string() : entry.substr(0, equals), folder});
-  }
-  return paths;
-}
-
 int import(const ImportOptions& options, const Context& context) {
   Diagnostics diagnostics;
-  const auto machine = mission::import_rafcon(options.folder, library_paths(options.libraries), diagnostics);
+  const auto machine =
+      mission::import_rafcon(options.folder, rafcon_library_paths(options.libraries), diagnostics);
   if (!machine) return report_failure(context, diagnostics);
   const std::string text = mission::write_mission(machine->mission);
   if (options.output.empty()) {
@@ -108,7 +99,9 @@ void add_runner(CLI::App& verb, Context& context) {
                               "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
                               "  segue mission run fetch.json --clock virtual",
                               [options, network, &context] { return run_plan(*options, *network, context); });
-  runner->add_option("FILE", options->file, "a mission file or a task network")->required()->type_name("");
+  runner->add_option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
+      ->required()
+      ->type_name("");
   add_mode_option(*runner, *options);
   runner->add_option("--clock", options->clock, "real (default), or virtual: simulated actions take no time")
       ->type_name("CLOCK")
@@ -139,7 +132,9 @@ void add_gantt(CLI::App& parent, Context& context) {
                               return run_plan(*options, *network, context);
                             });
   options->mode.clear();
-  verb->add_option("FILE", options->file, "a mission file or a task network")->required()->type_name("");
+  verb->add_option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
+      ->required()
+      ->type_name("");
   add_mode_option(*verb, *options);
   verb->add_option("-o,--output", options->files.svg, "a file instead of standard output")->type_name("FILE");
   add_page_and_trace(*verb, options->files);
@@ -150,7 +145,8 @@ void add_gantt(CLI::App& parent, Context& context) {
 }  // namespace
 
 void add_library_option(CLI::App& verb, MissionOptions& options) {
-  verb.add_option("--libraries", options.libraries, "folders with the state machines that missions use")
+  verb.add_option("--libraries", options.libraries,
+                  "folders with the state machines that missions use; for RAFCON's machines NAME=DIR")
       ->type_name("DIR");
 }
 

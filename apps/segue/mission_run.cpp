@@ -2,7 +2,6 @@
 #include "mission_run.hpp"
 
 #include <segue/mission/engine.hpp>
-#include <segue/mission/files.hpp>
 #include <segue/mission/script_runner.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "mission_gantt.hpp"
+#include "mission_load.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "run_times.hpp"
@@ -34,7 +34,7 @@ class MissionRun {
   int run() {
     if (const auto fits = check(options_.files); !fits) return failed(context_, fits.error());
     Diagnostics diagnostics;
-    auto loaded = mission::load_mission(options_.file, options_.folders(), diagnostics);
+    auto loaded = load_mission(options_.file, options_.libraries, diagnostics);
     if (!loaded) return report_failure(context_, diagnostics);
     print_diagnostics(diagnostics);
     if (auto prepared = prepare(std::move(*loaded)); !prepared) return failed(context_, prepared.error());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,9 +20,6 @@ struct MissionOptions {
   RunFiles files;
   bool show = true;  ///< what was executed, on standard output
   std::string python = "python3";
-  [[nodiscard]] std::vector<std::filesystem::path> folders() const {
-    return {libraries.begin(), libraries.end()};
-  }
 };
 
 /// --libraries

@@ -68,6 +68,17 @@ TEST_F(MissionScripts, AnImportedMachineRunsSideBySideAndDecides) {
   EXPECT_EQ(right.find("error")->as_string(), "barrier/right:3: RuntimeError: right fails");
 }
 
+TEST_F(MissionScripts, AMachineRunsFromItsFolderToo) {
+  const auto folder = kMachines / "count_down";
+  const auto run = json({"mission", "run", folder, "--libraries", kOwnLibraries});
+  EXPECT_EQ(run.find("outcome")->as_string(), "finished");
+  EXPECT_EQ(segue({"mission", "check", folder, "--libraries", kOwnLibraries}).status, 0);
+  const auto alone = segue({"mission", "run", folder});
+  EXPECT_EQ(alone.status, 1);
+  EXPECT_THAT(alone.errors, HasSubstr("missing-library"));
+  EXPECT_EQ(segue({"mission", "run", "."}).status, 1) << "no machine";
+}
+
 TEST_F(MissionScripts, AnImportGoesToStandardOutputWhereNoFileIsNamed) {
   const auto imported =
       segue({"mission", "import", "--rafcon", kMachines / "count_down", "--libraries", kOwnLibraries});
