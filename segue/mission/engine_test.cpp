@@ -229,7 +229,7 @@ TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
                                         "  lower: {on: {success: wait}}\n"
                                         "  wait: {action: lift, on: {success: return success}}\n"),
                                  runners, std::move(options));
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < 3; ++i) {
     engine->step_into();
     ASSERT_EQ(engine->run(), Engine::Progress::Held);
   }
