@@ -85,8 +85,8 @@ Duration critical_path(const runtime::SwitchResult& result) {
     Duration begin = phase_begin;
     for (const int before : record.action.after)
       begin = std::max(begin, end[before]);
-    end[record.action.id] = begin + record.duration;
-    last = std::max(last, begin + record.duration);
+    end[record.action.id] = begin + record.took.value_or(record.duration);
+    last = std::max(last, end[record.action.id]);
   }
   return last;
 }

@@ -14,9 +14,10 @@ interface DeploymentProcess {
   info @0 () -> (error :Wire.Error, info :Info);
   snapshot @1 () -> (error :Wire.Error, snapshot :Snapshot);
   expect @2 (network :Model.Network) -> (error :Wire.Error);
-  # What ends while others are still at work is told to whoever follows, under `ticket`; the answer has all outcomes.
+  # What ends while others are still at work is told to whoever follows, under `ticket`; the answer has all,
+  # in their order.
   perform @3 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
-      -> (error :Wire.Error, outcomes :List(Wire.Outcome));
+      -> (error :Wire.Error, ended :List(Ended));
   conclude @4 (transition :Model.Transition) -> (error :Wire.Error);
 
   describe @5 (task :Text) -> (error :Wire.Error, model :Model.Component);
@@ -51,6 +52,7 @@ interface BatchFollower {
 struct Ended {
   index @0 :UInt32;  # of the action in its batch
   outcome @1 :Wire.Outcome;
+  took @2 :Int64 = -1;  # nanoseconds, in the process; negative: not measured
 }
 
 interface TaskListener {

@@ -109,8 +109,8 @@ class DeploymentClient final : public deploy::DeploymentService {
     batches_.begin(std::move(actions), deadline, std::move(completed));
   }
 
-  Result<void> conclude(const model::Transition& transition) override {
-    return ask<void>(kLookTimeout, [&](Process::Client process) {
+  Result<void> conclude(const model::Transition& transition, TimePoint deadline) override {
+    return ask<void>(time_left(deadline), [&](Process::Client process) {
       auto request = process.concludeRequest();
       encode(transition, request.initTransition());
       return Link::send<void>(request, kNothing);
@@ -199,8 +199,8 @@ class DeploymentClient final : public deploy::DeploymentService {
     return std::make_unique<ClientReader>(std::move(*stream));
   }
 
-  Result<link::MemoryOffer> memory() override {
-    return ask<link::MemoryOffer>(kLookTimeout, [](Process::Client process) {
+  Result<link::MemoryOffer> memory(TimePoint deadline) override {
+    return ask<link::MemoryOffer>(time_left(deadline), [](Process::Client process) {
       return process.memoryRequest().send().then([](auto&& response) -> Link::Reply<link::MemoryOffer> {
         if (response.hasError()) return Result<link::MemoryOffer>(decode(response.getError()));
         return decode(response.getOffer());
@@ -208,12 +208,12 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  Result<void> admit(const link::MemoryOffer& peer) override {
+  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override {
     link::MemoryOffer offer{peer.incarnation, peer.payload.duplicate(), peer.control.duplicate()};
     if (!offer.payload.valid() || !offer.control.valid()) {
       return fail(ErrorCode::ResourceExhausted, "no file descriptors are left to offer memory");
     }
-    return ask<void>(kLookTimeout, [&](Process::Client process) {
+    return ask<void>(time_left(deadline), [&](Process::Client process) {
       auto request = process.admitRequest();
       encode(std::move(offer), request.initOffer());
       return Link::send<void>(request, kNothing);

@@ -9,6 +9,7 @@
 #include <future>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace segue::control {
@@ -45,7 +46,7 @@ TEST_F(DeploymentTest, NetworksAndTransitionsTravel) {
     RC_ASSERT(process->expect(network).has_value());
     RC_ASSERT(deployment_.seen()->expected == network);
     RC_ASSERT(process->snapshot().value().network == network);
-    RC_ASSERT(process->conclude(transition).has_value());
+    RC_ASSERT(process->conclude(transition, soon()).has_value());
     RC_ASSERT(deployment_.seen()->concluded == transition);
     RC_ASSERT(process->perform(transition.actions, soon()).size() == transition.actions.size());
     RC_ASSERT(transition.actions.empty() || deployment_.seen()->performed == transition.actions);
@@ -92,6 +93,28 @@ struct Told {
   std::mutex mutex;
   std::map<std::size_t, Result<void>> outcomes;
 };
+
+TEST_F(DeploymentTest, HowLongActionsTookTravels) {
+  serve();
+  std::mutex mutex;
+  std::map<std::size_t, std::optional<Duration>> took;
+  const auto process = client();
+  process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "bad")}, soon(),
+                     [&](const std::vector<host::Completed>& ended) {
+                       const std::lock_guard lock(mutex);
+                       for (const auto& one : ended)
+                         took.emplace(one.index, one.took);
+                     });
+  ASSERT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return took.size() == 2;
+  }));
+  for (const auto& [index, duration] : took) {
+    ASSERT_TRUE(duration);
+    EXPECT_GE(*duration, Duration(0));
+    EXPECT_LT(*duration, kLong);
+  }
+}
 
 TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
   serve();
@@ -228,13 +251,13 @@ TEST_F(DeploymentTest, MemoryArrivesAndNoDescriptorIsLeftBehind) {
   ASSERT_TRUE(process->info());
   const std::size_t before = open_descriptors();
   for (int i = 0; i < 50; ++i) {
-    const auto offer = process->memory();
+    const auto offer = process->memory(soon());
     ASSERT_TRUE(offer) << to_string(offer.error());
     EXPECT_EQ(offer->incarnation, 7U);
     EXPECT_EQ(content_of(offer->payload), "payload");
     EXPECT_EQ(content_of(offer->control), "control");
     const link::MemoryOffer own{9, memory_with("mine"), memory_with("too")};
-    ASSERT_TRUE(process->admit(own));
+    ASSERT_TRUE(process->admit(own, soon()));
     EXPECT_EQ(deployment_.seen()->admitted, (std::vector<std::string>{"9", "mine", "too"}));
   }
   EXPECT_TRUE(eventually([&] { return open_descriptors() == before; })) << open_descriptors() - before;

@@ -125,9 +125,9 @@ struct Process {
 
 void introduce(Process& a, Process& b) {
   for (auto [to, from] : {std::pair(&a, &b), std::pair(&b, &a)}) {
-    const auto offer = from->deployment->memory();
+    const auto offer = from->deployment->memory(soon());
     ASSERT_TRUE(offer);
-    ASSERT_TRUE(to->deployment->admit(*offer));
+    ASSERT_TRUE(to->deployment->admit(*offer, soon()));
   }
 }
 
@@ -377,8 +377,8 @@ TEST_F(ConnectedDeployments, lead_to_two_incarnations_of_a_task_at_once) {
   ASSERT_TRUE(connect(flow_));
   Process other("r");
   other.bring_to_running(task_of("sink", "pair::Sink"));
-  ASSERT_TRUE(p_.deployment->admit(*other.deployment->memory()));
-  ASSERT_TRUE(other.deployment->admit(*p_.deployment->memory()));
+  ASSERT_TRUE(p_.deployment->admit(*other.deployment->memory(soon()), soon()));
+  ASSERT_TRUE(other.deployment->admit(*p_.deployment->memory(soon()), soon()));
   const auto origin = describe(flow_);
   ASSERT_TRUE(origin);
   const auto place = other.deployment->open_inputs(std::vector<OpenInput>{{flow_, *origin}}, soon()).at(0);

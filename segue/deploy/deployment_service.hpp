@@ -89,7 +89,7 @@ class DeploymentService {
   /// The same, and waits; outcomes in the order of `actions`.
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
   /// Forgets and redefines tasks as TaskHost::conclude does.
-  virtual Result<void> conclude(const model::Transition& transition) = 0;
+  virtual Result<void> conclude(const model::Transition& transition, TimePoint deadline) = 0;
 
   /// For a task that takes over from one in another process: what a Stopped task remembers (nothing, where
   /// its component has no state), and a task that is configured and does not run continues it.
@@ -108,8 +108,8 @@ class DeploymentService {
 
   /// For connections between processes: first offers are exchanged, then describe, open, attach; halves are
   /// closed the other way round.
-  virtual Result<link::MemoryOffer> memory() = 0;
-  virtual Result<void> admit(const link::MemoryOffer& peer) = 0;
+  virtual Result<link::MemoryOffer> memory(TimePoint deadline) = 0;
+  virtual Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) = 0;
   virtual Result<void> forget(link::Incarnation peer) = 0;
   virtual std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
                                                                    TimePoint deadline) = 0;

@@ -151,7 +151,7 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
   return {};
 }
 
-Result<void> FakeService::conclude(const model::Transition& transition) {
+Result<void> FakeService::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
   return answer<void>("conclude", [&]() -> Result<void> {
     for (const auto& id : transition.removes) {
       const auto found = process_->tasks.find(id);
@@ -209,7 +209,7 @@ Result<std::unique_ptr<host::PortReader>> FakeService::open_reader(const model::
   return fail(ErrorCode::Unsupported, "fakes have no samples");
 }
 
-Result<link::MemoryOffer> FakeService::memory() {
+Result<link::MemoryOffer> FakeService::memory(TimePoint /*deadline*/) {
   return answer<link::MemoryOffer>("memory", [&]() -> Result<link::MemoryOffer> {
     link::MemoryOffer offer;
     offer.incarnation = process_->incarnation;
@@ -217,7 +217,7 @@ Result<link::MemoryOffer> FakeService::memory() {
   });
 }
 
-Result<void> FakeService::admit(const link::MemoryOffer& peer) {
+Result<void> FakeService::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
   return answer<void>("admit", [&]() -> Result<void> {
     process_->admitted.insert(peer.incarnation);
     return {};

@@ -109,7 +109,7 @@ class FakeService final : public DeploymentService {
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
-  Result<void> conclude(const model::Transition& transition) override;
+  Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
   Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override;
   Result<void> restore_state(const model::TaskId& task, const task::State& state,
                              TimePoint deadline) override;
@@ -121,8 +121,8 @@ class FakeService final : public DeploymentService {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
-  Result<link::MemoryOffer> memory() override;
-  Result<void> admit(const link::MemoryOffer& peer) override;
+  Result<link::MemoryOffer> memory(TimePoint deadline) override;
+  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override;
   Result<void> forget(link::Incarnation peer) override;
   std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
                                                            TimePoint deadline) override;

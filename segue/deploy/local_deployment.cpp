@@ -168,7 +168,7 @@ void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint de
   implementation_->crew.begin(std::move(actions), deadline, std::move(completed));
 }
 
-Result<void> LocalDeployment::conclude(const model::Transition& transition) {
+Result<void> LocalDeployment::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
   implementation_->host.conclude(transition);
   return {};
 }
@@ -229,11 +229,11 @@ Result<std::unique_ptr<host::PortReader>> LocalDeployment::open_reader(const mod
   return implementation_->host.open_reader(port, buffer);
 }
 
-Result<link::MemoryOffer> LocalDeployment::memory() {
+Result<link::MemoryOffer> LocalDeployment::memory(TimePoint /*deadline*/) {
   return implementation_->halves.offer();
 }
 
-Result<void> LocalDeployment::admit(const link::MemoryOffer& peer) {
+Result<void> LocalDeployment::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
   return implementation_->halves.admit(peer);
 }
 

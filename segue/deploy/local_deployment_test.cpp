@@ -163,8 +163,8 @@ TEST_F(LocalDeploymentTest, connects_tasks_inside) {
 TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
   bring_to_running(task_of("a", "any::Thing"));
   const auto connection = wire("a", "out", "b", "in");
-  EXPECT_EQ(deployment_.memory().error().code, ErrorCode::Unsupported);
-  EXPECT_EQ(deployment_.admit(link::MemoryOffer()).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(deployment_.memory(soon()).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(deployment_.admit(link::MemoryOffer(), soon()).error().code, ErrorCode::Unsupported);
   EXPECT_TRUE(deployment_.forget(3));
   const std::vector<model::PortRef> ports{connection.from};
   EXPECT_EQ(deployment_.describe_outputs(ports, soon()).at(0).error().code, ErrorCode::Unsupported);

@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
+#include <segue/model/action_times.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -12,6 +13,16 @@ namespace segue::deploy::detail {
 namespace {
 
 using model::ActionKind;
+
+/// How long a process may take to conclude a transition, which nothing waits for any more.
+constexpr Duration kConcluding = std::chrono::seconds(2);
+
+template <class Work>
+host::Completed measured(std::size_t index, Work work) {
+  const TimePoint begin = RealClock::instance().now();
+  auto outcome = work();
+  return {index, std::move(outcome), RealClock::instance().now() - begin};
+}
 
 Error not_connected() {
   return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected");
@@ -112,25 +123,31 @@ std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const 
   std::vector<WorkerPool::Job> jobs;
   for (const std::size_t index : plan.processes) {
     jobs.emplace_back([this, actions, deadline, outcomes, index] {
-      outcomes->add({{index, perform_on_process(actions[index], deadline)}});
+      outcomes->add({measured(index, [&] { return perform_on_process(actions[index], deadline); })});
     });
   }
   for (const auto& what : plan.hand_overs) {
     jobs.emplace_back([&what, deadline, outcomes] {
-      outcomes->add({{what.index, hand_over(what, deadline)}});
+      outcomes->add({measured(what.index, [&] { return hand_over(what, deadline); })});
     });
   }
-  const auto spread = [](host::BatchOutcomes& to, const Indices& indices, std::vector<Result<void>> answers) {
+  // All are laid together: of one that is quick, its share is its time.
+  const auto spread = [](host::BatchOutcomes& to, const Indices& indices, const auto& work) {
+    const TimePoint begin = RealClock::instance().now();
+    std::vector<Result<void>> answers = work();
+    const Duration all = RealClock::instance().now() - begin;
+    const Duration share = all / static_cast<std::int64_t>(std::max<std::size_t>(indices.size(), 1));
     std::vector<host::Completed> ended;
     for (std::size_t i = 0; i < indices.size(); ++i) {
-      ended.push_back({indices[i], std::move(answers[i])});
+      ended.push_back({indices[i], std::move(answers[i]), share < model::kQuickAction ? share : all});
     }
     to.add(std::move(ended));
   };
   if (!plan.disconnect.empty() || !plan.connect.empty()) {
     jobs.emplace_back([this, &plan, deadline, outcomes, spread] {
-      spread(*outcomes, plan.disconnect_indices, wiring_.disconnect(plan.disconnect, deadline));
-      spread(*outcomes, plan.connect_indices, wiring_.connect(plan.connect, deadline));
+      spread(*outcomes, plan.disconnect_indices,
+             [&] { return wiring_.disconnect(plan.disconnect, deadline); });
+      spread(*outcomes, plan.connect_indices, [&] { return wiring_.connect(plan.connect, deadline); });
     });
   }
   return jobs;
@@ -140,7 +157,7 @@ Router::Plan Router::plan(std::span<const model::Action> actions, const Outcomes
   Plan plan;
   for (std::size_t i = 0; i < actions.size(); ++i) {
     if (auto placed = place(i, actions[i], plan); !placed) {
-      outcomes->note(i, std::move(placed));
+      outcomes->note({i, std::move(placed)});
     }
   }
   return plan;
@@ -262,7 +279,7 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
   std::vector<model::Action> batch;
   for (const std::size_t index : indices) {
     if (service == nullptr) {
-      outcomes->note(index, unreachable(*record));
+      outcomes->note({index, unreachable(*record)});
       continue;
     }
     asked.push_back(index);
@@ -321,11 +338,12 @@ void Router::conclude(const model::Transition& transition) {
       redefined.id = located->task;
     }
   }
+  const TimePoint deadline = RealClock::instance().now() + kConcluding;
   std::vector<WorkerPool::Job> jobs;
   for (const auto& [record, part] : parts) {
-    jobs.emplace_back([this, record = record, &part = part] {
+    jobs.emplace_back([this, deadline, record = record, &part = part] {
       const auto service = record->service();
-      if (service == nullptr || !service->conclude(part)) {
+      if (service == nullptr || !service->conclude(part, deadline)) {
         return;  // the next look says what it holds
       }
       for (const auto& task : part.removes) {

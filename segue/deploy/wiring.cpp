@@ -151,9 +151,9 @@ class Batch {
     }
     std::vector<WorkerPool::Job> jobs;
     for (auto& item : offers) {
-      jobs.emplace_back([&item] {
+      jobs.emplace_back([this, &item] {
         if (const auto service = item.first->service()) {
-          item.second = service->memory();
+          item.second = service->memory(deadline_);
         }
       });
     }
@@ -167,7 +167,7 @@ class Batch {
       const auto& offer = offers.at(other);
       const auto admitted = !offer     ? Result<void>(offer.error())
                             : !service ? Result<void>(unavailable(*one))
-                                       : service->admit(*offer);
+                                       : service->admit(*offer, deadline_);
       if (admitted) {
         one->learn(offer->incarnation);
       } else {

@@ -12,19 +12,19 @@ namespace segue::host {
 BatchOutcomes::BatchOutcomes(std::size_t count, Completion completed)
     : completed_(std::move(completed)), known_(count, false) {}
 
-bool BatchOutcomes::note_now(std::size_t index, Result<void> outcome) {
-  if (index >= known_.size() || known_[index]) {
+bool BatchOutcomes::note_now(Completed one) {
+  if (one.index >= known_.size() || known_[one.index]) {
     return false;
   }
-  known_[index] = true;
+  known_[one.index] = true;
   ++ended_;
-  waiting_.push_back({index, std::move(outcome)});
+  waiting_.push_back(std::move(one));
   return true;
 }
 
-void BatchOutcomes::note(std::size_t index, Result<void> outcome) {
+void BatchOutcomes::note(Completed one) {
   std::unique_lock lock(mutex_);
-  if (note_now(index, std::move(outcome)) && ended_ == known_.size()) {
+  if (note_now(std::move(one)) && ended_ == known_.size()) {
     tell_now(lock);
   }
 }
@@ -37,7 +37,7 @@ void BatchOutcomes::tell() {
 void BatchOutcomes::add(std::vector<Completed> ended) {
   std::unique_lock lock(mutex_);
   for (auto& one : ended) {
-    note_now(one.index, std::move(one.outcome));
+    note_now(std::move(one));
   }
   tell_now(lock);
 }
@@ -46,7 +46,7 @@ void BatchOutcomes::fail_rest(const std::function<Error(std::size_t index)>& why
   std::unique_lock lock(mutex_);
   for (std::size_t index = 0; index < known_.size(); ++index) {
     if (!known_[index]) {
-      note_now(index, why(index));
+      note_now({index, why(index)});
     }
   }
   tell_now(lock);

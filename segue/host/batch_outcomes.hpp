@@ -21,7 +21,7 @@ class BatchOutcomes {
 
   /// Notes how one has ended; told by the next tell(), or at once where it was the last one. What is known
   /// already, and an index that is none, is dropped.
-  void note(std::size_t index, Result<void> outcome);
+  void note(Completed one);
   /// Passes on what has been noted. Where another thread is at that, it passes on this too.
   void tell();
   /// note() for each, then tell().
@@ -37,7 +37,7 @@ class BatchOutcomes {
  private:
   /// Gives the lock back where all are told.
   void tell_now(std::unique_lock<std::mutex>& lock);
-  bool note_now(std::size_t index, Result<void> outcome);
+  bool note_now(Completed one);
 
   mutable std::mutex mutex_;
   mutable std::condition_variable all_told_;

@@ -192,7 +192,9 @@ void Crew::Implementation::take_part(Batch& batch) {
   };
   std::size_t index = 0;
   while ((index = batch.next.fetch_add(1)) < batch.actions.size()) {
-    batch.outcomes.note(index, carry_out(batch.actions[index]));
+    const TimePoint begin = now();
+    auto outcome = carry_out(batch.actions[index]);
+    batch.outcomes.note({index, std::move(outcome), now() - begin});
     if (batch.slow && batch.all_begun()) {
       batch.outcomes.tell();
     }

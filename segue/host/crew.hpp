@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/host/task_host.hpp>
+#include <segue/model/action_times.hpp>
 
 #include <functional>
 #include <memory>
@@ -21,7 +22,7 @@ class Crew {
   using Work = std::function<Result<void>(const model::Action& action, TimePoint deadline)>;
 
   /// The rest of a batch goes on on another thread where an action takes longer than `patience`.
-  explicit Crew(Work work, Duration patience = std::chrono::microseconds(200));
+  explicit Crew(Work work, Duration patience = model::kQuickAction);
   /// close().
   ~Crew();
   Crew(const Crew&) = delete;

@@ -278,11 +278,35 @@ TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
   outcomes.add({{7, {}}, {1, {}}, {1, fail(ErrorCode::Internal, "again")}});
   EXPECT_EQ(told.count(), 1U);
   EXPECT_TRUE(told.at(1));
-  outcomes.note(0, fail(ErrorCode::HookFailed, "bad"));
+  outcomes.note({0, fail(ErrorCode::HookFailed, "bad")});
   EXPECT_EQ(told.count(), 2U) << "the last one is told at once";
   outcomes.fail_rest([](std::size_t) { return fail(ErrorCode::Internal, "late"); });
   EXPECT_EQ(told.calls(), 2U);
   outcomes.wait();
+}
+
+TEST(Crew, TellsHowLongEachActionTookByItself) {
+  constexpr auto kLong = 5ms;
+  Crew crew([&](const model::Action& action, TimePoint) -> Result<void> {
+    const TimePoint begin = RealClock::instance().now();
+    while (action.task()->str() == "long" && RealClock::instance().now() < begin + kLong)
+      std::this_thread::yield();
+    return {};
+  });
+  const std::vector<model::Action> actions = {on_task(model::ActionKind::Stop, "quick"),
+                                              on_task(model::ActionKind::Stop, "long"),
+                                              on_task(model::ActionKind::Stop, "late")};
+  std::map<std::size_t, Duration> took;
+  const TimePoint begin = RealClock::instance().now();
+  crew.run(actions, soon(), [&](const std::vector<Completed>& ended) {
+    for (const auto& one : ended)
+      took.emplace(one.index, one.took.value_or(Duration::max()));
+  });
+  const Duration all = RealClock::instance().now() - begin;
+  ASSERT_THAT(took, SizeIs(3));
+  EXPECT_GE(took.at(1), kLong);
+  EXPECT_LE(took.at(0), all - kLong) << "not what others of its batch took";
+  EXPECT_LE(took.at(2), all);
 }
 
 }  // namespace

@@ -14,7 +14,9 @@ Diagnostics TaskHost::check(const model::Network& /*network*/) const {
 void TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
                            const Completion& completed) {
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    completed({{i, perform(actions[i], deadline)}});
+    const TimePoint begin = RealClock::instance().now();
+    auto outcome = perform(actions[i], deadline);
+    completed({{i, std::move(outcome), RealClock::instance().now() - begin}});
   }
 }
 

@@ -12,6 +12,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -63,6 +65,7 @@ using HostEvent = std::variant<TaskEvent, ProcessEvent>;
 struct Completed {
   std::size_t index = 0;  ///< its place in the batch
   Result<void> outcome;
+  std::optional<Duration> took{};  ///< from its own begin to its end, where that was measured
 };
 
 /// Told what has ended since the last call, at least one; one call at a time, from any thread. Must not

@@ -27,7 +27,7 @@ struct ActionEntry {
   model::HostName host;
   model::ProcessName process;  ///< empty: the runtime's own
   Duration started{0};         ///< since the begin of the execution
-  Duration waited{0};          ///< before that, though what comes before it was done
+  Duration waited{0};  ///< though what comes before it was done: for others of its batch, and on the way
   Duration duration{0};
   std::string outcome;  ///< "done", "failed", "skipped"
   std::string error;
@@ -93,9 +93,7 @@ struct GapEntry {
   friend bool operator==(const GapEntry&, const GapEntry&) = default;
 };
 
-/// What is learnt from a transition: how long each action that was done really took, and how long it waited.
-/// Quick actions of one process are carried out one after the other and told together: they share the time of
-/// their batch.
+/// What is learnt from a transition: how long each action that was done took, and how long it waited.
 struct Lesson {
   std::vector<std::pair<model::ActionKey, Duration>> actions;
   std::vector<Duration> waits;

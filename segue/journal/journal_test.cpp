@@ -200,29 +200,16 @@ TEST(JournalPath, FollowsTheEnvironment) {
   EXPECT_EQ(default_path("artemis").error().code, ErrorCode::NotFound);
 }
 
-TEST(Lesson, SharesTheTimeOfQuickActionsThatWereToldTogether) {
+TEST(Lesson, IsOfWhatWasDone) {
   TransitionEntry entry;
-  for (int id = 1; id <= 10; ++id) {
-    entry.actions.push_back(action(id, 500us));
-    entry.actions.back().started = 1ms;
-  }
+  entry.actions = {action(1, 100ms), action(2, 100us), action(3, 5ms)};
+  entry.actions[1].waited = 3ms;
+  entry.actions[2].outcome = "failed";
   const Lesson lesson = lesson_of(entry);
-  ASSERT_EQ(lesson.actions.size(), 10U);
-  for (const auto& [key, duration] : lesson.actions)
-    EXPECT_EQ(duration, 50us);
-}
-
-TEST(Lesson, LeavesSlowActionsThatRanSideBySideAsTheyAre) {
-  TransitionEntry entry;
-  entry.actions = {action(1, 100ms), action(2, 100ms), action(3, 100us)};
-  for (auto& each : entry.actions)
-    each.started = 1ms;
-  entry.actions[2].process = model::ProcessName("q");
-  const Lesson lesson = lesson_of(entry);
-  ASSERT_EQ(lesson.actions.size(), 3U);
+  ASSERT_EQ(lesson.actions.size(), 2U);
   EXPECT_EQ(lesson.actions[0].second, 100ms);
-  EXPECT_EQ(lesson.actions[1].second, 100ms);
-  EXPECT_EQ(lesson.actions[2].second, 100us);
+  EXPECT_EQ(lesson.actions[1].second, 100us);
+  EXPECT_EQ(lesson.waits.at(1), 3ms);
 }
 
 }  // namespace

@@ -15,6 +15,10 @@
 /// How long actions took, as far as it was measured: what estimates are made from. Plain values.
 namespace segue::model {
 
+/// A process carries out actions one after the other as long as they are quicker than this; a slower one goes
+/// on beside the next (host::Crew).
+inline constexpr Duration kQuickAction = std::chrono::microseconds(200);
+
 /// A duration that is not known for certain.
 struct DurationRange {
   Duration low{0};
@@ -55,7 +59,8 @@ struct DurationRecord {
 
 struct ActionTimes {
   std::map<ActionKey, DurationRecord> actions;
-  /// From when an action could have begun, what comes before it done, until it began.
+  /// From when an action could have begun, what comes before it done, until its end was known, less what it
+  /// took itself and what quick ones of its process took: on the way there and back.
   DurationRecord waits;
 
   friend bool operator==(const ActionTimes&, const ActionTimes&) = default;

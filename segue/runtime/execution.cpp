@@ -194,13 +194,13 @@ void Execution::complete(Batch& batch, std::vector<host::Completed> ended) {
     return;
   }
   const std::lock_guard lock(mutex_);
-  for (auto& [index, outcome] : ended) {
-    if (index >= batch.indices.size() || batch.told[index]) {
+  for (auto& one : ended) {
+    if (one.index >= batch.indices.size() || batch.told[one.index]) {
       continue;
     }
-    batch.told[index] = true;
+    batch.told[one.index] = true;
     --batch.outstanding;
-    finish(batch.indices[index], std::move(outcome));
+    finish(batch.indices[one.index], std::move(one));
   }
   // Whoever brought the batch goes on by himself when all of it is done.
   if (batch.outstanding > 0 && has_work()) {
@@ -211,17 +211,21 @@ void Execution::complete(Batch& batch, std::vector<host::Completed> ended) {
   }
 }
 
-void Execution::finish(std::size_t index, Result<void> outcome) {
+void Execution::finish(std::size_t index, host::Completed ended) {
+  auto& outcome = ended.outcome;
   if (!outcome && outcome.error().code == ErrorCode::DeadlineExceeded) {
     doubtful_.emplace_back(index, std::move(outcome.error()));
     return;
   }
-  record(index, outcome ? std::nullopt : std::optional(std::move(outcome.error())));
+  record(index, outcome ? std::nullopt : std::optional(std::move(outcome.error())), ended.took);
 }
 
-void Execution::record(std::size_t index, std::optional<Error> error) {
+void Execution::record(std::size_t index, std::optional<Error> error, std::optional<Duration> took) {
   ActionRecord& record = records_[index];
   record.duration = RealClock::instance().now() - started_ - record.started;
+  if (took) {
+    record.took = std::min(*took, record.duration);  // a process may tell what it likes
+  }
   record.error = std::move(error);
   record.executed = true;
   --under_way_;
@@ -248,7 +252,7 @@ void Execution::settle_doubtful(std::unique_lock<std::mutex>& lock) {
   lock.lock();
   for (const auto& [index, error] : doubtful) {
     const bool done = took_effect(records_[index].action, observed);
-    record(index, done ? std::nullopt : std::optional(error));
+    record(index, done ? std::nullopt : std::optional(error), std::nullopt);
   }
   if (under_way_ == 0) {
     changed_.notify_all();

@@ -59,8 +59,8 @@ class Execution {
   void perform(Batch& batch);
   /// The host tells how actions of a batch ended.
   void complete(Batch& batch, std::vector<host::Completed> ended);
-  void finish(std::size_t index, Result<void> outcome);
-  void record(std::size_t index, std::optional<Error> error);
+  void finish(std::size_t index, host::Completed ended);
+  void record(std::size_t index, std::optional<Error> error, std::optional<Duration> took);
   void release_successors(std::size_t index);
   /// Actions that did not end in time count by what is seen of them.
   void settle_doubtful(std::unique_lock<std::mutex>& lock);

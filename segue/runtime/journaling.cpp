@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <tuple>
 #include <unordered_map>
 
 namespace segue::runtime {
@@ -28,10 +30,48 @@ std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records) {
   return begins;
 }
 
-/// Fills in how long each action of the transition waited, though what comes before it was done.
+/// What an action took by itself.
+Duration work_of(const ActionRecord& record) {
+  return record.took.value_or(record.duration);
+}
+
+/// How long processes were at the quick actions that they took up together: one after the other, and told
+/// together.
+class Lanes {
+ public:
+  Lanes(const std::vector<ActionRecord>& records, const std::vector<journal::ActionEntry>& entries,
+        std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!records[i].executed || !records[i].took) continue;
+      Duration& so_far = lanes_[{records[i].started, entries[i].host, entries[i].process}];
+      before_.emplace(i, Part{so_far, &so_far});
+      so_far += std::min(*records[i].took, model::kQuickAction);
+    }
+  }
+
+  /// Until an action was told, itself included.
+  [[nodiscard]] Duration busy(const ActionRecord& record, std::size_t index) const {
+    const auto part = before_.find(index);
+    if (part == before_.end()) return record.duration;
+    const bool is_quick = *record.took < model::kQuickAction;
+    return is_quick ? *part->second.all : part->second.before + *record.took;
+  }
+
+ private:
+  struct Part {
+    Duration before{0};
+    const Duration* all = nullptr;
+  };
+  std::map<std::tuple<Duration, model::HostName, model::ProcessName>, Duration> lanes_;
+  std::unordered_map<std::size_t, Part> before_;
+};
+
+/// Fills in how long each action of the transition waited, though what comes before it was done: to begin,
+/// and on the way there and back.
 void find_waits(const std::vector<ActionRecord>& records, std::size_t count,
                 std::vector<journal::ActionEntry>& entries) {
   const auto begins = phase_begins(records);
+  const Lanes lanes(records, entries, count);
   std::unordered_map<int, Duration> ends;
   for (std::size_t i = 0; i < count; ++i) {
     const ActionRecord& record = records[i];
@@ -42,7 +82,8 @@ void find_waits(const std::vector<ActionRecord>& records, std::size_t count,
       if (before != ends.end()) ready = std::max(ready, before->second);
     }
     ends[record.action.id] = end_of(record);
-    entries[i].waited = std::max(record.started - ready, Duration(0));
+    const Duration busy = lanes.busy(record, i);
+    entries[i].waited = std::max(end_of(record) - busy - ready, Duration(0));
   }
 }
 
@@ -56,7 +97,7 @@ journal::ActionEntry action_entry(const ActionRecord& record, const solve::Actio
   entry.host = site.key.host;
   entry.process = site.process;
   entry.started = record.started;
-  entry.duration = record.duration;
+  entry.duration = work_of(record);
   entry.outcome = outcome_of(record);
   if (record.error) entry.error = to_string(*record.error);
   return entry;

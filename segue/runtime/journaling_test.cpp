@@ -66,6 +66,29 @@ TEST(JournalEntry, TellsHowLongActionsTookAndWaited) {
   EXPECT_FALSE(entry.predicted);
 }
 
+TEST(JournalEntry, TellsTheWorkOfAnActionFromWaitingForOthersOfItsBatch) {
+  auto result = three_actions();
+  result.actions[1].took = 4ms;
+  const auto entry = journal_entry(result, one_task(), transition_of(result), {});
+  EXPECT_EQ(entry.actions[1].duration, 4ms);
+  EXPECT_EQ(entry.actions[1].waited, 3ms + 16ms);
+  EXPECT_EQ(entry.actions[2].waited, 6ms) << "from when the one before was known to have ended";
+  EXPECT_EQ(entry.total, 45ms);
+}
+
+TEST(JournalEntry, CountsQuickActionsOfOneProcessAsOneAfterTheOther) {
+  auto result = three_actions();
+  for (std::size_t i = 0; i < 3; ++i) {
+    result.actions[i] = record(static_cast<int>(i) + 1, ActionKind::Start, Phase::Commit, {}, 1ms, 2ms);
+    result.actions[i].took = 100us;
+  }
+  const auto entry = journal_entry(result, one_task(), transition_of(result), {});
+  for (const auto& action : entry.actions) {
+    EXPECT_EQ(action.duration, 100us);
+    EXPECT_EQ(action.waited, 1ms + 2ms - 300us);
+  }
+}
+
 TEST(JournalEntry, PredictsFromWhatWasKnownBefore) {
   const auto result = three_actions();
   model::ActionTimes known;

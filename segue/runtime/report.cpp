@@ -31,6 +31,9 @@ Value action_value(const ActionRecord& record) {
   ValueMap& map = value.as_map();
   map.set("started_s", seconds(record.started));
   map.set("duration_s", seconds(record.duration));
+  if (record.took) {
+    map.set("took_s", seconds(*record.took));
+  }
   map.set("outcome", outcome_of(record));
   if (record.error) {
     map.set("error", to_string(*record.error));

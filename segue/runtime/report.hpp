@@ -15,7 +15,8 @@ std::string_view outcome_of(const ActionRecord& record);
 /// "prepare_s", "commit_s", "retire_s", "actions", and where it did not go well "error", "diagnostics",
 /// "undo" ("restored", "fallback", "fell_back", "duration_s", "actions", "error") and "leftover", where it
 /// was expected to last some time "predicted_s"}; each
-/// action with "started_s", "duration_s", "outcome" (done, failed, skipped).
+/// action with "started_s", "duration_s" (until its end was known), "took_s" (by itself, where measured),
+/// "outcome" (done, failed, skipped).
 type::Value to_value(const SwitchResult& result);
 
 /// {"controller", "ready", "prepared", "tasks", "reason"}

@@ -29,10 +29,11 @@ std::string_view to_string(Outcome outcome);
 
 struct ActionRecord {
   model::Action action;
-  Duration started{0};  ///< since the begin of the execution
-  Duration duration{0};
+  Duration started{0};         ///< since the begin of the execution
+  Duration duration{0};        ///< until its end was known, with all that it waited for others of its batch
   std::optional<Error> error;  ///< nothing: done
   bool executed = false;       ///< false: an earlier action failed
+  std::optional<Duration> took{};  ///< itself, where it was carried out; `duration` at most
 };
 
 /// Why there was a transition.

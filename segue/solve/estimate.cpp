@@ -20,9 +20,7 @@ using detail::DurationModel;
 
 constexpr std::size_t kPhases = 3;
 constexpr int kNobody = -1;
-/// Actions that a process carries out one after the other are quicker than this, in nanoseconds; a slower one
-/// goes on beside the next (host::LocalTaskHost).
-constexpr double kQuick = 200'000;
+constexpr auto kQuick = static_cast<double>(model::kQuickAction.count());  // in nanoseconds
 /// Of the trials, so many lie below a range and as many above.
 constexpr double kOutside = 0.02;
 constexpr std::size_t kMostSteps = 400'000;

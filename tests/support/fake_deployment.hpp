@@ -117,7 +117,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     }
     crew_.begin(std::move(actions), deadline, std::move(completed));
   }
-  Result<void> conclude(const model::Transition& transition) override {
+  Result<void> conclude(const model::Transition& transition, TimePoint /*deadline*/) override {
     const std::lock_guard lock(fields_);
     concluded = transition;
     return {};
@@ -165,10 +165,10 @@ class FakeDeployment final : public deploy::DeploymentService {
     if (port.port != "out") return fail(ErrorCode::NotFound, "no port");
     return std::make_unique<Numbers>(open_readers, static_cast<int>(buffer));
   }
-  Result<link::MemoryOffer> memory() override {
+  Result<link::MemoryOffer> memory(TimePoint /*deadline*/) override {
     return link::MemoryOffer{7, memory_with("payload"), memory_with("control")};
   }
-  Result<void> admit(const link::MemoryOffer& peer) override {
+  Result<void> admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) override {
     const std::lock_guard lock(fields_);
     admitted = {std::to_string(peer.incarnation), content_of(peer.payload), content_of(peer.control)};
     return {};

@@ -64,7 +64,7 @@ class FollowerServer final : public wire::BatchFollower::Server {
     if (const auto batch = followed_->find(params.getTicket())) {
       std::vector<host::Completed> ended;
       for (const auto one : params.getEnded())
-        ended.push_back({one.getIndex(), decode(one.getOutcome())});
+        ended.push_back(decode(one));
       batch->outcomes.add(std::move(ended));
     }
     return kj::READY_NOW;
@@ -107,8 +107,11 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
           followed->remove(batch);
           if (response.hasError()) return batch->fail_rest(decode(response.getError()));
           std::vector<host::Completed> ended;
-          for (const auto outcome : response.getOutcomes())
-            ended.push_back({ended.size(), decode(outcome)});
+          for (const auto one : response.getEnded()) {
+            const std::size_t place = ended.size();
+            ended.push_back(decode(one));
+            ended.back().index = place;
+          }
           if (ended.size() == batch->actions.size()) batch->outcomes.add(std::move(ended));
           batch->fail_rest(fail(ErrorCode::Internal, who + " did not answer for everything asked"));
         })

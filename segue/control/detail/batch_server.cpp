@@ -10,7 +10,7 @@ namespace segue::control::detail {
 
 namespace {
 
-using Outcomes = std::vector<Result<void>>;
+using Outcomes = std::vector<host::Completed>;
 
 /// A batch on its way; lives in the loop's thread, and lets go of all that belongs there when it has ended.
 class Batch final : private kj::TaskSet::ErrorHandler {
@@ -33,8 +33,8 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   void take(std::vector<host::Completed> ended) {
     open_ -= ended.size();
     for (auto& one : ended) {
-      outcomes_[one.index] = std::move(one.outcome);
       untold_.push_back(one.index);
+      outcomes_[one.index] = std::move(one);
     }
     open_ == 0 ? finish() : tell();
   }
@@ -56,8 +56,7 @@ class Batch final : private kj::TaskSet::ErrorHandler {
       request.setTicket(ticket_);
       auto list = request.initEnded(count_of(untold_));
       for (unsigned i = 0; i < list.size(); ++i) {
-        list[i].setIndex(static_cast<std::uint32_t>(untold_[i]));
-        encode(outcomes_[untold_[i]], list[i].initOutcome());
+        encode(outcomes_[untold_[i]], list[i]);
       }
       untold_.clear();
       sending_->add(request.send().ignoreResult().then([this] {

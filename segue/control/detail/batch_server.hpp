@@ -14,9 +14,9 @@ using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
 /// Carries out a batch by the caller's deployment service, without a thread of the pool: quick ones are
 /// answered at once, and of slow ones the follower is told what has ended meanwhile. Only in the event loop.
-kj::Promise<Result<std::vector<Result<void>>>> perform_batch(Caller caller, Follower follower,
-                                                             std::uint64_t ticket,
-                                                             std::vector<model::Action> actions,
-                                                             TimePoint deadline);
+kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller, Follower follower,
+                                                                std::uint64_t ticket,
+                                                                std::vector<model::Action> actions,
+                                                                TimePoint deadline);
 
 }  // namespace segue::control::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/link.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
@@ -19,6 +20,11 @@ using type::Value;
 
 /// A client that says where its descriptors are only later is not waited for any longer.
 constexpr auto kOfferTimeout = 5 * kj::SECONDS;
+
+/// For what the client gives no time: it keeps its own.
+TimePoint soon() {
+  return RealClock::instance().now() + kLookTimeout;
+}
 
 /// The samples of a port, as the stream that all services offer.
 class ReaderStream final : public SampleStream {
@@ -45,6 +51,7 @@ Result<std::vector<Outcome>> all(std::vector<Outcome> outcomes) {
   return outcomes;
 }
 
+constexpr auto kInitEnded = [](auto results, unsigned size) { return results.initEnded(size); };
 constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
 constexpr auto kDecode = [](const auto& part) { return decode(part); };
 
@@ -79,11 +86,11 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     context.releaseParams();
     context.allowCancellation();
     return perform_batch(caller_, follower_, ticket, std::move(actions), deadline)
-        .then([context](Result<std::vector<Result<void>>>&& outcomes) mutable {
+        .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
           auto results = context.getResults();
           if (!outcomes) return encode(outcomes.error(), results.initError());
           try {
-            listing<Result<void>>(kInitOutcomes)(*outcomes, results);
+            listing<host::Completed>(kInitEnded)(*outcomes, results);
           } catch (const WireError& failed) {
             encode(failed.error(), results.initError());
           }
@@ -98,7 +105,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   kj::Promise<void> conclude(ConcludeContext context) override {
     auto transition = decode(context.getParams().getTransition());
     return caller_.answer(context, [&service = service(), transition = std::move(transition)] {
-      return service.conclude(transition);
+      return service.conclude(transition, soon());
     });
   }
 
@@ -171,7 +178,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
 
   kj::Promise<void> memory(MemoryContext context) override {
     return caller_.answer(
-        context, [&service = service()] { return service.memory(); },
+        context, [&service = service()] { return service.memory(soon()); },
         [](link::MemoryOffer& offer, auto results) { encode(std::move(offer), results.initOffer()); });
   }
 
@@ -186,7 +193,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
           auto held = std::make_shared<Result<link::MemoryOffer>>(std::move(offer));
           return caller_.answer(context, [&service = service(), held]() -> Result<void> {
             if (!*held) return held->error();
-            return service.admit(**held);
+            return service.admit(**held, soon());
           });
         });
   }

@@ -254,6 +254,18 @@ host::TaskEvent decode(wire::TaskEvent::Reader reader) {
           as_string(reader.getMessage())};
 }
 
+void encode(const host::Completed& ended, wire::Ended::Builder builder) {
+  builder.setIndex(static_cast<std::uint32_t>(ended.index));
+  encode(ended.outcome, builder.initOutcome());
+  builder.setTook(ended.took ? ended.took->count() : -1);
+}
+
+host::Completed decode(wire::Ended::Reader reader) {
+  host::Completed ended{reader.getIndex(), decode(reader.getOutcome())};
+  if (reader.getTook() >= 0) ended.took = Duration(reader.getTook());
+  return ended;
+}
+
 void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder) {
   builder.setStatus(reason.status);
   builder.setSignal(reason.signal);

@@ -44,6 +44,9 @@ task::State decode(wire::State::Reader reader);
 void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder);
 host::TaskEvent decode(wire::TaskEvent::Reader reader);
 
+void encode(const host::Completed& ended, wire::Ended::Builder builder);
+host::Completed decode(wire::Ended::Reader reader);
+
 void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder);
 deploy::ExitReason decode(wire::ExitReason::Reader reader);
 

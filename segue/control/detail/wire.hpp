@@ -19,7 +19,7 @@
 namespace segue::control::detail {
 
 /// Raised when the meaning of a message changes; additions that old programs ignore do not count.
-inline constexpr std::uint32_t kProtocolVersion = 3;
+inline constexpr std::uint32_t kProtocolVersion = 4;
 
 /// The kinds of service behind a door.
 inline constexpr std::string_view kRobotKind = "robot";
