@@ -4,6 +4,7 @@
 //
 //   switch_bench [artemis|untouched]      default: both
 #include "support/measure.hpp"
+#include "support/robot.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
 
@@ -12,7 +13,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <random>
@@ -32,44 +32,6 @@ constexpr const char* kDurations = R"(stand_ins:
   default: {configure: 20ms, start: 3ms, stop: 8ms, cleanup: 5ms, rate: 0}
   camera_usb::Task: {configure: 150ms, start: 30ms, stop: 1.3s, cleanup: 20ms, rate: 0}
 )";
-
-class Scratch {
- public:
-  Scratch() : path_((fs::temp_directory_path() / "segue-bench-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) std::exit(1);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(fs::path(path_) / name) << text;
-    return fs::path(path_) / name;
-  }
-
- private:
-  std::string path_;
-};
-
-std::unique_ptr<runtime::EmbeddedRobot> open(const fs::path& file, const runtime::EmbeddedOptions& options) {
-  Diagnostics diagnostics;
-  auto robot = runtime::EmbeddedRobot::open(file, diagnostics, options);
-  if (robot == nullptr) {
-    std::fprintf(stderr, "%s\n", to_string(diagnostics).c_str());
-    std::exit(1);
-  }
-  return robot;
-}
-
-runtime::SwitchResult done(runtime::SwitchResult result) {
-  if (result.outcome != runtime::Outcome::Done) {
-    std::fprintf(stderr, "%s\n", result.error ? to_string(*result.error).c_str() : "not done");
-    std::exit(1);
-  }
-  return result;
-}
 
 /// The longest chain of actions that wait for each other, with the durations that were measured.
 Duration critical_path(const runtime::SwitchResult& result) {

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+/// Robots for benchmarks; whatever goes wrong ends the program.
+namespace bench {
+
+/// A folder that goes with it.
+class Scratch {
+ public:
+  Scratch() : path_((std::filesystem::temp_directory_path() / "segue-bench-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) std::exit(1);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(std::filesystem::path(path_) / name) << text;
+    return std::filesystem::path(path_) / name;
+  }
+
+ private:
+  std::string path_;
+};
+
+inline std::unique_ptr<segue::runtime::EmbeddedRobot> open(const std::filesystem::path& file,
+                                                           const segue::runtime::EmbeddedOptions& options) {
+  segue::Diagnostics diagnostics;
+  auto robot = segue::runtime::EmbeddedRobot::open(file, diagnostics, options);
+  if (robot == nullptr) {
+    std::fprintf(stderr, "%s\n", to_string(diagnostics).c_str());
+    std::exit(1);
+  }
+  return robot;
+}
+
+inline segue::runtime::SwitchResult done(segue::runtime::SwitchResult result) {
+  if (result.outcome != segue::runtime::Outcome::Done) {
+    std::fprintf(stderr, "%s\n", result.error ? to_string(*result.error).c_str() : "not done");
+    std::exit(1);
+  }
+  return result;
+}
+
+}  // namespace bench
