@@ -74,8 +74,10 @@ model::Transition six_actions() {
 
 void expect_near(const model::DurationRange& range, Duration expected) {
   EXPECT_NEAR(static_cast<double>(range.typical.count()), static_cast<double>(expected.count()), 1e6);
-  EXPECT_NEAR(static_cast<double>(range.low.count()), static_cast<double>(expected.count()), 1e6);
-  EXPECT_NEAR(static_cast<double>(range.high.count()), static_cast<double>(expected.count()), 1e6);
+  // A range of what never varied is what is left out of the play.
+  const double slack = 1e6 + 0.04 * static_cast<double>(expected.count());
+  EXPECT_NEAR(static_cast<double>(range.low.count()), static_cast<double>(expected.count()), slack);
+  EXPECT_NEAR(static_cast<double>(range.high.count()), static_cast<double>(expected.count()), slack);
 }
 
 TEST(Estimate, PlaysPhasesOneAfterTheOtherAndActionsSideBySide) {
