@@ -281,6 +281,7 @@ TEST_F(StubbornRobot, ASecondSignalEndsAtOnce) {
   ASSERT_TRUE(robot_->wait_for("transition_done"));
   robot_->signal(SIGINT);
   ASSERT_TRUE(robot_->wait_for("stopping in order"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));  // a sooner one would belong to the first
   robot_->signal(SIGINT);
   EXPECT_EQ(robot_->wait().status, 130);
 }
