@@ -73,10 +73,9 @@ class NetworkRun {
 
   /// This run, and the sequential one to compare it with. Another thread waits for a signal meanwhile.
   void execute() {
-    StopSignal signal;
     std::stop_source stop;
     std::thread watch([&] {
-      signal.wait({});
+      stop_.wait({});
       stop.request_stop();
     });
     const double before = thread_seconds();
@@ -84,7 +83,7 @@ class NetworkRun {
                                             : run_concurrently(stop.get_token());
     used_ = thread_seconds() - before;
     summary_.sequential = sequential_time(stop.get_token());
-    signal.request("the run has ended");
+    stop_.request("the run has ended");
     watch.join();
   }
 
@@ -117,6 +116,7 @@ class NetworkRun {
     return engine.run();
   }
 
+  StopSignal stop_;  ///< until what came of the run is shown
   cdtn::FlatNetwork flat_;
   const NetworkOptions& options_;
   cdtn::Order order_;

@@ -90,13 +90,12 @@ class MissionRun {
 
   /// The engine in this thread; another waits for a signal meanwhile.
   void execute() {
-    StopSignal signal;
     std::thread watch([&] {
-      signal.wait(std::nullopt);
+      stop_.wait(std::nullopt);
       engine_->stop();
     });
     engine_->run();
-    signal.request("the mission has ended");
+    stop_.request("the mission has ended");
     watch.join();
   }
 
@@ -201,6 +200,7 @@ class MissionRun {
     return node;
   }
 
+  StopSignal stop_;  ///< until what came of the run is shown
   const MissionOptions& options_;
   const Context& context_;
   VirtualClock virtual_clock_;

@@ -39,6 +39,7 @@ StopSignal::~StopSignal() {
   [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   thread_.join();
   ::close(wake_);
+  if (signalled_) return;
   const sigset_t signals = stop_signals();
   const timespec at_once{};
   while (::sigtimedwait(&signals, nullptr, &at_once) > 0) {
@@ -59,6 +60,7 @@ void StopSignal::listen() {
     const TimePoint now = RealClock::instance().now();
     if (requested() && now - first.value_or(now) > kSameRequest) ::_exit(kEndedBySignal);
     if (!first) first = now;
+    signalled_ = true;
     request(signal.ssi_signo == SIGINT ? "interrupted" : "terminated");
   }
   ::close(descriptor);

@@ -14,7 +14,8 @@ namespace segue::cli {
 
 /// SIGINT and SIGTERM as something that can be waited for. The first asks to end; a second, a fifth of a
 /// second later or more, ends the process at once with status 130. Make one before any other thread, since it
-/// blocks the signals for all of them, and end it on the same thread, which then takes signals as before.
+/// blocks the signals for all of them, and end it on the same thread, which then takes signals as before; but
+/// for a process that was told to end, which is on its way.
 class StopSignal {
  public:
   StopSignal();
@@ -34,6 +35,7 @@ class StopSignal {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<std::string> reason_;
+  bool signalled_ = false;  ///< the listener's, until it has ended
   int wake_ = -1;
   sigset_t before_{};
   std::thread thread_;
