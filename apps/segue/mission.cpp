@@ -8,6 +8,7 @@
 
 #include <memory>
 
+#include "mission_concurrent.hpp"
 #include "mission_load.hpp"
 #include "mission_network.hpp"
 #include "mission_run.hpp"
@@ -68,8 +69,7 @@ int run_plan(const MissionOptions& options, NetworkOptions network, const Contex
     network.files = options.files;
     return run_task_network(options.file, network, context);
   }
-  if (options.mode == "concurrent")
-    return failed(context, fail(ErrorCode::Unsupported, "only task networks run concurrently", options.file));
+  if (options.mode == "concurrent") return run_mission_concurrently(options, network, context);
   return run_mission(options, context);
 }
 

@@ -114,17 +114,20 @@ void Engine::Implementation::count(State& state, const Dependency& dependency) {
   if (ahead_matters(dependency)) ++state.ahead;
 }
 
-void Engine::Implementation::expand() {
-  if (expansion_ == nullptr || limit_ != kNone) return;
+/// False where nothing came.
+bool Engine::Implementation::expand() {
+  if (expansion_ == nullptr || limit_ != kNone) return false;
+  const std::uint32_t first = network_.size();
   while (!expansion_->finished()) {
     const std::size_t unfinished = network_.size() - passed_count_;
-    if (unfinished >= options_.horizon) return;
+    if (unfinished >= options_.horizon) break;
     const std::uint32_t before = network_.size();
     expansion_->expand(*growing_, options_.horizon - unfinished);
-    if (network_.size() == before) return;
+    if (network_.size() == before) break;
     builder_->extend();
     adopt();
   }
+  return network_.size() > first;
 }
 
 /// Looks at the nodes that something happened to, in program order.
@@ -166,8 +169,9 @@ bool Engine::Implementation::take_ends() {
 void Engine::Implementation::loop() {
   adopt();
   for (;;) {
-    expand();
-    work_off();
+    do {
+      work_off();
+    } while (expand());
     if (complete()) return;
     if (!take_ends()) break;
   }

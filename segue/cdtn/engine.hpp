@@ -22,8 +22,9 @@ class Expansion {
   /// Appends what is known to come next, about `wanted` nodes. Called on the engine's thread when fewer nodes
   /// than the horizon are unfinished, and again after every end while that is so.
   virtual void expand(Network& network, std::size_t wanted) = 0;
-  /// `node` has ended for good, with that outcome. Not called for nodes that were skipped.
-  virtual void ended(NodeId node, OutcomeId outcome) = 0;
+  /// `node` has ended for good, with that outcome and those outputs (null: none). Not called for nodes that
+  /// were skipped.
+  virtual void ended(NodeId node, OutcomeId outcome, const type::Value* outputs) = 0;
   /// Nothing will be appended any more.
   [[nodiscard]] virtual bool finished() const = 0;
 };

@@ -151,7 +151,9 @@ void Engine::Implementation::pass(NodeId node) {
   state.announced = state.began = true;
   settle(node);
   if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
-  if (expansion_ != nullptr && state.phase == Phase::Done) expansion_->ended(node, state.outcome);
+  if (expansion_ == nullptr || state.phase != Phase::Done) return;
+  const ReportPtr& report = reports_[index(node)];
+  expansion_->ended(node, state.outcome, report ? report->outputs.get() : nullptr);
 }
 
 /// It needs nothing any more.

@@ -60,7 +60,7 @@ class Engine::Implementation {
   void adopt_node(NodeId node);
   void count(State& state, const Dependency& dependency);
   [[nodiscard]] bool counts(const Dependency& dependency) const;
-  void expand();
+  bool expand();
   void loop();
   bool take_ends();
   void work_off();

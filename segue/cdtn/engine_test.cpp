@@ -203,7 +203,7 @@ class Loop final : public Expansion {
     }
     largest = std::max(largest, network.size() - ended_);
   }
-  void ended(NodeId, OutcomeId) override { ++ended_; }
+  void ended(NodeId, OutcomeId, const type::Value*) override { ++ended_; }
   [[nodiscard]] bool finished() const override { return rounds_ == 0; }
   std::uint32_t largest = 0;
 

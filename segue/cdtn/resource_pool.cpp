@@ -124,10 +124,11 @@ bool ResourcePool::can_wait(const Claim& claim) const {
 }
 
 void ResourcePool::enqueue(const Rank& rank, std::span<const Claim> claims) {
+  const auto own = std::make_shared<const std::vector<Claim>>(claims.begin(), claims.end());
   for (const Claim& claim : claims) {
     if (!can_wait(claim)) continue;
     Units& units = units_[index(claim.resource)];
-    const auto place = units.queue.insert({rank, claims, 0}).first;
+    const auto place = units.queue.insert({rank, own, 0}).first;
     const std::uint32_t more = need(claim);
     place->need += more;
     units.wanted += more;
@@ -137,7 +138,7 @@ void ResourcePool::enqueue(const Rank& rank, std::span<const Claim> claims) {
 void ResourcePool::dequeue(const Rank& rank, std::span<const Claim> claims) {
   for (const Claim& claim : claims) {
     Units& units = units_[index(claim.resource)];
-    const auto found = units.queue.find({rank, {}, 0});
+    const auto found = units.queue.find({rank, nullptr, 0});
     if (found == units.queue.end()) continue;
     units.wanted -= found->need;
     units.queue.erase(found);
@@ -184,9 +185,9 @@ void ResourcePool::look(ResourceId id) {
   std::uint64_t ahead = 0;
   for (auto next = units.queue.begin(); next != units.queue.end() && ahead <= units.free;) {
     const Waiting waiting = *next++;
-    if (grantable(waiting.rank, waiting.claims)) {
-      dequeue(waiting.rank, waiting.claims);
-      for (const Claim& claim : waiting.claims)
+    if (grantable(waiting.rank, *waiting.claims)) {
+      dequeue(waiting.rank, *waiting.claims);
+      for (const Claim& claim : *waiting.claims)
         take(claim);
       granted_.push_back(waiting.rank.node);
     } else {

@@ -6,6 +6,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <span>
 #include <vector>
@@ -32,8 +33,8 @@ class ResourcePool {
   /// members have left.
   void take_groups(std::span<const GroupLock> locks);
 
-  /// Grants at once (true), or remembers the node until `granted` names it. `claims` must live until the node
-  /// is granted or withdrawn. Requires that the node neither waits nor holds anything.
+  /// Grants at once (true), or remembers the node until `granted` names it. Requires that the node neither
+  /// waits nor holds anything.
   bool request(Rank rank, std::span<const Claim> claims);
   /// The node does not want it any more. Requires that it waits.
   void withdraw(Rank rank, std::span<const Claim> claims);
@@ -54,8 +55,8 @@ class ResourcePool {
  private:
   struct Waiting {
     Rank rank;
-    std::span<const Claim> claims;
-    mutable std::uint32_t need = 0;  ///< free units of this queue's resource
+    std::shared_ptr<const std::vector<Claim>> claims;  ///< a copy: networks move theirs when they grow
+    mutable std::uint32_t need = 0;                    ///< free units of this queue's resource
     friend bool operator<(const Waiting& a, const Waiting& b) { return a.rank < b.rank; }
   };
   struct Units {

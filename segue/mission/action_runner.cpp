@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/mission/engine_core.hpp>
+#include <segue/mission/action_runner.hpp>
 #include <segue/mission/index.hpp>
 
 #include <algorithm>
@@ -9,38 +9,19 @@ namespace segue::mission {
 
 using type::Value;
 
-void Completer::operator()(Ending ending, std::vector<Value> outputs) const {
-  if (mailbox_) mailbox_->post({activation_, generation_, std::move(ending), std::move(outputs)});
-}
-
 const Action& Call::action() const {
-  return engine_.program->mission().actions[engine_.program->node(activation_.state).action];
-}
-StateIndex Call::state() const {
-  return activation_.state;
-}
-const Program& Call::program() const {
-  return *engine_.program;
-}
-std::string Call::path() const {
-  return engine_.path(activation_);
-}
-std::span<const Value> Call::inputs() const {
-  return activation_.inputs;
-}
-std::span<Value> Call::outputs() {
-  return activation_.outputs;
+  return program().mission().actions[program().node(state()).action];
 }
 
 const Value& Call::input(std::string_view name) const {
   static const Value kNull;
   const auto found = position(action().inputs, name);
-  return found ? activation_.inputs[*found] : kNull;
+  return found ? inputs()[*found] : kNull;
 }
 
 bool Call::set_output(std::string_view name, Value value) {
   const auto found = position(action().outputs, name);
-  if (found) activation_.outputs[*found] = std::move(value);
+  if (found) outputs()[*found] = std::move(value);
   return found.has_value();
 }
 
@@ -51,41 +32,6 @@ std::optional<Outcome> Call::outcome(std::string_view name) const {
   const auto found = std::ranges::find(outcomes, name);
   if (found == outcomes.end()) return std::nullopt;
   return static_cast<Outcome>(found - outcomes.begin());
-}
-
-Globals& Call::globals() const {
-  return engine_.globals;
-}
-const std::string& Call::error_before() const {
-  return activation_.error_before;
-}
-std::uint64_t Call::iteration() const {
-  return activation_.iteration;
-}
-bool Call::backward() const {
-  return engine_.backward_;
-}
-
-std::span<const BranchResult> Call::branches() const {
-  if (activation_.parent == nullptr) return {};
-  return activation_.parent->branches;
-}
-
-Completer Call::defer(std::function<void()> preempt) {
-  activation_.deferred = true;
-  activation_.preempt = std::move(preempt);
-  ++engine_.open_calls_;
-  Completer completer;
-  completer.mailbox_ = engine_.mailbox;
-  completer.activation_ = &activation_;
-  completer.generation_ = activation_.generation;
-  return completer;
-}
-
-void Call::end_after(Duration duration, Ending ending) {
-  activation_.timed = std::move(ending);
-  engine_.timers_.push(
-      {engine_.now() + duration, ++engine_.timer_order_, &activation_, activation_.generation});
 }
 
 namespace {

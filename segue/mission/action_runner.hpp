@@ -18,12 +18,6 @@
 
 namespace segue::mission {
 
-namespace detail {
-struct Activation;
-class EngineCore;
-class Mailbox;
-}  // namespace detail
-
 /// How an execution ended. `error` says why, where it aborted.
 struct Ending {
   Outcome outcome = 0;
@@ -39,57 +33,47 @@ struct BranchResult {
 
 /// Ends an execution that went on after start(). Copies end the same one; only the first call counts, and
 /// none does once the engine has given the execution up or is gone. From any thread.
-class Completer {
- public:
-  void operator()(Ending ending, std::vector<type::Value> outputs) const;
-
- private:
-  friend class Call;
-  std::shared_ptr<detail::Mailbox> mailbox_;
-  detail::Activation* activation_ = nullptr;
-  std::uint64_t generation_ = 0;
-};
+using Completer = std::function<void(Ending ending, std::vector<type::Value> outputs)>;
 
 /// One execution of an action, as its runner sees it. Valid until start() returns; only in the engine's
-/// thread.
+/// thread. What it is made of is up to the engine.
 class Call {
  public:
-  [[nodiscard]] const Action& action() const;
-  [[nodiscard]] StateIndex state() const;
-  [[nodiscard]] const Program& program() const;
-  [[nodiscard]] std::string path() const;
+  virtual ~Call() = default;
+  Call() = default;
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  [[nodiscard]] virtual StateIndex state() const = 0;
+  [[nodiscard]] virtual const Program& program() const = 0;
+  [[nodiscard]] virtual std::string path() const = 0;
   /// In the order of the action's declaration.
-  [[nodiscard]] std::span<const type::Value> inputs() const;
+  [[nodiscard]] virtual std::span<const type::Value> inputs() const = 0;
   /// To be written; they hold the defaults.
-  [[nodiscard]] std::span<type::Value> outputs();
+  [[nodiscard]] virtual std::span<type::Value> outputs() = 0;
+  [[nodiscard]] virtual Globals& globals() const = 0;
+  /// What the state before this one aborted with; empty where it did not.
+  [[nodiscard]] virtual const std::string& error_before() const = 0;
+  /// For deciders: how the other states ended, in their order.
+  [[nodiscard]] virtual std::span<const BranchResult> branches() const = 0;
+  /// How often this state has begun before.
+  [[nodiscard]] virtual std::uint64_t iteration() const = 0;
+  /// To be undone rather than done: an action that cannot just ends.
+  [[nodiscard]] virtual bool backward() const = 0;
+
+  /// Keeps the execution going after start() has returned nothing. `preempt` is called once, in the engine's
+  /// thread, when it is to end early; it must not block.
+  virtual Completer defer(std::function<void()> preempt) = 0;
+  /// Ends the execution by itself after `duration` of the engine's clock; at once when it is preempted.
+  virtual void end_after(Duration duration, Ending ending) = 0;
+
+  [[nodiscard]] const Action& action() const;
   /// By name; null where there is no such input.
   [[nodiscard]] const type::Value& input(std::string_view name) const;
   /// False where there is no such output.
   bool set_output(std::string_view name, type::Value value);
   /// The number of the outcome; nothing where there is none of that name.
   [[nodiscard]] std::optional<Outcome> outcome(std::string_view name) const;
-  [[nodiscard]] Globals& globals() const;
-  /// What the state before this one aborted with; empty where it did not.
-  [[nodiscard]] const std::string& error_before() const;
-  /// For deciders: how the other states ended, in their order.
-  [[nodiscard]] std::span<const BranchResult> branches() const;
-  /// How often this state has begun before.
-  [[nodiscard]] std::uint64_t iteration() const;
-  /// To be undone rather than done: an action that cannot just ends.
-  [[nodiscard]] bool backward() const;
-
-  /// Keeps the execution going after start() has returned nothing. `preempt` is called once, in the engine's
-  /// thread, when it is to end early; it must not block.
-  Completer defer(std::function<void()> preempt);
-  /// Ends the execution by itself after `duration` of the engine's clock; at once when it is preempted.
-  void end_after(Duration duration, Ending ending);
-
- private:
-  friend class detail::EngineCore;
-  Call(detail::EngineCore& engine, detail::Activation& activation)
-      : engine_(engine), activation_(activation) {}
-  detail::EngineCore& engine_;
-  detail::Activation& activation_;
 };
 
 /// What executes actions of one kind.

@@ -12,6 +12,8 @@
 
 namespace segue::mission::detail {
 
+struct Activation;
+
 /// A value that states of a container exchange, and when it was written (0: never).
 struct Slot {
   type::Value value;

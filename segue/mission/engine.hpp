@@ -8,6 +8,8 @@
 #include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +17,23 @@
 #include <vector>
 
 namespace segue::mission {
+
+namespace detail {
+class EngineCore;
+}  // namespace detail
+
+/// How often each state has begun, by StateIndex. Shared by engines that run parts of one mission.
+using Iterations = std::vector<std::atomic<std::uint32_t>>;
+
+/// One state of a mission, and all in it, that runs by itself.
+struct MissionPart {
+  StateIndex state = 0;
+  std::string path;  ///< of the state around; "" where that is the mission
+  std::vector<type::Value> inputs;
+  std::string error_before;  ///< what the state before it aborted with
+  Globals globals;           ///< shared with whoever made this
+  std::shared_ptr<Iterations> iterations;
+};
 
 struct EngineOptions {
   /// With a VirtualClock time jumps to the next end of an action as soon as nothing else is to be done.
@@ -27,6 +46,8 @@ struct EngineOptions {
   Duration preemption_grace = std::chrono::seconds(10);
   /// Told what is odd but no failure, such as an input of another type than declared.
   std::function<void(std::string)> warn;
+  /// Runs only that; by default the whole mission, with globals and iterations of its own.
+  std::optional<MissionPart> part{};
 };
 
 /// How a mission ended. Outputs are in the order of the root's declaration.

@@ -17,14 +17,21 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
     : program(std::move(program_)),
       runners(std::move(runners_)),
       options(std::move(options_)),
-      globals(program->mission().globals),
-      iterations_(program->nodes().size()),
+      globals(options.part ? options.part->globals : Globals(program->mission().globals)),
+      iterations_(options.part ? options.part->iterations
+                               : std::make_shared<Iterations>(program->nodes().size())),
       virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {}
 
 void EngineCore::begin() {
-  root_ = make(0, nullptr);
-  for (const Supply& supply : program->node(0).inputs)
-    root_->inputs.push_back(fallback(supply));
+  if (options.part) {
+    root_ = make(options.part->state, nullptr);
+    root_->inputs = options.part->inputs;
+    root_->error_before = options.part->error_before;
+  } else {
+    root_ = make(0, nullptr);
+    for (const Supply& supply : program->node(0).inputs)
+      root_->inputs.push_back(fallback(supply));
+  }
   for (auto& [position, value] : given_inputs)
     root_->inputs[position] = std::move(value);
   ready_.push_back(root_);

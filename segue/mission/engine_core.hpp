@@ -45,7 +45,7 @@ class EngineCore {
   std::vector<StateIndex> start_path;  ///< states to enter, the next one last
 
  private:
-  friend class segue::mission::Call;
+  class LeafCall;
   struct Timer {
     TimePoint when;
     std::uint64_t order = 0;
@@ -117,8 +117,8 @@ class EngineCore {
   std::deque<Activation*> ready_;
   std::vector<Activation*> held_;
   std::priority_queue<Timer> timers_;
-  std::vector<std::pair<TimePoint, Timer>> late_;         ///< preempted, and when they are given up
-  std::vector<std::uint32_t> iterations_;                 ///< by state
+  std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, and when they are given up
+  std::shared_ptr<Iterations> iterations_;
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its trail
   Activation* root_ = nullptr;
   Mode mode_ = Mode::Run;

@@ -129,7 +129,7 @@ std::string EngineCore::path(const Activation& activation) const {
     // A root has no name of its own within what uses it.
     if (program->node(a->state).parent != kNoState) ids.push_back(&program->state(a->state).id.str());
   }
-  std::string text;
+  std::string text = options.part ? options.part->path : std::string();
   for (auto id = ids.rbegin(); id != ids.rend(); ++id)
     text += (text.empty() ? "" : "/") + **id;
   return text;

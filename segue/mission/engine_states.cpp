@@ -9,10 +9,48 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
+/// An execution as its runner sees it.
+class EngineCore::LeafCall final : public Call {
+ public:
+  LeafCall(EngineCore& engine, Activation& activation) : engine_(engine), activation_(activation) {}
+  [[nodiscard]] StateIndex state() const override { return activation_.state; }
+  [[nodiscard]] const Program& program() const override { return *engine_.program; }
+  [[nodiscard]] std::string path() const override { return engine_.path(activation_); }
+  [[nodiscard]] std::span<const type::Value> inputs() const override { return activation_.inputs; }
+  [[nodiscard]] std::span<type::Value> outputs() override { return activation_.outputs; }
+  [[nodiscard]] Globals& globals() const override { return engine_.globals; }
+  [[nodiscard]] const std::string& error_before() const override { return activation_.error_before; }
+  [[nodiscard]] std::span<const BranchResult> branches() const override {
+    if (activation_.parent == nullptr) return {};
+    return activation_.parent->branches;
+  }
+  [[nodiscard]] std::uint64_t iteration() const override { return activation_.iteration; }
+  [[nodiscard]] bool backward() const override { return engine_.backward_; }
+
+  Completer defer(std::function<void()> preempt) override {
+    activation_.deferred = true;
+    activation_.preempt = std::move(preempt);
+    ++engine_.open_calls_;
+    return [mailbox = engine_.mailbox, activation = &activation_, generation = activation_.generation](
+               Ending ending, std::vector<type::Value> outputs) {
+      mailbox->post({activation, generation, std::move(ending), std::move(outputs)});
+    };
+  }
+  void end_after(Duration duration, Ending ending) override {
+    activation_.timed = std::move(ending);
+    engine_.timers_.push(
+        {engine_.now() + duration, ++engine_.timer_order_, &activation_, activation_.generation});
+  }
+
+ private:
+  EngineCore& engine_;
+  Activation& activation_;
+};
+
 Activation* EngineCore::enter(Activation& activation) {
   const Node& node = program->node(activation.state);
   ++executions;
-  activation.iteration = iterations_[activation.state]++;
+  activation.iteration = (*iterations_)[activation.state]++;
   if (options.history) {
     const std::uint32_t around = activation.parent == nullptr ? History::kNone : activation.parent->item;
     activation.item =
@@ -62,7 +100,7 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
 }
 
 Ending EngineCore::call(Activation& leaf, bool& under_way) {
-  Call execution(*this, leaf);
+  LeafCall execution(*this, leaf);
   try {
     const auto ending = runners[program->node(leaf.state).action]->start(execution);
     under_way = !ending.has_value();

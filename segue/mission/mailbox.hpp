@@ -11,6 +11,8 @@
 
 namespace segue::mission::detail {
 
+struct Activation;
+
 /// The end of an execution, on its way to the engine.
 struct Letter {
   Activation* activation = nullptr;

@@ -58,6 +58,28 @@ TEST_F(Missions, AMachineTellsWhatItWasAsLongForAndWhatWouldFollowOneAfterTheOth
   EXPECT_EQ(waits[0].find("subject")->as_string(), "fine");
 }
 
+TEST_F(Missions, AMachineRunsConcurrently) {
+  write("m.yaml", R"j(mission: m
+actions:
+  warm_up: {effects: ["+warm()"], run: {simulated: {duration: 4s}}}
+  look: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 3s, outputs: {pose: 7}}}}
+  grasp: {inputs: {pose: int}, preconditions: ["warm()"], run: {simulated: {duration: 1s}}}
+start: warm_up
+outputs: {pose: int}
+flows: [look.pose -> grasp.pose, look.pose -> outputs.pose]
+states:
+  warm_up: {on: {success: look}}
+  look: {on: {success: grasp}}
+  grasp: {on: {success: return success}}
+)j");
+  const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual", "--mode", "concurrent"});
+  EXPECT_EQ(run.find("makespan_s")->as_double(), 5);
+  EXPECT_EQ(run.find("sequential_s")->as_double(), 8);
+  const auto text = segue({"mission", "run", "m.yaml", "--mode", "concurrent", "--clock", "virtual"});
+  EXPECT_THAT(text.output, HasSubstr("m: success\npose: 7\n"));
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--mode", "concurrent", "--start-at", "look"}).status, 1);
+}
+
 TEST_F(Missions, AMachineTellsTheFactsThatHoldInTheEnd) {
   write("m.yaml", R"j(mission: tidy
 actions:
@@ -136,6 +158,13 @@ states:
   tick: {on: {success: tock}}
   tock: {on: {success: tick}}
 )";
+constexpr const char* kOneHour = R"(mission: hour
+actions:
+  wait: {run: {simulated: {duration: 3600s}}}
+start: wait
+states:
+  wait: {on: {success: return success}}
+)";
 constexpr const char* kLong = R"j({"nodes": [
   {"name": "short", "effects": ["+p()"]},
   {"name": "long", "duration_s": 3600, "preconditions": ["p()"], "effects": ["+q()"]},
@@ -158,6 +187,13 @@ TEST_P(Interrupted, AMachineThatNeverEndsEndsInOrder) {
   const auto run = interrupt({"mission", "run", "m.yaml", "--clock", "virtual", "--simulate"});
   EXPECT_EQ(run.status, 1) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("endless: preempted after"));
+}
+
+TEST_P(Interrupted, AMachineThatRunsConcurrentlyEndsInOrder) {
+  write("m.yaml", kOneHour);
+  const auto run = interrupt({"mission", "run", "m.yaml", "--mode", "concurrent"});
+  EXPECT_EQ(run.status, 1) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("hour: preempted"));
 }
 
 TEST_P(Interrupted, ATaskNetworkTellsHowFarItCame) {

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/action_environment.hpp>
+#include <segue/mission/index.hpp>
+
+#include <atomic>
+#include <exception>
+
+namespace segue::convert {
+
+using cdtn::Completions;
+using cdtn::Launch;
+using cdtn::NodeId;
+using cdtn::ReportPtr;
+using mission::Ending;
+using mission::kAborted;
+using mission::kPreempted;
+using mission::Outcome;
+using type::Value;
+using type::ValueMap;
+
+/// Makes of an ending what the engine is told. Thread safe.
+struct ActionEnvironment::Reporter {
+  std::vector<std::string> ports;
+  std::vector<cdtn::OutcomeId> outcomes;  ///< by the state's own
+  bool counts = false;
+  std::int64_t count = 0;
+  std::atomic<bool> cancelled{false};
+
+  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) const {
+    Outcome outcome = ending.outcome;
+    std::string error = ending.error;
+    if (cancelled) {
+      outcome = kPreempted;
+    } else if (outcome < kPreempted || outcome >= static_cast<Outcome>(outcomes.size())) {
+      outcome = kAborted;
+      error = "its action ended with an outcome that it does not have";
+    }
+    auto report = std::make_unique<cdtn::Report>();
+    report->outcome = outcome == kAborted     ? cdtn::kAborted
+                      : outcome == kPreempted ? cdtn::kPreempted
+                                              : outcomes[static_cast<std::size_t>(outcome)];
+    report->error = error;
+    ValueMap map;
+    for (std::size_t i = 0; i < ports.size() && i < outputs.size(); ++i) {
+      const bool tells_error = ports[i] == "error" && !error.empty();
+      map.append(ports[i], tells_error ? Value(error) : std::move(outputs[i]));
+    }
+    map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
+    if (outcome == kAborted) map.append(std::string(kErrorOutput), error);
+    if (counts) map.append(std::string(kCountOutput), count + 1);
+    report->outputs = std::make_shared<const Value>(std::move(map));
+    return report;
+  }
+};
+
+void ActionEnvironment::Desk::tell(NodeId node, std::uint32_t attempt, ReportPtr report) {
+  const std::lock_guard lock(mutex);
+  if (completions != nullptr) completions->finish(node, attempt, std::move(report));
+}
+
+/// An action as its runner sees it. What it has is its own, since the runner may outlast the launch.
+class ActionEnvironment::NodeCall final : public mission::Call {
+ public:
+  NodeCall(ActionEnvironment& environment, Launch& launch, Completions& completions,
+           std::shared_ptr<Reporter> reporter)
+      : environment_(environment),
+        planned_(environment.plan_[launch.node()]),
+        node_(launch.node()),
+        attempt_(launch.attempt()),
+        completions_(completions),
+        reporter_(std::move(reporter)),
+        inputs_(environment.inputs(launch)) {
+    const Value error = environment.value(launch, planned_.error_before);
+    if (error.is_string()) error_before_ = error.as_string();
+    if (!error_before_.empty()) {
+      if (const auto port = mission::position(action().inputs, "error")) inputs_[*port] = error_before_;
+    }
+    for (const BranchSource& branch : planned_.branches)
+      branches_.push_back(ended(launch, branch));
+    for (const mission::Supply& output : program().node(planned_.state).outputs) {
+      auto global = output.global.empty() ? std::nullopt : environment.globals.get(output.global);
+      outputs_.push_back(global ? std::move(*global) : output.fallback);
+    }
+  }
+
+  [[nodiscard]] mission::StateIndex state() const override { return planned_.state; }
+  [[nodiscard]] const mission::Program& program() const override { return environment_.plan_.program(); }
+  [[nodiscard]] std::string path() const override { return planned_.path; }
+  [[nodiscard]] std::span<const Value> inputs() const override { return inputs_; }
+  [[nodiscard]] std::span<Value> outputs() override { return outputs_; }
+  [[nodiscard]] mission::Globals& globals() const override { return environment_.globals; }
+  [[nodiscard]] const std::string& error_before() const override { return error_before_; }
+  [[nodiscard]] std::span<const mission::BranchResult> branches() const override { return branches_; }
+  [[nodiscard]] std::uint64_t iteration() const override {
+    return planned_.counts ? static_cast<std::uint64_t>(reporter_->count) : planned_.iteration;
+  }
+  [[nodiscard]] bool backward() const override { return false; }
+
+  mission::Completer defer(std::function<void()> preempt) override {
+    environment_.running_[index(node_)] = {reporter_, std::move(preempt)};
+    return [desk = environment_.desk_, reporter = reporter_, node = node_, attempt = attempt_](
+               Ending ending, std::vector<Value> outputs) {
+      desk->tell(node, attempt, reporter->report(ending, std::move(outputs)));
+    };
+  }
+  void end_after(Duration duration, Ending ending) override {
+    environment_.running_[index(node_)] = {reporter_, nullptr};
+    completions_.finish_at(completions_.now() + duration, node_, attempt_,
+                           reporter_->report(ending, std::move(outputs_)));
+  }
+
+  std::vector<Value>& results() { return outputs_; }
+
+ private:
+  mission::BranchResult ended(Launch& launch, const BranchSource& branch) const {
+    for (const BranchEnd& end : branch.ends) {
+      if (end.input != cdtn::kNone) {
+        const Value* said = launch.input(end.input);
+        if (said == nullptr || !(*said == Value(static_cast<std::uint64_t>(end.reached)))) continue;
+      }
+      const Value error = environment_.value(launch, end.error);
+      return {branch.state, end.outcome, error.is_string() ? error.as_string() : std::string()};
+    }
+    return {branch.state, kAborted, {}};
+  }
+
+  ActionEnvironment& environment_;
+  const PlannedNode& planned_;
+  NodeId node_;
+  std::uint32_t attempt_;
+  Completions& completions_;
+  std::shared_ptr<Reporter> reporter_;
+  std::vector<Value> inputs_;
+  std::vector<Value> outputs_;
+  std::string error_before_;
+  std::vector<mission::BranchResult> branches_;
+};
+
+ActionEnvironment::ActionEnvironment(const Plan& plan, const mission::Runners& runners,
+                                     std::vector<std::shared_ptr<mission::ActionRunner>> by_action,
+                                     RunOptions options)
+    : globals(plan.program().mission().globals),
+      plan_(plan),
+      runners_(runners),
+      by_action_(std::move(by_action)),
+      options_(std::move(options)),
+      iterations_(std::make_shared<mission::Iterations>(plan.program().nodes().size())) {}
+
+ActionEnvironment::~ActionEnvironment() {
+  close();
+}
+
+void ActionEnvironment::close() {
+  const std::lock_guard lock(desk_->mutex);
+  desk_->completions = nullptr;
+}
+
+/// Of the newest candidate that is there; a null is replaced by what stands for it.
+Value ActionEnvironment::value(Launch& launch, const Source& source) const {
+  const auto replaced = [&](const Value* given, const Defaults& defaults) -> Value {
+    if (given != nullptr && !given->is_null()) return *given;
+    if (!defaults) return {};
+    for (const Default& one : *defaults) {
+      if (index(one.reader) == cdtn::kNone) {
+        if (!one.value.is_null()) return one.value;
+        continue;
+      }
+      const auto name = plan_.network().names.find("#" + std::to_string(index(one.reader)));
+      const Value* read = name ? launch.input(*name) : nullptr;
+      if (read != nullptr && !read->is_null()) return *read;
+    }
+    return {};
+  };
+  for (const Source::Feed& feed : source.feeds) {
+    if (const Value* given = launch.input(feed.input)) return replaced(given, feed.defaults);
+  }
+  return replaced(nullptr, source.rest);
+}
+
+std::vector<Value> ActionEnvironment::inputs(Launch& launch) const {
+  std::vector<Value> values;
+  for (const Source& source : plan_[launch.node()].inputs)
+    values.push_back(value(launch, source));
+  return values;
+}
+
+std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
+  const mission::Node& state = plan_.program().node(plan_[node].state);
+  auto made = std::make_shared<Reporter>();
+  for (const mission::Port& port : *state.output_ports)
+    made->ports.push_back(port.name);
+  for (const std::string& outcome : *state.outcomes) {
+    const auto id = plan_.network().outcomes.find(outcome);
+    made->outcomes.push_back(id ? cdtn::OutcomeId(*id) : cdtn::kSuccess);
+  }
+  return made;
+}
+
+void ActionEnvironment::start(Launch& launch, Completions& completions) {
+  if (desk_->completions == nullptr) {
+    const std::lock_guard lock(desk_->mutex);
+    desk_->completions = &completions;
+  }
+  const PlannedNode& planned = plan_[launch.node()];
+  switch (planned.role) {
+    case Role::Action:
+      return start_action(launch, completions);
+    case Role::Routine:
+      return start_routine(launch, completions);
+    case Role::Join:
+      return join(launch, completions);
+    case Role::Copy:
+    case Role::Global:
+      break;
+  }
+  Value handed = planned.role == Role::Global ? globals.get(planned.global).value_or(Value())
+                                              : value(launch, planned.inputs.front());
+  auto report = std::make_unique<cdtn::Report>();
+  report->outputs =
+      std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
+  completions.finish_at(completions.now(), launch.node(), launch.attempt(), std::move(report));
+}
+
+void ActionEnvironment::join(Launch& launch, Completions& completions) {
+  bool reached = false;
+  for (const auto& [input, outcome] : plan_[launch.node()].joined) {
+    const Value* said = launch.input(input);
+    reached = reached || (said != nullptr && *said == Value(static_cast<std::uint64_t>(outcome)));
+  }
+  const auto& outcomes = plan_.network().outcomes;
+  auto report = std::make_unique<cdtn::Report>();
+  report->outcome = cdtn::OutcomeId(*outcomes.find(reached ? "reached" : "missed"));
+  report->outputs = std::make_shared<const Value>(
+      Value::map({{std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome)}}));
+  completions.finish_at(completions.now(), launch.node(), launch.attempt(), std::move(report));
+}
+
+void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
+  const PlannedNode& planned = plan_[launch.node()];
+  auto reports = reporter(launch.node());
+  reports->counts = planned.counts;
+  if (planned.counts) {
+    const Value begun = value(launch, planned.begun);
+    reports->count = begun.is_integer() ? begun.as_int() : 0;
+  }
+  NodeCall call(*this, launch, completions, reports);
+  std::optional<Ending> ending;
+  try {
+    ending = by_action_[plan_.program().node(planned.state).action]->start(call);
+  } catch (const std::exception& exception) {
+    ending = Ending{kAborted, exception.what()};
+  } catch (...) {
+    ending = Ending{kAborted, "it threw something that is no exception"};
+  }
+  if (!ending) return;
+  completions.finish_at(completions.now(), launch.node(), launch.attempt(),
+                        reports->report(*ending, std::move(call.results())));
+}
+
+/// In virtual time it runs at once, and ends when it would have.
+void ActionEnvironment::start_routine(Launch& launch, Completions& completions) {
+  const PlannedNode& planned = plan_[launch.node()];
+  const bool in_virtual_time = options_.clock == cdtn::ClockKind::Virtual;
+  auto clock = std::make_shared<VirtualClock>();
+  mission::EngineOptions options;
+  if (in_virtual_time) options.clock = clock.get();
+  options.warn = options_.warn;
+  options.history = false;
+  const auto slash = planned.path.rfind('/');
+  const std::string around = slash == std::string::npos ? std::string() : planned.path.substr(0, slash);
+  const Value error = value(launch, planned.error_before);
+  options.part = mission::MissionPart{planned.state,  around,
+                                      inputs(launch), error.is_string() ? error.as_string() : "",
+                                      globals,        iterations_};
+  auto reports = reporter(launch.node());
+  auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
+  if (!made) {
+    return completions.finish_at(completions.now(), launch.node(), launch.attempt(),
+                                 reports->report({kAborted, made.error().message}, {}));
+  }
+  std::shared_ptr<mission::Engine> engine = std::move(*made);
+  const auto carry_out = [engine, reports] {
+    engine->run();
+    return reports->report({engine->result().outcome, engine->result().error}, engine->result().outputs);
+  };
+  if (in_virtual_time) {
+    auto report = carry_out();
+    const Duration taken = clock->now() - VirtualClock().now();
+    return completions.finish_at(completions.now() + taken, launch.node(), launch.attempt(),
+                                 std::move(report));
+  }
+  running_[index(launch.node())] = {reports, [engine] { engine->stop(); }};
+  routines_.emplace_back([carry_out, desk = desk_, node = launch.node(), attempt = launch.attempt()] {
+    desk->tell(node, attempt, carry_out());
+  });
+}
+
+void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {
+  const auto found = running_.find(index(node));
+  if (found == running_.end()) {
+    auto report = std::make_unique<cdtn::Report>();
+    report->outcome = cdtn::kPreempted;
+    return completions.finish_at(completions.now(), node, attempt, std::move(report));
+  }
+  const Running running = std::move(found->second);
+  running_.erase(found);
+  running.reporter->cancelled = true;
+  if (running.preempt) return running.preempt();
+  completions.finish_at(completions.now(), node, attempt, running.reporter->report({kPreempted, {}}, {}));
+}
+
+}  // namespace segue::convert

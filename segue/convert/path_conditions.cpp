@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/path_conditions.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::convert {
+
+using cdtn::kNone;
+using cdtn::NodeId;
+using cdtn::OutcomeId;
+
+namespace {
+
+/// More tell an order of nodes little, and cost each of them.
+constexpr std::size_t kMostConditions = 8;
+/// A join of more is not looked into.
+constexpr std::size_t kMostEdges = 64;
+
+}  // namespace
+
+std::uint32_t PathConditions::add(NodeId node, Edge around, std::vector<OutcomeId> outcomes,
+                                  std::optional<OutcomeId> expected) {
+  const auto number = static_cast<std::uint32_t>(branches_.size());
+  Branch& branch = branches_.emplace_back();
+  branch.node = node;
+  branch.around = around;
+  branch.depth = depth(around) + 1;
+  branch.outcomes = std::move(outcomes);
+  branch.expected = expected;
+  by_node_.resize(std::max<std::size_t>(by_node_.size(), index(node) + 1), kNone);
+  by_node_[index(node)] = number;
+  return number;
+}
+
+Edge PathConditions::add_join(NodeId node, Edge around, std::vector<Edge> edges, OutcomeId reached,
+                              OutcomeId missed) {
+  const bool likely = std::ranges::any_of(edges, [&](const Edge& edge) { return expected(edge, around); });
+  const std::uint32_t number =
+      add(node, around, {reached, missed}, likely ? std::nullopt : std::optional(missed));
+  branches_[number].meaning = std::move(edges);
+  return {number, reached};
+}
+
+void PathConditions::decide(NodeId node, OutcomeId outcome) {
+  if (index(node) >= by_node_.size() || by_node_[index(node)] == kNone) return;
+  branches_[by_node_[index(node)]].decided = outcome;
+}
+
+std::optional<Edge> PathConditions::live(Edge edge) {
+  // Outwards to what is certain; then back, so that every branch on the way knows what is around it.
+  std::vector<std::uint32_t> way;
+  for (Edge at = edge; !at.always(); at = branches_[at.branch].around) {
+    const Branch& branch = branches_[at.branch];
+    if (branch.dead || (branch.decided && *branch.decided != at.outcome)) {
+      for (const std::uint32_t within : way)
+        branches_[within].dead = true;
+      return std::nullopt;
+    }
+    way.push_back(at.branch);
+  }
+  for (auto number = way.rbegin(); number != way.rend(); ++number) {
+    Branch& branch = branches_[*number];
+    while (!branch.around.always() && branches_[branch.around.branch].decided)
+      branch.around = branches_[branch.around.branch].around;
+    branch.depth = depth(branch.around) + 1;
+  }
+  while (!edge.always() && branches_[edge.branch].decided)
+    edge = branches_[edge.branch].around;
+  return edge;
+}
+
+bool PathConditions::implies(Edge inner, Edge outer) {
+  if (outer.always()) return true;
+  while (depth(inner) > depth(outer))
+    inner = branches_[inner.branch].around;
+  return inner == outer;
+}
+
+bool PathConditions::exclude(Edge a, Edge b) {
+  while (!a.always() && !b.always() && a.branch != b.branch) {
+    Edge& deeper = depth(a) >= depth(b) ? a : b;
+    deeper = branches_[deeper.branch].around;
+  }
+  return !a.always() && !b.always() && a.outcome != b.outcome;
+}
+
+bool PathConditions::expected(Edge edge, Edge outer) {
+  for (; !edge.always() && edge != outer; edge = branches_[edge.branch].around) {
+    const Branch& branch = branches_[edge.branch];
+    if (!branch.decided &&
+        (edge.outcome == cdtn::kAborted || branch.expected.value_or(edge.outcome) != edge.outcome))
+      return false;
+  }
+  return true;
+}
+
+Edge PathConditions::common(std::span<const Edge> edges) {
+  Edge result = edges.front();
+  for (Edge other : edges.subspan(1)) {
+    while (result != other) {
+      Edge& deeper = depth(result) >= depth(other) ? result : other;
+      deeper = branches_[deeper.branch].around;
+    }
+  }
+  return result;
+}
+
+/// Edges within others go, and all edges of one branch become the edge around it. False where nothing was to
+/// be done.
+bool PathConditions::reduce(std::vector<Edge>& edges) {
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      if (i == j || !implies(edges[i], edges[j])) continue;
+      edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(i));
+      return true;
+    }
+  }
+  for (const Edge edge : edges) {
+    if (edge.always()) continue;
+    const Branch& branch = branches_[edge.branch];
+    const bool all = std::ranges::all_of(branch.outcomes, [&](OutcomeId outcome) {
+      return std::ranges::find(edges, Edge{edge.branch, outcome}) != edges.end();
+    });
+    if (!all) continue;
+    const Edge around = live(branch.around).value_or(branch.around);
+    std::erase_if(edges, [&](const Edge& other) { return other.branch == edge.branch; });
+    edges.push_back(around);
+    return true;
+  }
+  return false;
+}
+
+/// Puts for one join what it means.
+bool PathConditions::expand(std::vector<Edge>& edges) {
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (edges[i].always()) continue;
+    const Branch& branch = branches_[edges[i].branch];
+    if (branch.meaning.empty() || edges[i].outcome != branch.outcomes.front()) continue;
+    const std::vector<Edge> meaning = branch.meaning;
+    edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(i));
+    for (const Edge edge : meaning) {
+      if (const auto there = live(edge)) edges.push_back(*there);
+    }
+    return true;
+  }
+  return false;
+}
+
+std::optional<Edge> PathConditions::merged(std::vector<Edge> edges) {
+  for (;;) {
+    if (edges.size() > kMostEdges) return std::nullopt;
+    while (reduce(edges)) {
+    }
+    if (edges.size() == 1) return edges.front();
+    if (!expand(edges)) return std::nullopt;
+  }
+}
+
+std::vector<cdtn::Condition> PathConditions::conditions(Edge edge) {
+  std::vector<cdtn::Condition> result;
+  for (; !edge.always() && result.size() < kMostConditions; edge = branches_[edge.branch].around) {
+    if (!branches_[edge.branch].decided) result.push_back({branches_[edge.branch].node, edge.outcome});
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
+}  // namespace segue::convert

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/network.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace segue::convert {
+
+/// When something is on the path: a branch ends with that outcome, and all branches around it as they must.
+/// Without a branch: always.
+struct Edge {
+  std::uint32_t branch = cdtn::kNone;
+  cdtn::OutcomeId outcome{};
+  [[nodiscard]] bool always() const { return branch == cdtn::kNone; }
+  friend bool operator==(const Edge&, const Edge&) = default;
+};
+
+/// The branches of a plan: nodes whose outcomes lead to different places. They form a tree, since each lies
+/// on one edge of another; what several edges lead to is told by a branch of its own, a join. What has been
+/// decided is taken into account as it becomes known. Not thread safe.
+class PathConditions {
+ public:
+  /// `node` lies on `around` and ends with one of `outcomes`; if one is expected, others are not.
+  std::uint32_t add(cdtn::NodeId node, Edge around, std::vector<cdtn::OutcomeId> outcomes,
+                    std::optional<cdtn::OutcomeId> expected);
+  /// `node` ends with `reached` where one of `edges` is on the path, all of which lie within `around`.
+  Edge add_join(cdtn::NodeId node, Edge around, std::vector<Edge> edges, cdtn::OutcomeId reached,
+                cdtn::OutcomeId missed);
+  void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
+
+  [[nodiscard]] cdtn::NodeId node(Edge edge) const { return branches_[edge.branch].node; }
+  /// The edge without what is decided; nothing where it is off the path.
+  std::optional<Edge> live(Edge edge);
+  /// Whether `outer` is on the path whenever `inner` is, as far as the tree tells.
+  bool implies(Edge inner, Edge outer);
+  /// Whether they cannot both be on the path, as far as the tree tells.
+  bool exclude(Edge a, Edge b);
+  /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
+  /// Requires that they are live.
+  std::optional<Edge> merged(std::vector<Edge> edges);
+  /// The innermost edge that all of these imply. Requires one at least.
+  Edge common(std::span<const Edge> edges);
+  /// Whether nothing between `outer` and `edge` is against what is expected.
+  bool expected(Edge edge, Edge outer);
+  /// The innermost conditions of the edge, for a node that lies on it.
+  [[nodiscard]] std::vector<cdtn::Condition> conditions(Edge edge);
+
+ private:
+  struct Branch {
+    cdtn::NodeId node{};
+    Edge around;
+    std::uint32_t depth = 0;
+    std::vector<cdtn::OutcomeId> outcomes;
+    std::vector<Edge> meaning;  ///< joins
+    std::optional<cdtn::OutcomeId> decided;
+    std::optional<cdtn::OutcomeId> expected;
+    bool dead = false;
+  };
+  [[nodiscard]] std::uint32_t depth(Edge edge) const {
+    return edge.always() ? 0 : branches_[edge.branch].depth;
+  }
+  bool reduce(std::vector<Edge>& edges);
+  bool expand(std::vector<Edge>& edges);
+
+  std::vector<Branch> branches_;
+  std::vector<std::uint32_t> by_node_;
+};
+
+}  // namespace segue::convert

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/plan.hpp>
+#include <segue/convert/unroller.hpp>
+
+#include <algorithm>
+
+namespace segue::convert {
+
+using cdtn::NodeId;
+using cdtn::OutcomeId;
+using type::Value;
+
+Plan::Plan(std::shared_ptr<const mission::Program> program) : program_(std::move(program)) {}
+Plan::~Plan() = default;
+
+Result<std::unique_ptr<Plan>> Plan::create(std::shared_ptr<const mission::Program> program,
+                                           std::vector<Value> inputs) {
+  auto plan = std::unique_ptr<Plan>(new Plan(std::move(program)));
+  plan->network_.name = plan->program().mission().name;
+  for (const mission::Resource& resource : plan->program().mission().resources) {
+    cdtn::Resource& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
+    entry.kind = static_cast<cdtn::ResourceClass>(resource.kind);
+    entry.count = static_cast<std::uint32_t>(std::max(0, resource.count));
+    entry.commutes = resource.commutes;
+  }
+  plan->unroller_ = std::make_unique<Unroller>(*plan, std::move(inputs));
+  if (auto begun = plan->unroller_->begin(); !begun) return begun.error();
+  return plan;
+}
+
+void Plan::expand(cdtn::Network& network, std::size_t wanted) {
+  const std::size_t limit = network.size() + wanted;
+  waits_for_.clear();
+  while (network.size() < limit && unroller_->step()) {
+  }
+}
+
+void Plan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
+  unroller_->ended(node, outcome, outputs);
+}
+
+bool Plan::finished() const {
+  return unroller_->finished();
+}
+
+mission::Outcome Plan::outcome(NodeId node, OutcomeId outcome) const {
+  if (outcome == cdtn::kAborted) return mission::kAborted;
+  if (outcome == cdtn::kPreempted) return mission::kPreempted;
+  const auto& names = *program_->node((*this)[node].state).outcomes;
+  const auto found = std::ranges::find(names, network_.outcomes.name(static_cast<std::uint32_t>(outcome)));
+  return found == names.end() ? mission::kAborted : static_cast<mission::Outcome>(found - names.begin());
+}
+
+mission::Outcome Plan::final_outcome(const cdtn::RunResult& result) {
+  if (result.stopped) return mission::kPreempted;
+  if (result.failed) {
+    const bool preempted = result.error && result.error->code == ErrorCode::Cancelled;
+    return preempted ? mission::kPreempted : mission::kAborted;
+  }
+  for (const Exit& exit : unroller_->end().exits) {
+    const auto live = unroller_->paths().live(exit.arrival.when);
+    if (live && live->always()) return exit.outcome;
+  }
+  return mission::kAborted;
+}
+
+std::vector<Value> Plan::final_outputs() {
+  std::vector<Value> values;
+  for (const Symbol& symbol : unroller_->end().outputs)
+    values.push_back(unroller_->value_of(symbol).value_or(Value()));
+  return values;
+}
+
+}  // namespace segue::convert

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/convert/plan.hpp>
+#include <segue/mission/engine.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace segue::convert {
+
+struct RunOptions {
+  cdtn::ClockKind clock = cdtn::ClockKind::Real;
+  bool strict = false;                    ///< irreversible nodes wait for every earlier node that may fail
+  bool speculate = true;                  ///< pure actions run ahead
+  std::uint32_t workers = 0;              ///< actions that run at the same time; 0: any number
+  std::size_t horizon = 1000;             ///< unfinished nodes that are planned ahead
+  bool log = false;                       ///< what happened when, in the result of the network
+  std::function<void(std::string)> warn;  ///< as in mission::EngineOptions
+};
+
+/// A mission that runs concurrently, with the outcome of its sequential run (docs/missions.md). One run each;
+/// one thread, but for stop().
+class Run {
+ public:
+  /// `inputs` by port of the mission, null for its default. NotFound where an action has no runner.
+  static Result<std::unique_ptr<Run>> create(std::shared_ptr<const mission::Program> program,
+                                             const mission::Runners& runners, std::vector<type::Value> inputs,
+                                             RunOptions options = {});
+  ~Run();
+
+  /// Blocks until the mission has ended.
+  const mission::MissionResult& run();
+  /// From any thread: preempts what is under way; nothing new starts.
+  void stop();
+
+  /// After the run.
+  [[nodiscard]] const cdtn::RunResult& network_result() const;
+  [[nodiscard]] const Plan& plan() const;
+  [[nodiscard]] mission::Globals& globals();
+
+ private:
+  class Implementation;
+  explicit Run(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::convert

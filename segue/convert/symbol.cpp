@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/symbol.hpp>
+
+#include <algorithm>
+
+namespace segue::convert {
+
+Defaults with(const Defaults& defaults, Default more) {
+  const bool certain = defaults && std::ranges::any_of(*defaults, [](const Default& one) {
+                         return index(one.reader) == cdtn::kNone && !one.value.is_null();
+                       });
+  if (certain) return defaults;
+  const bool nothing = index(more.reader) == cdtn::kNone && more.value.is_null();
+  if (nothing && defaults) return defaults;
+  auto extended =
+      defaults ? std::make_shared<std::vector<Default>>(*defaults) : std::make_shared<std::vector<Default>>();
+  if (!nothing) extended->push_back(std::move(more));
+  return extended;
+}
+
+/// What was written before, where the new value always counts, goes; and what is off the path.
+void Slots::write(std::uint32_t slot, Edge when, Symbol value, PathConditions& paths) {
+  auto& writes = slots_[slot];
+  std::erase_if(writes, [&](Write& old) {
+    const auto live = paths.live(old.when);
+    if (!live) return true;
+    old.when = *live;
+    return paths.implies(old.when, when);
+  });
+  writes.push_back({++turn_, when, std::move(value)});
+}
+
+Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditions& paths) const {
+  std::vector<std::pair<std::uint64_t, const Write*>> found;
+  for (const std::uint32_t slot : slots) {
+    for (const Write& write : slots_[slot])
+      found.emplace_back(write.turn, &write);
+  }
+  std::ranges::sort(found, std::greater<>{});
+  Symbol result;
+  std::vector<Candidate> newest_first;
+  for (const auto& [turn, write] : found) {
+    const auto when = paths.live(write->when);
+    if (!when || paths.exclude(*when, at)) continue;
+    const auto& candidates = write->value.candidates;
+    for (auto candidate = candidates.rbegin(); candidate != candidates.rend(); ++candidate) {
+      const auto live = paths.live(candidate->when);
+      if (!live || paths.exclude(*live, at)) continue;
+      newest_first.push_back({candidate->node, candidate->output, *live, candidate->defaults});
+    }
+    if (!paths.implies(at, *when)) continue;
+    result.rest = write->value.rest;
+    break;
+  }
+  result.candidates.assign(newest_first.rbegin(), newest_first.rend());
+  return result;
+}
+
+}  // namespace segue::convert

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/unroller.hpp>
+
+#include <algorithm>
+
+namespace segue::convert {
+
+using cdtn::NodeId;
+using cdtn::OutcomeId;
+using mission::kAborted;
+using mission::Outcome;
+using mission::StateIndex;
+using mission::StateKind;
+using mission::Step;
+
+Unroller::Unroller(Plan& plan, std::vector<type::Value> inputs) : plan_(plan), given_(std::move(inputs)) {
+  find_routines();
+}
+
+Result<void> Unroller::begin() {
+  Entry entry;
+  entry.state = 0;
+  const auto& supplies = node(0).inputs;
+  for (std::size_t i = 0; i < supplies.size(); ++i) {
+    Symbol input;
+    const bool given = i < given_.size() && !given_[i].is_null();
+    input.rest = with({}, given ? Default{given_[i]} : fallback(supplies[i], {}));
+    entry.inputs.push_back(std::move(input));
+  }
+  enter(main_, std::move(entry));
+  return {};
+}
+
+void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs) {
+  paths_.decide(node, outcome);
+  if (outputs_.size() <= index(node)) outputs_.resize(index(node) + 1);
+  if (outputs != nullptr) outputs_[index(node)] = std::make_shared<const type::Value>(*outputs);
+}
+
+bool Unroller::step(Track& track) {
+  take_alternatives(track);
+  if (track.frames.empty()) return false;
+  const StateKind kind = node(track.frames.back().activation->entry.state).kind;
+  return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
+}
+
+/// Goes back into the first loop that turned out to go on; forgets those that did not.
+void Unroller::take_alternatives(Track& track) {
+  for (std::size_t i = 0; i < track.alternatives.size();) {
+    Frame& frame = track.alternatives[i].back();
+    Activation& activation = *frame.activation;
+    const auto head = activation.order->vertices[frame.loops.back().head];
+    const auto arrivals = live_arrivals(activation.arrivals[head]);
+    const auto base = paths_.live(activation.entry.when);
+    if (arrivals.empty() || !base) {
+      track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
+      continue;
+    }
+    const bool certain = std::ranges::any_of(
+        arrivals, [&](const Arrival& arrival) { return paths_.implies(*base, arrival.when); });
+    if (!certain) {
+      ++i;
+      continue;
+    }
+    track.frames = std::move(track.alternatives[i]);
+    track.alternatives.resize(i);
+    track.end.reset();
+    return;
+  }
+}
+
+bool Unroller::step_hierarchy(Track& track) {
+  Frame& frame = track.frames.back();
+  if (frame.pending) return enter_pending(track);
+  const WeakOrder& order = *frame.activation->order;
+  const bool at_end = !frame.loops.empty() && frame.place == order.end[frame.loops.back().head];
+  if (at_end) return end_of_loop(track);
+  if (frame.place == order.vertices.size()) {
+    leave(track);
+    return true;
+  }
+  if (order.end[frame.place] != 0 && (frame.loops.empty() || frame.loops.back().head != frame.place))
+    frame.loops.push_back({frame.place});
+  const StateIndex child = node(frame.activation->entry.state).children[order.vertices[frame.place]];
+  return visit(track, child);
+}
+
+/// Another iteration where it is certain, or as far ahead as the loop has gone on before; past it where it is
+/// not expected to go on.
+bool Unroller::end_of_loop(Track& track) {
+  Frame& frame = track.frames.back();
+  Activation& activation = *frame.activation;
+  Frame::Loop& loop = frame.loops.back();
+  const auto again = [&] {
+    frame.place = loop.head;
+    ++loop.iterations;
+    return true;
+  };
+  const auto arrivals = live_arrivals(activation.arrivals[activation.order->vertices[loop.head]]);
+  if (arrivals.empty()) {
+    frame.loops.pop_back();
+    return true;
+  }
+  const auto base = paths_.live(activation.entry.when);
+  if (!base) return false;
+  const auto certain = [&](const Edge& edge) {
+    const auto live = paths_.live(edge);
+    return live && paths_.implies(*base, *live);
+  };
+  while (!loop.open.empty() && std::ranges::any_of(loop.open.front(), certain))
+    loop.open.erase(loop.open.begin());
+  std::vector<Edge> edges;
+  bool expected = false;
+  for (const Arrival& arrival : arrivals) {
+    edges.push_back(arrival.when);
+    expected = expected || paths_.expected(arrival.when, *base);
+  }
+  if (std::ranges::any_of(edges, certain)) {
+    loop.open.clear();
+    return again();
+  }
+  if (!expected && leads_on(frame, activation.order->end[loop.head])) {
+    track.alternatives.push_back(track.frames);
+    frame.loops.pop_back();
+    return true;
+  }
+  if (2 * loop.open.size() <= loop.iterations) {
+    loop.open.push_back(std::move(edges));
+    return again();
+  }
+  plan_.waits_for_ = "whether the loop at " + activation.entry.path + " goes on";
+  return false;
+}
+
+/// Whether there is a way to something behind a loop.
+bool Unroller::leads_on(Frame& frame, std::uint32_t from) {
+  Activation& activation = *frame.activation;
+  const auto live = [&](const Exit& exit) { return paths_.live(exit.arrival.when).has_value(); };
+  if (std::ranges::any_of(activation.exits, live)) return true;
+  const auto& vertices = activation.order->vertices;
+  for (std::uint32_t place = from; place < vertices.size(); ++place) {
+    if (!live_arrivals(activation.arrivals[vertices[place]]).empty()) return true;
+  }
+  return false;
+}
+
+std::vector<Arrival> Unroller::live_arrivals(std::vector<Arrival>& arrivals) {
+  std::erase_if(arrivals, [&](Arrival& arrival) {
+    const auto live = paths_.live(arrival.when);
+    if (live) arrival.when = *live;
+    return !live;
+  });
+  return arrivals;
+}
+
+/// Enters the state at the frame's place, where anything leads to it.
+bool Unroller::visit(Track& track, StateIndex state) {
+  Frame& frame = track.frames.back();
+  Activation& activation = *frame.activation;
+  auto& waiting = activation.arrivals[node(state).position];
+  const auto arrivals = live_arrivals(waiting);
+  if (arrivals.empty()) {
+    ++frame.place;
+    return true;
+  }
+  Entry entry;
+  entry.state = state;
+  entry.when = meet(arrivals);
+  entry.inputs = inputs_of(activation, state, entry.when);
+  for (const Arrival& arrival : arrivals) {
+    if (arrival.aborted)
+      entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());
+  }
+  entry.path = activation.entry.path.empty()
+                   ? plan_.program().state(state).id.str()
+                   : activation.entry.path + "/" + plan_.program().state(state).id.str();
+  entry.aborts_handled = activation.entry.aborts_handled || node(state).next[1].kind != Step::Kind::Nowhere;
+  waiting.clear();
+  ++frame.place;
+  frame.pending = std::move(entry);
+  return enter_pending(track);
+}
+
+bool Unroller::enter_pending(Track& track) {
+  auto& pending = track.frames.back().pending;
+  const auto live = paths_.live(pending->when);
+  if (!live) {
+    pending.reset();
+    return true;
+  }
+  pending->when = *live;
+  if (!knows_what_it_touches(*pending)) return false;
+  Entry entry = std::move(*pending);
+  pending.reset();
+  enter(track, std::move(entry));
+  return true;
+}
+
+void Unroller::enter(Track& track, Entry entry) {
+  const StateIndex state = entry.state;
+  const StateKind kind = node(state).kind;
+  if (routine_[state]) return finish(track, state, add_routine(entry));
+  if (kind == StateKind::Execution || kind == StateKind::Decider)
+    return finish(track, state, add_action(entry, nullptr));
+  enter_container(track, std::move(entry));
+}
+
+void Unroller::enter_container(Track& track, Entry entry) {
+  const StateIndex state = entry.state;
+  const mission::Node& container = node(state);
+  auto activation = std::make_shared<Activation>(std::move(entry), container.slots);
+  track.frames.push_back({activation, 0, {}, {}});
+  if (container.kind == StateKind::Library) {
+    Entry inside = activation->entry;
+    inside.state = container.library;
+    return enter(track, std::move(inside));
+  }
+  const Edge when = activation->entry.when;
+  auto slot = static_cast<std::uint32_t>(activation->entry.inputs.size());
+  for (const mission::Supply& variable : container.variables) {
+    Symbol value;
+    value.rest = with({}, fallback(variable, when));
+    activation->slots.write(slot++, when, std::move(value), paths_);
+  }
+  for (std::uint32_t i = 0; i < activation->entry.inputs.size(); ++i)
+    activation->slots.write(i, when, activation->entry.inputs[i], paths_);
+  for (const mission::Copy& copy : container.at_begin)
+    activation->slots.write(copy.to, when, activation->slots.read({copy.from}, when, paths_), paths_);
+  if (container.kind == StateKind::Hierarchy) {
+    activation->arrivals.resize(container.children.size());
+    activation->order = order_of(state);
+    if (container.start.kind == Step::Kind::Child)
+      activation->arrivals[container.start.child].push_back({when, false, {}});
+    else
+      activation->exits.push_back({container.start.outcome, {when, false, {}}});
+    return;
+  }
+  for (const StateIndex child : container.children) {
+    if (child == container.decider) continue;
+    Entry branch;
+    branch.state = child;
+    branch.when = when;
+    branch.inputs = inputs_of(*activation, child, when);
+    branch.path = activation->entry.path + (activation->entry.path.empty() ? "" : "/") +
+                  plan_.program().state(child).id.str();
+    branch.aborts_handled = true;
+    auto beside = std::make_shared<Track>();
+    track.frames.back().tracks.push_back(beside);
+    enter(*beside, std::move(branch));
+  }
+}
+
+/// The hierarchy at the top of the track is done with.
+void Unroller::leave(Track& track) {
+  const auto activation = track.frames.back().activation;
+  const StateIndex state = activation->entry.state;
+  StateEnd end;
+  end.exits = activation->exits;
+  for (const mission::Supply& output : node(state).outputs) {
+    Symbol value = activation->slots.read(output.slots, activation->entry.when, paths_);
+    if (!value.rest) value.rest = with({}, fallback(output, activation->entry.when));
+    end.outputs.push_back(std::move(value));
+  }
+  track.frames.pop_back();
+  finish(track, state, std::move(end));
+}
+
+/// Tells the container around, which is now at the top of the track.
+void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
+  if (track.frames.empty()) {
+    track.end = std::move(end);
+    return;
+  }
+  Frame& frame = track.frames.back();
+  const mission::Node& around = node(frame.activation->entry.state);
+  if (around.kind == StateKind::Hierarchy) return finish_in_hierarchy(frame, state, std::move(end));
+  if (around.kind != StateKind::Library) return finish_decider(track, state, std::move(end));
+  const Entry& entry = frame.activation->entry;
+  for (std::size_t i = 0; i < end.outputs.size(); ++i) {
+    const Default fallback_value = fallback(around.outputs[i], entry.when);
+    for (Candidate& candidate : end.outputs[i].candidates)
+      candidate.defaults = with(candidate.defaults, fallback_value);
+    end.outputs[i].rest = with(end.outputs[i].rest, fallback_value);
+  }
+  const StateIndex library = entry.state;
+  track.frames.pop_back();
+  finish(track, library, std::move(end));
+}
+
+void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end) {
+  Activation& activation = *frame.activation;
+  const mission::Node& child = node(state);
+  std::erase_if(end.exits, [&](Exit& exit) {
+    const auto live = paths_.live(exit.arrival.when);
+    if (live) exit.arrival.when = *live;
+    return !live;
+  });
+  if (end.exits.empty()) return;  // it has turned out to be off the path
+  // It is written whichever way the child ends; where it is entered is where all its ends lie.
+  std::vector<Edge> edges;
+  for (const Exit& exit : end.exits)
+    edges.push_back(exit.arrival.when);
+  take_outputs(activation, state, paths_.common(edges), end.outputs);
+  for (Exit& exit : end.exits) {
+    const Step& step = child.next[static_cast<std::size_t>(exit.outcome + 2)];
+    exit.arrival.aborted = exit.outcome == kAborted;
+    if (step.kind == Step::Kind::Child) {
+      activation.arrivals[step.child].push_back(std::move(exit.arrival));
+    } else {
+      const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : exit.outcome;
+      activation.exits.push_back({outcome, std::move(exit.arrival)});
+    }
+  }
+}
+
+bool Unroller::step_barrier(Track& track) {
+  const Frame& frame = track.frames.back();
+  if (!paths_.live(frame.activation->entry.when)) {
+    const StateIndex state = frame.activation->entry.state;
+    track.frames.pop_back();
+    finish(track, state, {});
+    return true;
+  }
+  bool settled = true;
+  for (const auto& beside : frame.tracks) {
+    if (step(*beside)) return true;
+    settled = settled && beside->settled();
+  }
+  if (!settled) return false;
+  join_barrier(track);
+  return true;
+}
+
+void Unroller::join_barrier(Track& track) {
+  Frame& frame = track.frames.back();
+  Activation& activation = *frame.activation;
+  const mission::Node& barrier = node(activation.entry.state);
+  std::vector<StateEnd> ends;
+  std::size_t next = 0;
+  for (const StateIndex child : barrier.children) {
+    if (child == barrier.decider) continue;
+    ends.push_back(*frame.tracks[next++]->end);
+    take_outputs(activation, child, activation.entry.when, ends.back().outputs);
+  }
+  Entry entry;
+  entry.state = barrier.decider;
+  entry.when = activation.entry.when;
+  entry.inputs = inputs_of(activation, barrier.decider, entry.when);
+  entry.path = activation.entry.path + (activation.entry.path.empty() ? "" : "/") +
+               plan_.program().state(barrier.decider).id.str();
+  entry.aborts_handled =
+      activation.entry.aborts_handled || node(barrier.decider).next[1].kind != Step::Kind::Nowhere;
+  finish_decider(track, barrier.decider, add_action(entry, &ends));
+}
+
+void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
+  Activation& activation = *track.frames.back().activation;
+  take_outputs(activation, state, activation.entry.when, end.outputs);
+  for (Exit& exit : end.exits) {
+    const Step& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
+    const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : exit.outcome;
+    activation.exits.push_back({outcome, std::move(exit.arrival)});
+  }
+  leave(track);
+}
+
+const std::shared_ptr<const WeakOrder>& Unroller::order_of(StateIndex hierarchy) {
+  auto& order = orders_[hierarchy];
+  if (order) return order;
+  const auto& children = node(hierarchy).children;
+  std::vector<std::vector<std::uint32_t>> successors(children.size());
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    for (const Step& step : node(children[i]).next) {
+      if (step.kind == Step::Kind::Child) successors[i].push_back(step.child);
+    }
+  }
+  const Step& start = node(hierarchy).start;
+  order = start.kind == Step::Kind::Child
+              ? std::make_shared<const WeakOrder>(weak_order(successors, start.child))
+              : std::make_shared<const WeakOrder>();
+  return order;
+}
+
+}  // namespace segue::convert

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/convert/plan.hpp>
+#include <segue/convert/weak_order.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace segue::convert {
+
+/// A way to a state, and what went wrong on it.
+struct Arrival {
+  Edge when;
+  bool aborted = false;  ///< the state before aborted, and the next one learns why
+  std::vector<Candidate> errors;
+};
+struct Exit {
+  mission::Outcome outcome = 0;
+  Arrival arrival;
+};
+
+/// How a state ends in the plan: in every way it can.
+struct StateEnd {
+  std::vector<Symbol> outputs;
+  std::vector<Exit> exits;
+};
+
+/// What a state is entered with.
+struct Entry {
+  mission::StateIndex state = mission::kNoState;
+  Edge when;
+  std::string path;
+  bool aborts_handled = false;  ///< somebody around follows its abort
+  std::vector<Symbol> inputs;
+  std::vector<Candidate> errors;
+};
+
+/// One execution of a container in the plan.
+struct Activation {
+  explicit Activation(Entry given, std::size_t slot_count) : entry(std::move(given)), slots(slot_count) {}
+  Entry entry;
+  Slots slots;
+  std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
+  std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
+  std::vector<Exit> exits;
+};
+
+struct Track;
+
+/// How far the plan has got within a container.
+struct Frame {
+  struct Loop {
+    std::uint32_t head = 0;  ///< a place in the order
+    std::size_t iterations = 1;
+    std::vector<std::vector<Edge>> open{};  ///< of iterations that are not certain: where they are entered
+  };
+  std::shared_ptr<Activation> activation;
+  std::uint32_t place = 0;
+  std::vector<Loop> loops;
+  std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state but the decider
+  std::optional<Entry> pending{};              ///< comes next, once it is known what it touches
+};
+
+/// One sequence of states: the mission, or a state of a barrier. Where it went past a loop that is expected
+/// to have ended, it keeps how to go back into it.
+struct Track {
+  std::vector<Frame> frames;
+  std::vector<std::vector<Frame>> alternatives;
+  std::optional<StateEnd> end;
+  [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
+};
+
+/// Walks through a mission as the reference engine would, in all ways at once. States of a hierarchy are
+/// taken in a weak topological order, so that every way to a state is known before it becomes a node, and
+/// each state stands in the plan once for each iteration of the loops around it.
+class Unroller {
+ public:
+  Unroller(Plan& plan, std::vector<type::Value> inputs);
+  Result<void> begin();
+  /// A node more, or a few; false where the plan must wait for what is decided.
+  bool step() { return step(main_); }
+  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
+  [[nodiscard]] bool finished() const { return main_.settled(); }
+  [[nodiscard]] const StateEnd& end() const { return *main_.end; }
+  PathConditions& paths() { return paths_; }
+  /// Once that is known for certain.
+  [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
+
+ private:
+  // Control (unroller.cpp)
+  bool step(Track& track);
+  bool step_hierarchy(Track& track);
+  bool step_barrier(Track& track);
+  bool end_of_loop(Track& track);
+  void take_alternatives(Track& track);
+  bool visit(Track& track, mission::StateIndex state);
+  bool enter_pending(Track& track);
+  void enter(Track& track, Entry entry);
+  void enter_container(Track& track, Entry entry);
+  void leave(Track& track);
+  void finish(Track& track, mission::StateIndex state, StateEnd end);
+  void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
+  void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
+  void join_barrier(Track& track);
+  [[nodiscard]] std::vector<Arrival> live_arrivals(std::vector<Arrival>& arrivals);
+  [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
+  const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
+  void find_routines();
+
+  // Nodes (unroller_nodes.cpp)
+  StateEnd add_action(const Entry& entry, const std::vector<StateEnd>* branches);
+  StateEnd add_routine(const Entry& entry);
+  Edge meet(const std::vector<Arrival>& arrivals);
+  Symbol copied(Symbol value, Edge when);
+  cdtn::NodeId append(cdtn::NodeSpec spec, PlannedNode node);
+  Source connect(cdtn::NodeSpec& spec, const Symbol& symbol, const std::string& name);
+  StateEnd ends_of(const Entry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
+  void count(cdtn::NodeSpec& spec, PlannedNode& node, const Entry& entry);
+  void store(Activation& activation, std::uint32_t slot, Edge when, Symbol value);
+  void take_outputs(Activation& activation, mission::StateIndex child, Edge when,
+                    const std::vector<Symbol>& outputs);
+  std::vector<Symbol> inputs_of(Activation& activation, mission::StateIndex child, Edge at);
+  Default fallback(const mission::Supply& supply, Edge at);
+  [[nodiscard]] bool knows_what_it_touches(const Entry& entry);
+  bool declare(const Entry& entry, cdtn::NodeSpec& spec);
+  [[nodiscard]] const mission::Node& node(mission::StateIndex state) const {
+    return plan_.program().node(state);
+  }
+  [[nodiscard]] const mission::Action& action(mission::StateIndex state) const {
+    return plan_.program().mission().actions[node(state).action];
+  }
+
+  Plan& plan_;
+  std::vector<type::Value> given_;
+  PathConditions paths_;
+  Track main_;
+  std::vector<bool> routine_;                                ///< by state
+  std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
+  std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
+  std::unordered_map<mission::StateIndex, Slots> begun_;
+  std::unordered_map<std::string, std::uint32_t> copies_;  ///< by path
+};
+
+}  // namespace segue::convert

@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/unroller.hpp>
+
+#include <algorithm>
+
+namespace segue::convert {
+
+using cdtn::Claim;
+using cdtn::NodeClass;
+using cdtn::NodeId;
+using cdtn::NodeSpec;
+using cdtn::OutcomeId;
+using mission::Action;
+using mission::Outcome;
+using mission::StateIndex;
+using mission::StateKind;
+using mission::Step;
+using type::Value;
+
+namespace {
+
+bool declares_footprint(const Action& action) {
+  return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
+}
+
+/// What it decides depends on nothing but how the others ended.
+bool is_pure(const Action& action) {
+  return action.pure || std::holds_alternative<mission::Decision>(action.run);
+}
+
+bool is_opaque(const Action& action) {
+  return !is_pure(action) && !declares_footprint(action);
+}
+
+Duration expected_duration(const Action& action) {
+  if (action.expected_duration) return *action.expected_duration;
+  const auto* simulated = std::get_if<mission::Simulated>(&action.run);
+  return simulated == nullptr ? Duration::zero() : simulated->duration;
+}
+
+/// Whether what it does depends on how often it has been done.
+bool counts_executions(const Action& action) {
+  const auto* simulated = std::get_if<mission::Simulated>(&action.run);
+  return simulated != nullptr && simulated->outcomes.size() > 1;
+}
+
+std::string numbered(const std::string& name, std::size_t number) {
+  return number == 0 ? name : name + "~" + std::to_string(number);
+}
+
+/// As it stands in the name of a fact or resource.
+std::string plain_text(const Value& value) {
+  if (value.is_string()) return value.as_string();
+  return type::describe(value);
+}
+
+}  // namespace
+
+/// States that run sequentially: preemptive ones, hierarchies where a preemption is handled, and barriers
+/// with an action that does not say what it touches, since those would otherwise wait for each other.
+void Unroller::find_routines() {
+  const auto& program = plan_.program();
+  const std::size_t count = program.nodes().size();
+  routine_.assign(count, false);
+  std::vector<bool> opaque(count, false);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;) {
+      const mission::Node& state = node(i);
+      bool inside = false;
+      bool handles_preemption = false;
+      std::size_t beside = 0;
+      for (const StateIndex child : state.children) {
+        if (child == state.decider) continue;
+        ++beside;
+        inside = inside || opaque[child];
+        handles_preemption = handles_preemption || node(child).next[0].kind != Step::Kind::Nowhere;
+      }
+      if (state.kind == StateKind::Library) inside = opaque[state.library];
+      const bool routine = state.kind == StateKind::Preemptive ||
+                           (state.kind == StateKind::Hierarchy && handles_preemption) ||
+                           (state.kind == StateKind::Barrier && inside && beside > 1);
+      const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
+      const bool unknown = leaf ? is_opaque(action(i)) : routine || inside;
+      changed = changed || routine != routine_[i] || unknown != opaque[i];
+      routine_[i] = routine;
+      opaque[i] = unknown;
+    }
+  }
+}
+
+NodeId Unroller::append(NodeSpec spec, PlannedNode node) {
+  if (spec.name.empty()) spec.name = plan_.program().mission().name;
+  node.iteration = spec.iteration = copies_[spec.name]++;
+  const NodeId id = plan_.network_.append(spec);
+  plan_.nodes_.push_back(std::move(node));
+  return id;
+}
+
+/// Every candidate becomes an input of its own, since what stands for a null may differ.
+Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, const std::string& name) {
+  Source source;
+  source.rest = symbol.rest;
+  for (std::size_t i = symbol.candidates.size(); i-- > 0;) {
+    const Candidate& candidate = symbol.candidates[i];
+    const auto input = plan_.network_.names.intern(numbered(name, source.feeds.size()));
+    spec.inputs.push_back({candidate.node, candidate.output, input});
+    source.feeds.push_back({input, candidate.defaults});
+  }
+  const auto readers_of = [&](const Defaults& defaults) {
+    if (!defaults) return;
+    for (const Default& one : *defaults) {
+      if (index(one.reader) == cdtn::kNone) continue;
+      const auto input = plan_.network_.names.intern("#" + std::to_string(index(one.reader)));
+      spec.inputs.push_back({one.reader, plan_.network_.names.intern(kValueOutput), input});
+    }
+  };
+  readers_of(symbol.rest);
+  for (const Candidate& candidate : symbol.candidates)
+    readers_of(candidate.defaults);
+  return source;
+}
+
+/// A default from the mission; a global variable is read by a node of its own, where it has its turn.
+Default Unroller::fallback(const mission::Supply& supply, Edge at) {
+  if (supply.global.empty()) return {supply.fallback};
+  NodeSpec spec;
+  spec.name = "$" + supply.global;
+  spec.opaque = true;
+  spec.cannot_fail = true;
+  spec.conditions = paths_.conditions(at);
+  PlannedNode planned;
+  planned.role = Role::Global;
+  planned.global = supply.global;
+  return {Value(), append(std::move(spec), std::move(planned))};
+}
+
+std::vector<Symbol> Unroller::inputs_of(Activation& activation, StateIndex child, Edge at) {
+  std::vector<Symbol> inputs;
+  for (const mission::Supply& supply : node(child).inputs) {
+    Symbol input = activation.slots.read(supply.slots, at, paths_);
+    const Default none = fallback(supply, at);
+    for (Candidate& candidate : input.candidates)
+      candidate.defaults = with(candidate.defaults, none);
+    input.rest = with(input.rest, none);
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+void Unroller::take_outputs(Activation& activation, StateIndex child, Edge when,
+                            const std::vector<Symbol>& outputs) {
+  const mission::Node& state = node(child);
+  for (std::uint32_t i = 0; i < outputs.size(); ++i)
+    store(activation, state.first_output + i, when, outputs[i]);
+  for (const mission::Copy& copy : state.into_variables)
+    store(activation, copy.to, when, activation.slots.read({copy.from}, when, paths_));
+}
+
+/// What would count even where `when` is off the path gets a node on it.
+void Unroller::store(Activation& activation, std::uint32_t slot, Edge when, Symbol value) {
+  const bool certain = paths_.implies(activation.entry.when, when);
+  bool within = certain;
+  if (!certain) {
+    within = !value.candidates.empty();
+    bool one_is_certain = false;
+    for (const Candidate& candidate : value.candidates) {
+      const auto live = paths_.live(candidate.when);
+      within = within && live && paths_.implies(*live, when);
+      one_is_certain = one_is_certain || (live && *live == when);
+    }
+    within = within && one_is_certain;
+  }
+  activation.slots.write(slot, when, within ? std::move(value) : copied(std::move(value), when), paths_);
+}
+
+Symbol Unroller::copied(Symbol value, Edge when) {
+  NodeSpec spec;
+  spec.name = "copy";
+  spec.kind = NodeClass::Pure;
+  spec.cannot_fail = true;
+  spec.conditions = paths_.conditions(when);
+  PlannedNode planned;
+  planned.role = Role::Copy;
+  planned.inputs.push_back(connect(spec, value, std::string(kValueOutput)));
+  const NodeId id = append(std::move(spec), std::move(planned));
+  Symbol result;
+  result.candidates.push_back({id, plan_.network_.names.intern(kValueOutput), when, {}});
+  return result;
+}
+
+/// Where several ways lead to one state: the edge that stands for all of them.
+Edge Unroller::meet(const std::vector<Arrival>& arrivals) {
+  std::vector<Edge> edges;
+  for (const Arrival& arrival : arrivals)
+    edges.push_back(arrival.when);
+  if (const auto one = paths_.merged(edges)) return *one;
+  const Edge around = paths_.common(edges);
+  NodeSpec spec;
+  spec.name = "join";
+  spec.kind = NodeClass::Pure;
+  spec.cannot_fail = true;
+  spec.branches = true;
+  spec.conditions = paths_.conditions(around);
+  const OutcomeId reached = plan_.network_.outcome("reached");
+  const OutcomeId missed = plan_.network_.outcome("missed");
+  spec.expected = reached;
+  PlannedNode planned;
+  planned.role = Role::Join;
+  const auto output = plan_.network_.names.intern(kOutcomeOutput);
+  for (const Edge edge : edges) {
+    const auto input = plan_.network_.names.intern(numbered("way", planned.joined.size()));
+    spec.inputs.push_back({paths_.node(edge), output, input});
+    planned.joined.emplace_back(input, edge.outcome);
+  }
+  const NodeId id = append(std::move(spec), std::move(planned));
+  return paths_.add_join(id, around, std::move(edges), reached, missed);
+}
+
+/// The value, once it is known for certain.
+std::optional<Value> Unroller::value_of(const Symbol& symbol) {
+  const auto chosen = [&](Value value, const Defaults& defaults) -> std::optional<Value> {
+    if (!value.is_null() || !defaults) return value;
+    for (const Default& one : *defaults) {
+      value = one.value;
+      if (index(one.reader) != cdtn::kNone) {
+        if (index(one.reader) >= outputs_.size() || !outputs_[index(one.reader)]) return std::nullopt;
+        const Value* read = outputs_[index(one.reader)]->find(kValueOutput);
+        value = read == nullptr ? Value() : *read;
+      }
+      if (!value.is_null()) break;
+    }
+    return value;
+  };
+  for (auto candidate = symbol.candidates.rbegin(); candidate != symbol.candidates.rend(); ++candidate) {
+    if (!paths_.live(candidate->when)) continue;
+    const std::size_t i = index(candidate->node);
+    if (i >= outputs_.size() || !outputs_[i]) return std::nullopt;
+    const Value* value = outputs_[i]->find(plan_.network_.names.name(candidate->output));
+    return chosen(value == nullptr ? Value() : *value, candidate->defaults);
+  }
+  return chosen({}, symbol.rest);
+}
+
+/// False where facts or resources are named by inputs that are not known yet.
+bool Unroller::knows_what_it_touches(const Entry& entry) {
+  const StateKind kind = node(entry.state).kind;
+  if (kind != StateKind::Execution && kind != StateKind::Decider) return true;
+  NodeSpec spec;
+  return declare(entry, spec);
+}
+
+bool Unroller::declare(const Entry& entry, NodeSpec& spec) {
+  const Action& what = action(entry.state);
+  bool all_known = true;
+  const auto filled = [&](std::string text) {
+    for (const std::string& name : mission::placeholders(text)) {
+      const auto port = std::ranges::find(what.inputs, name, &mission::Port::name);
+      if (port == what.inputs.end()) continue;
+      const auto value = value_of(entry.inputs[static_cast<std::size_t>(port - what.inputs.begin())]);
+      if (!value) {
+        plan_.waits_for_ = "the input " + name + " of " + plan_.program().state(entry.state).id.str() +
+                           ", which tells what it touches";
+        all_known = false;
+        return text;
+      }
+      const std::string key = "{" + name + "}";
+      for (auto at = text.find(key); at != std::string::npos; at = text.find(key))
+        text.replace(at, key.size(), plain_text(*value));
+    }
+    return text;
+  };
+  const auto literals = [&](const std::vector<mission::Fact>& facts, std::vector<cdtn::Literal>& into) {
+    for (const mission::Fact& fact : facts) {
+      if (const auto id = plan_.network_.facts.intern(filled(to_string(fact))))
+        into.push_back({*id, fact.positive});
+    }
+  };
+  literals(what.preconditions, spec.preconditions);
+  literals(what.effects, spec.effects);
+  for (const mission::ResourceUse& use : what.resources) {
+    const auto resource = plan_.network_.resources.intern(filled(use.resource));
+    spec.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation), 1, cdtn::kNone});
+  }
+  return all_known;
+}
+
+/// How often the state has begun is a value like others, so that runs ahead know it too.
+void Unroller::count(NodeSpec& spec, PlannedNode& planned, const Entry& entry) {
+  if (!counts_executions(action(entry.state))) return;
+  auto& begun = begun_.try_emplace(entry.state, 1).first->second;
+  planned.begun = connect(spec, begun.read({0}, entry.when, paths_), std::string(kCountOutput));
+  planned.counts = true;
+}
+
+StateEnd Unroller::ends_of(const Entry& entry, NodeId id, const NodeSpec& spec) {
+  const mission::Node& state = node(entry.state);
+  StateEnd end;
+  for (const mission::Port& port : *state.output_ports) {
+    Symbol value;
+    value.candidates.push_back({id, plan_.network_.names.intern(port.name), entry.when, {}});
+    end.outputs.push_back(std::move(value));
+  }
+  const auto own = static_cast<Outcome>(state.outcomes->size());
+  if (!spec.branches) {
+    end.exits.push_back({0, {entry.when, false, {}}});
+    return end;
+  }
+  std::vector<OutcomeId> outcomes;
+  for (Outcome i = 0; i < own; ++i)
+    outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
+  if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
+  const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
+  const bool foreseen = leaf && !action(entry.state).expected_outcome.empty();
+  const auto branch =
+      paths_.add(id, entry.when, outcomes, foreseen ? std::optional(spec.expected) : std::nullopt);
+  for (Outcome i = 0; i < own; ++i)
+    end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
+  if (!entry.aborts_handled) return end;
+  const Edge aborted{branch, cdtn::kAborted};
+  end.exits.push_back(
+      {mission::kAborted, {aborted, true, {{id, plan_.network_.names.intern(kErrorOutput), aborted, {}}}}});
+  return end;
+}
+
+StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* branches) {
+  const Action& what = action(entry.state);
+  NodeSpec spec;
+  PlannedNode planned;
+  spec.name = planned.path = entry.path;
+  planned.state = entry.state;
+  spec.kind = is_pure(what) ? NodeClass::Pure : what.sensing ? NodeClass::Sensing : NodeClass::Irreversible;
+  spec.duration = expected_duration(what);
+  spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
+  spec.handles_abort = entry.aborts_handled;
+  spec.opaque = is_opaque(what);
+  const std::string& expected = what.expected_outcome;
+  if (!expected.empty())
+    spec.expected = plan_.network_.outcome(expected);
+  else if (!what.outcomes.empty())
+    spec.expected = plan_.network_.outcome(what.outcomes.front());
+  (void)declare(entry, spec);
+  spec.conditions = paths_.conditions(entry.when);
+  for (std::size_t i = 0; i < entry.inputs.size(); ++i)
+    planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
+  planned.error_before = connect(spec, {entry.errors, {}}, std::string(kErrorOutput));
+  count(spec, planned, entry);
+  const auto& container =
+      node(node(entry.state).parent == mission::kNoState ? entry.state : node(entry.state).parent);
+  for (std::size_t i = 0; branches != nullptr && i < branches->size(); ++i) {
+    BranchSource source;
+    std::size_t position = i;
+    for (std::size_t j = 0; j <= position && j < container.children.size(); ++j)
+      if (container.children[j] == container.decider) ++position;
+    source.state = container.children[position];
+    for (const Exit& exit : (*branches)[i].exits) {
+      BranchEnd end;
+      end.outcome = exit.outcome;
+      if (const auto live = paths_.live(exit.arrival.when); !live) {
+        continue;
+      } else if (!paths_.implies(entry.when, *live)) {
+        const std::string name = "branch" + std::to_string(i) + "." + std::to_string(source.ends.size());
+        end.input = plan_.network_.names.intern(name);
+        end.reached = live->outcome;
+        spec.inputs.push_back({paths_.node(*live), plan_.network_.names.intern(kOutcomeOutput), end.input});
+        end.error = connect(spec, {exit.arrival.errors, {}}, name + ".error");
+      }
+      source.ends.push_back(std::move(end));
+    }
+    planned.branches.push_back(std::move(source));
+  }
+  const bool counts = planned.counts;
+  const NodeId id = append(spec, std::move(planned));
+  if (counts) {
+    Symbol more;
+    more.candidates.push_back({id, plan_.network_.names.intern(kCountOutput), entry.when, {}});
+    begun_.at(entry.state).write(0, entry.when, std::move(more), paths_);
+  }
+  return ends_of(entry, id, spec);
+}
+
+StateEnd Unroller::add_routine(const Entry& entry) {
+  const mission::Node& state = node(entry.state);
+  NodeSpec spec;
+  PlannedNode planned;
+  planned.role = Role::Routine;
+  spec.name = planned.path = entry.path;
+  planned.state = entry.state;
+  spec.routine = true;
+  spec.opaque = true;
+  spec.branches = state.outcomes->size() > 1 || entry.aborts_handled;
+  spec.handles_abort = entry.aborts_handled;
+  if (!state.outcomes->empty()) spec.expected = plan_.network_.outcome(state.outcomes->front());
+  spec.conditions = paths_.conditions(entry.when);
+  for (std::size_t i = 0; i < entry.inputs.size(); ++i)
+    planned.inputs.push_back(connect(spec, entry.inputs[i], (*state.input_ports)[i].name));
+  planned.error_before = connect(spec, {entry.errors, {}}, std::string(kErrorOutput));
+  const NodeId id = append(spec, std::move(planned));
+  return ends_of(entry, id, spec);
+}
+
+}  // namespace segue::convert
