@@ -113,6 +113,8 @@ class Unroller {
 
   // Nodes (unroller_nodes.cpp)
   StateEnd add_action(const Entry& entry, const std::vector<StateEnd>* branches);
+  std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const Entry& decider,
+                                             const std::vector<StateEnd>& ends);
   StateEnd add_routine(const Entry& entry);
   Edge meet(const std::vector<Arrival>& arrivals);
   Symbol copied(Symbol value, Edge when);

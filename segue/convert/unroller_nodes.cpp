@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/unroller.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace segue::convert {
@@ -323,6 +325,33 @@ StateEnd Unroller::ends_of(const Entry& entry, NodeId id, const NodeSpec& spec) 
   return end;
 }
 
+/// For a decider: how the states beside it end.
+std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const Entry& decider,
+                                                     const std::vector<StateEnd>& ends) {
+  std::vector<BranchSource> sources;
+  for (const StateIndex state : node(node(decider.state).parent).children) {
+    if (state == decider.state) continue;
+    BranchSource source;
+    source.state = state;
+    for (const Exit& exit : ends[sources.size()].exits) {
+      const auto live = paths_.live(exit.arrival.when);
+      if (!live) continue;
+      BranchEnd end;
+      end.outcome = exit.outcome;
+      const std::string name = fmt::format("branch{}.{}", sources.size(), source.ends.size());
+      end.error = connect(spec, {exit.arrival.errors, {}}, name + ".error");
+      if (!paths_.implies(decider.when, *live)) {
+        end.input = plan_.network_.names.intern(name);
+        end.reached = live->outcome;
+        spec.inputs.push_back({paths_.node(*live), plan_.network_.names.intern(kOutcomeOutput), end.input});
+      }
+      source.ends.push_back(std::move(end));
+    }
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
 StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* branches) {
   const Action& what = action(entry.state);
   NodeSpec spec;
@@ -345,30 +374,7 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
     planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
   planned.error_before = connect(spec, {entry.errors, {}}, std::string(kErrorOutput));
   count(spec, planned, entry);
-  const auto& container =
-      node(node(entry.state).parent == mission::kNoState ? entry.state : node(entry.state).parent);
-  for (std::size_t i = 0; branches != nullptr && i < branches->size(); ++i) {
-    BranchSource source;
-    std::size_t position = i;
-    for (std::size_t j = 0; j <= position && j < container.children.size(); ++j)
-      if (container.children[j] == container.decider) ++position;
-    source.state = container.children[position];
-    for (const Exit& exit : (*branches)[i].exits) {
-      BranchEnd end;
-      end.outcome = exit.outcome;
-      if (const auto live = paths_.live(exit.arrival.when); !live) {
-        continue;
-      } else if (!paths_.implies(entry.when, *live)) {
-        const std::string name = "branch" + std::to_string(i) + "." + std::to_string(source.ends.size());
-        end.input = plan_.network_.names.intern(name);
-        end.reached = live->outcome;
-        spec.inputs.push_back({paths_.node(*live), plan_.network_.names.intern(kOutcomeOutput), end.input});
-        end.error = connect(spec, {exit.arrival.errors, {}}, name + ".error");
-      }
-      source.ends.push_back(std::move(end));
-    }
-    planned.branches.push_back(std::move(source));
-  }
+  if (branches != nullptr) planned.branches = connect_branches(spec, entry, *branches);
   const bool counts = planned.counts;
   const NodeId id = append(spec, std::move(planned));
   if (counts) {
