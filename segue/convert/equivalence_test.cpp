@@ -253,7 +253,7 @@ std::string fitted(std::string text);
 
 TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   const std::uint64_t first = setting("SEGUE_MISSION_SEED", 1);
-  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", 500);
+  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", 5000);
   std::size_t faster = 0;
   std::size_t succeeded = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
