@@ -6,8 +6,6 @@
 #include <segue/convert/run.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/index.hpp>
-#include <segue/mission/script_runner.hpp>
-#include <segue/type/yaml.hpp>
 
 #include <fmt/format.h>
 
@@ -26,20 +24,17 @@ namespace {
 using Inputs = std::vector<type::Value>;
 
 Result<void> set_input(const mission::Program& program, const std::string& text, Inputs& inputs) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos)
-    return fail(ErrorCode::InvalidArgument, "--input must be NAME=VALUE, got '" + text + "'");
-  auto value = type::parse_yaml(text.substr(equals + 1));
-  if (!value) return value.error();
-  const std::string name = text.substr(0, equals);
+  auto given = parse_input(text);
+  if (!given) return given.error();
+  auto& [name, value] = *given;
   const auto& ports = *program.node(0).input_ports;
   const auto port = mission::position(ports, name);
   if (!port) return fail(ErrorCode::NotFound, "the mission has no input " + quote(name));
-  if (!mission::accepts(ports[*port].type, *value)) {
+  if (!mission::accepts(ports[*port].type, value)) {
     return fail(ErrorCode::TypeMismatch, "the input " + quote(name) + " is of type " + ports[*port].type +
-                                             ", not " + type::describe(*value));
+                                             ", not " + type::describe(value));
   }
-  inputs[*port] = std::move(*value);
+  inputs[*port] = std::move(value);
   return {};
 }
 
@@ -51,17 +46,12 @@ Result<std::unique_ptr<convert::Run>> prepare(mission::Mission loaded, const Mis
   for (const std::string& input : options.inputs) {
     if (auto set = set_input(**program, input, inputs); !set) return set.error();
   }
-  mission::Runners runners;
-  mission::ScriptOptions scripts;
-  scripts.python = options.python;
-  runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
-  if (options.simulate) runners.simulate_all();
   convert::RunOptions settings;
   settings.clock = options.clock == "virtual" ? cdtn::ClockKind::Virtual : cdtn::ClockKind::Real;
   settings.strict = network.strict;
   settings.workers = network.workers;
   settings.warn = [](const std::string& text) { print_note(text); };
-  return convert::Run::create(*program, runners, std::move(inputs), std::move(settings));
+  return convert::Run::create(*program, runners_of(options), std::move(inputs), std::move(settings));
 }
 
 /// One after the other: as long as all that counted took together.

@@ -61,31 +61,18 @@ class MissionRun {
   Result<void> prepare(mission::Mission loaded) {
     auto program = mission::Program::compile(std::move(loaded));
     if (!program) return program.error();
-    mission::Runners runners;
-    mission::ScriptOptions scripts;
-    scripts.python = options_.python;
-    runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
-    if (options_.simulate) runners.simulate_all();
     mission::EngineOptions settings;
     settings.clock = &clock();
     settings.warn = [](const std::string& text) { print_note(text); };
-    auto engine = mission::Engine::create(*program, runners, std::move(settings));
+    auto engine = mission::Engine::create(*program, runners_of(options_), std::move(settings));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
     for (const std::string& input : options_.inputs) {
-      if (auto set = set_input(input); !set) return set;
+      auto given = parse_input(input);
+      if (!given) return given.error();
+      if (auto set = engine_->set_input(given->first, std::move(given->second)); !set) return set;
     }
     return options_.start_at.empty() ? Result<void>{} : engine_->start_at(options_.start_at);
-  }
-
-  Result<void> set_input(const std::string& input) {
-    const auto equals = input.find('=');
-    if (equals == std::string::npos) {
-      return fail(ErrorCode::InvalidArgument, "--input must be NAME=VALUE, got '" + input + "'");
-    }
-    auto value = type::parse_yaml(input.substr(equals + 1));
-    if (!value) return value.error();
-    return engine_->set_input(input.substr(0, equals), std::move(*value));
   }
 
   /// The engine in this thread; another waits for a signal meanwhile.
@@ -212,6 +199,24 @@ class MissionRun {
 };
 
 }  // namespace
+
+mission::Runners runners_of(const MissionOptions& options) {
+  mission::Runners runners;
+  mission::ScriptOptions scripts;
+  scripts.python = options.python;
+  runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
+  if (options.simulate) runners.simulate_all();
+  return runners;
+}
+
+Result<std::pair<std::string, Value>> parse_input(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos)
+    return fail(ErrorCode::InvalidArgument, "--input must be NAME=VALUE, got '" + text + "'");
+  auto value = type::parse_yaml(text.substr(equals + 1));
+  if (!value) return value.error();
+  return std::pair(text.substr(0, equals), std::move(*value));
+}
 
 int run_mission(const MissionOptions& options, const Context& context) {
   return MissionRun(options, context).run();

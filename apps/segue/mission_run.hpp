@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/mission/action_runner.hpp>
+
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "command.hpp"
@@ -24,6 +27,11 @@ struct MissionOptions {
 
 /// --libraries
 void add_library_option(CLI::App& verb, MissionOptions& options);
+
+/// What executes its actions: Python, and simulation where that is asked for.
+mission::Runners runners_of(const MissionOptions& options);
+/// "NAME=VALUE", the value as in YAML. InvalidArgument, ParseError.
+Result<std::pair<std::string, type::Value>> parse_input(const std::string& text);
 
 /// Runs the mission and shows what was executed. SIGINT and SIGTERM preempt it.
 int run_mission(const MissionOptions& options, const Context& context);
