@@ -111,11 +111,11 @@ Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const
 }
 
 void Fleet::learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot) {
-  std::set<model::TaskId> tasks = record.made_since(look);
+  std::set<model::TaskId> tasks;
   for (const auto& task : snapshot.network.tasks) {
     tasks.insert(task.id);
   }
-  seats_.learn(record.key(), tasks);
+  seats_.learn(record.key(), tasks, look);
 }
 
 namespace {

@@ -79,9 +79,10 @@ void Fleet::look_again(const std::vector<RecordPtr>& records) {
 void Fleet::take_looks(const RecordPtr& record) {
   for (bool more = true; more;) {
     const std::uint64_t number = record->next();
+    const std::uint64_t look = seats_.begin_look();
     auto snapshot = look_at(record);
-    if (snapshot != nullptr && !record->ended()) {
-      learn_seats(*record, number, *snapshot);
+    if (snapshot != nullptr) {
+      learn_seats(*record, look, *snapshot);
     }
     const auto finished = record->finish(number, std::move(snapshot));
     tell(*record, finished.change);

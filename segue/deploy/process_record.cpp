@@ -60,17 +60,6 @@ void ProcessRecord::note_removed(const model::TaskId& task) {
   std::erase_if(made_, [&](const auto& item) { return item.second.definition.id == task; });
 }
 
-std::set<model::TaskId> ProcessRecord::made_since(std::uint64_t look) const {
-  const std::lock_guard lock(mutex_);
-  std::set<model::TaskId> tasks;
-  for (const auto& [number, made] : made_) {
-    if (number >= look) {
-      tasks.insert(made.definition.id);
-    }
-  }
-  return tasks;
-}
-
 link::Incarnation ProcessRecord::incarnation() const {
   const std::lock_guard lock(mutex_);
   return incarnation_;

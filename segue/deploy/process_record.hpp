@@ -73,8 +73,6 @@ class ProcessRecord {
   /// What became of its tasks since it was looked at last, for when it never is again.
   void note_task(const model::ConfigAction& made);
   void note_removed(const model::TaskId& task);
-  /// Those made since the look of that number began.
-  [[nodiscard]] std::set<model::TaskId> made_since(std::uint64_t look) const;
 
   /// Incarnations whose memory its process has mapped.
   [[nodiscard]] bool knows(link::Incarnation peer) const;

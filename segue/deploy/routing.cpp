@@ -303,16 +303,13 @@ void Router::note_seat(const model::Action& action, const RecordPtr& record, con
   if (config == nullptr) {
     return;
   }
-  const auto place = fleet_.seats().free_place(config->definition.id, record->key());
-  if (!place) {
-    return;  // it came while this was being made; the next look says what is there
-  }
+  const Seats::Place place = Seats::place_of(config->definition.id, record->key());
   if (outcome) {
     record->note_task(std::get<model::ConfigAction>(plain(action).what));
-    fleet_.seats().put(*place);
+    fleet_.seats().put(place);
   } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
              outcome.error().code == ErrorCode::Unavailable) {
-    fleet_.seats().put_unsure(*place);  // where nobody knows whether it was made, it is looked for there
+    fleet_.seats().put_unsure(place);  // where nobody knows whether it was made, it is looked for there
   }
 }
 

@@ -61,8 +61,7 @@ Result<Seats::Place> Seats::find(const model::TaskId& id, Which which) const {
 }
 
 Result<Seats::Place> Seats::free_place(const model::TaskId& id, const model::DeploymentKey& process) const {
-  const model::TaskId task = host::plain_id(id);
-  const model::DeploymentKey key = normal(process);
+  const auto [task, key] = place_of(id, process);
   const bool exactly = task != id;
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
@@ -75,6 +74,10 @@ Result<Seats::Place> Seats::free_place(const model::TaskId& id, const model::Dep
     }
   }
   return Place{task, key};
+}
+
+Seats::Place Seats::place_of(const model::TaskId& id, const model::DeploymentKey& process) {
+  return {host::plain_id(id), normal(process)};
 }
 
 model::TaskId Seats::name_of(const Table::value_type& item, const model::DeploymentKey& process) {
@@ -97,7 +100,7 @@ void Seats::put(const Place& place) {
     there.newest = place.process;
   }
   there.add(place.process);
-  by_process_[place.process].insert(place.task);
+  note(place);
 }
 
 void Seats::put_unsure(const Place& place) {
@@ -107,15 +110,44 @@ void Seats::put_unsure(const Place& place) {
     item->second.standing = place.process;
   }
   item->second.add(place.process);
-  by_process_[place.process].insert(place.task);
+  note(place);
 }
 
-void Seats::learn(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks) {
+void Seats::note(const Place& place) {
+  Process& process = by_process_[place.process];
+  process.tasks.insert(place.task);
+  process.changed[place.task] = ++changes_;
+}
+
+std::uint64_t Seats::begin_look() const {
+  const std::lock_guard lock(mutex_);
+  return changes_;
+}
+
+std::set<model::TaskId> Seats::Process::changed_since(std::uint64_t look) {
+  std::set<model::TaskId> newer;
+  for (auto change = changed.begin(); change != changed.end();) {
+    if (change->second > look) {
+      newer.insert((change++)->first);
+    } else {
+      change = changed.erase(change);
+    }
+  }
+  return newer;
+}
+
+void Seats::learn(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks,
+                  std::uint64_t look) {
   const model::DeploymentKey key = normal(process);
   const std::lock_guard lock(mutex_);
-  std::set<model::TaskId>& known = by_process_[key];
+  Process& there = by_process_[key];
+  if (there.dropped > look) {
+    return;  // it was a process that is gone
+  }
+  const std::set<model::TaskId> newer = there.changed_since(look);
+  std::set<model::TaskId>& known = there.tasks;
   for (const auto& task : tasks) {
-    if (!known.insert(task).second) {
+    if (newer.contains(task) || !known.insert(task).second) {
       continue;
     }
     auto [item, first] = table_.try_emplace(task);
@@ -125,7 +157,7 @@ void Seats::learn(const model::DeploymentKey& process, const std::set<model::Tas
     item->second.add(key);
   }
   for (auto task = known.begin(); task != known.end();) {
-    if (tasks.contains(*task)) {
+    if (tasks.contains(*task) || newer.contains(*task)) {
       ++task;
       continue;
     }
@@ -149,8 +181,9 @@ Seats::Table::iterator Seats::take(Table::iterator item, const model::Deployment
 
 void Seats::drop(const Place& place) {
   const std::lock_guard lock(mutex_);
-  const auto known = by_process_.find(place.process);
-  if (known != by_process_.end() && known->second.erase(place.task) > 0) {
+  Process& process = by_process_[place.process];
+  process.changed[place.task] = ++changes_;
+  if (process.tasks.erase(place.task) > 0) {
     take(table_.find(place.task), place.process);
   }
 }
@@ -159,16 +192,13 @@ std::vector<model::TaskId> Seats::drop(const model::DeploymentKey& process) {
   const model::DeploymentKey key = normal(process);
   const std::lock_guard lock(mutex_);
   std::vector<model::TaskId> names;
-  const auto known = by_process_.find(key);
-  if (known == by_process_.end()) {
-    return names;
-  }
-  for (const auto& task : known->second) {
+  Process& there = by_process_[key];
+  for (const auto& task : there.tasks) {
     const auto item = table_.find(task);
     names.push_back(name_of(*item, key));
     take(item, key);
   }
-  by_process_.erase(known);
+  there = {{}, {}, ++changes_};
   return names;
 }
 

@@ -4,6 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/model/ids.hpp>
 
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -34,6 +35,8 @@ class Seats {
   [[nodiscard]] Result<Place> find(const model::TaskId& id, Which which) const;
   /// Where a task may be made: the plain id. InvalidState where what is left of it there has to go first.
   [[nodiscard]] Result<Place> free_place(const model::TaskId& id, const model::DeploymentKey& process) const;
+  /// An incarnation by any of its ids.
+  [[nodiscard]] static Place place_of(const model::TaskId& id, const model::DeploymentKey& process);
   /// How an incarnation is called outside: by its plain id where it stands.
   [[nodiscard]] model::TaskId name(const model::TaskId& task, const model::DeploymentKey& process) const;
 
@@ -41,8 +44,11 @@ class Seats {
   void put(const Place& place);
   /// It may have been made: nobody knows.
   void put_unsure(const Place& place);
-  /// What a process has been seen to hold; others of it are gone.
-  void learn(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks);
+  /// Before a look at a process begins: what is put or dropped from now on is newer than what it will show.
+  [[nodiscard]] std::uint64_t begin_look() const;
+  /// What a process has been seen to hold by the look that began then; others of it are gone. Tasks that have
+  /// been put or dropped since are left as they are.
+  void learn(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks, std::uint64_t look);
   void drop(const Place& place);
   /// A process is gone. Gives what its tasks were called.
   std::vector<model::TaskId> drop(const model::DeploymentKey& process);
@@ -63,14 +69,24 @@ class Seats {
     void settle();
   };
   using Table = std::map<model::TaskId, Incarnations>;
+  /// What lives in a process, and when that changed by what was done to it.
+  struct Process {
+    std::set<model::TaskId> tasks;
+    std::map<model::TaskId, std::uint64_t> changed;  ///< since the last look
+    std::uint64_t dropped = 0;
+    /// Forgets changes that the look saw; gives the tasks whose changes are newer.
+    std::set<model::TaskId> changed_since(std::uint64_t look);
+  };
 
   [[nodiscard]] Error unknown(const model::TaskId& id) const;
   static model::TaskId name_of(const Table::value_type& item, const model::DeploymentKey& process);
   Table::iterator take(Table::iterator item, const model::DeploymentKey& process);
+  void note(const Place& place);
 
   mutable std::mutex mutex_;
   Table table_;
-  std::map<model::DeploymentKey, std::set<model::TaskId>> by_process_;
+  std::map<model::DeploymentKey, Process> by_process_;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace segue::deploy::detail

@@ -116,15 +116,41 @@ TEST(Seats, a_new_one_that_dies_leaves_the_old_one) {
 
 TEST(Seats, learn_what_a_process_holds_and_what_it_holds_no_more) {
   Seats seats;
-  seats.learn(process("p"), {TaskId("a"), kTask});
-  seats.learn(process("q"), {kTask});
+  seats.learn(process("p"), {TaskId("a"), kTask}, seats.begin_look());
+  seats.learn(process("q"), {kTask}, seats.begin_look());
   EXPECT_EQ(seats.name(kTask, process("q")), at("q"));
-  seats.learn(process("p"), {TaskId("a")});
+  seats.learn(process("p"), {TaskId("a")}, seats.begin_look());
   EXPECT_EQ(seats.name(kTask, process("q")), kTask);
   EXPECT_EQ(where(seats, kTask, Which::Standing), "q");
   EXPECT_THAT(seats.drop(process("p")), ElementsAre(TaskId("a")));
   EXPECT_THAT(seats.drop(process("q")), ElementsAre(kTask));
   EXPECT_EQ(where(seats, kTask, Which::Newest), "");
+}
+
+TEST(Seats, what_a_look_shows_is_older_than_what_was_done_since_it_began) {
+  Seats seats;
+  seats.put({TaskId("a"), process("p")});
+  auto look = seats.begin_look();
+  seats.put({kTask, process("p")});
+  seats.drop({TaskId("a"), process("p")});
+  seats.learn(process("p"), {TaskId("a")}, look);
+  EXPECT_EQ(where(seats, kTask, Which::Standing), "p");
+  EXPECT_EQ(where(seats, TaskId("a"), Which::Standing), "");
+  seats.learn(process("p"), {TaskId("a")}, seats.begin_look());
+  EXPECT_EQ(where(seats, kTask, Which::Standing), "") << "a newer look sees what has become of it";
+  EXPECT_EQ(where(seats, TaskId("a"), Which::Standing), "p");
+  look = seats.begin_look();
+  seats.drop(process("p"));
+  seats.learn(process("p"), {TaskId("a")}, look);
+  EXPECT_EQ(where(seats, TaskId("a"), Which::Standing), "") << "that process is gone";
+}
+
+TEST(Seats, one_that_a_look_saw_before_it_was_told_of_is_the_newest_all_the_same) {
+  Seats seats;
+  seats.put({kTask, process("p")});
+  seats.learn(process("q"), {kTask}, seats.begin_look());
+  seats.put({kTask, process("q")});
+  EXPECT_EQ(where(seats, kTask, Which::Newest), "q");
 }
 
 TEST(Seats, the_runtimes_own_process_is_one_whatever_its_host_is_called) {
