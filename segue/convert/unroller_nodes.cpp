@@ -30,8 +30,14 @@ bool is_pure(const Action& action) {
   return action.pure || std::holds_alternative<mission::Decision>(action.run);
 }
 
+NodeClass class_of(const Action& action) {
+  if (action.sensing) return NodeClass::Sensing;
+  return is_pure(action) ? NodeClass::Pure : NodeClass::Irreversible;
+}
+
+/// What reads reality without saying what of it may rely on anything.
 bool is_opaque(const Action& action) {
-  return !is_pure(action) && !declares_footprint(action);
+  return class_of(action) != NodeClass::Pure && !declares_footprint(action);
 }
 
 Duration expected_duration(const Action& action) {
@@ -358,7 +364,7 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
   PlannedNode planned;
   spec.name = planned.path = entry.path;
   planned.state = entry.state;
-  spec.kind = is_pure(what) ? NodeClass::Pure : what.sensing ? NodeClass::Sensing : NodeClass::Irreversible;
+  spec.kind = class_of(what);
   spec.duration = expected_duration(what);
   spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;
