@@ -91,8 +91,9 @@ std::vector<std::string> row(const cdtn::Network& network, const cdtn::RunResult
   const auto time = [&](TimePoint point) {
     return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));
   };
+  const bool in_vain = own.status == cdtn::NodeStatus::Skipped;
   return {printable(network.label(node)), time(own.started), time(own.ended),
-          std::string(to_string(own.status)), printable(last)};
+          in_vain ? "thrown away" : std::string(to_string(own.status)), printable(last)};
 }
 
 }  // namespace
@@ -106,9 +107,16 @@ void show_run(const cdtn::Network& network, const cdtn::Order& order, const cdtn
                {"end", Table::Align::Right},
                {"status"},
                {"waited last for"}});
-  for (std::uint32_t i = 0; i < result.nodes.size(); ++i)
-    table.add(row(network, result, finder, cdtn::NodeId{i}));
+  std::size_t unwanted = 0;
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const cdtn::NodeResult& node = result.nodes[i];
+    if (node.status == cdtn::NodeStatus::Skipped && node.attempts == 0)
+      ++unwanted;
+    else
+      table.add(row(network, result, finder, cdtn::NodeId{i}));
+  }
   print(table.text());
+  if (unwanted > 0) print_line(fmt::format("and {} not on the path taken", unwanted));
   print_line(fmt::format("{} in {:.2f} s; one after the other {:.2f} s, critical path {:.2f} s",
                          result.done() ? "done" : "ended", seconds(result.makespan),
                          seconds(summary.sequential), seconds(summary.critical_path)));

@@ -128,7 +128,12 @@ class Drawing {
   }
 
   void by_node() {
+    std::size_t unwanted = 0;
     for (const Gantt::Node& node : gantt_.nodes) {
+      if (node.status == NodeStatus::Skipped && node.bars.empty()) {
+        ++unwanted;
+        continue;
+      }
       const bool done = node.status == NodeStatus::Done;
       text(4, y_ + 11, escape_markup(shortened(node.name)),
            done                                ? ""
@@ -140,6 +145,9 @@ class Drawing {
         run(gantt_.bars[one], node.critical);
       y_ += kRow;
     }
+    if (unwanted == 0) return;
+    text(4, y_ + 11, fmt::format("and {} not on the path taken", unwanted), "fill='#999'");
+    y_ += kRow;
   }
 
   void draw_wait(const Wait& wait) {

@@ -132,6 +132,30 @@ TEST(Gantt, IsADrawing) {
   EXPECT_THAT(drawing, HasSubstr("waits for world p() of a&lt;b, until 2.00 s"));
 }
 
+TEST(Gantt, IsADrawingWithoutWhatWasNeitherWantedNorRun) {
+  Gantt gantt;
+  gantt.nodes = {{"a"}, {"b"}, {"c"}, {"d"}};
+  gantt.nodes[0].status = NodeStatus::Done;
+  for (const std::size_t skipped : {1, 2, 3})
+    gantt.nodes[skipped].status = NodeStatus::Skipped;
+  gantt.bars = {{2, TimePoint{}, TimePoint{seconds(1)}, 0, true}};
+  gantt.arrange();
+  const std::string drawing = to_svg(gantt);
+  EXPECT_THAT(drawing, HasSubstr(">a</text>"));
+  EXPECT_THAT(drawing, HasSubstr(">c</text>")) << "it ran for nothing";
+  EXPECT_THAT(drawing, Not(HasSubstr(">b</text>")));
+  EXPECT_THAT(drawing, HasSubstr(">and 2 not on the path taken</text>"));
+}
+
+constexpr const char* kSilent = R"j({"name": "a", "duration_s": 2, "effects": ["+p()"]},
+  {"name": "b", "duration_s": 1})j";
+
+TEST(Gantt, WhoDoesNotSayWhatItTouchesWaitsForItsTurn) {
+  const auto waits = Ran(kSilent).waits(1);
+  ASSERT_EQ(waits.size(), 1U);
+  EXPECT_EQ(to_string(waits[0], "a"), "turn after a");
+}
+
 TEST(Gantt, NamesAreCutBetweenCharacters) {
   Gantt gantt;
   std::string name;

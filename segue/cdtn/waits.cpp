@@ -28,9 +28,12 @@ Wait::Kind kind_of(Reason reason) {
       return Wait::Kind::Condition;
     case Reason::Resource:
       return Wait::Kind::Resource;
-    default:
-      return Wait::Kind::World;
+    case Reason::Place:
+      return Wait::Kind::Turn;
+    case Reason::Fact:
+      break;
   }
+  return Wait::Kind::World;
 }
 
 }  // namespace
@@ -99,8 +102,12 @@ std::vector<Wait> WaitFinder::of(NodeId node) const {
     const TimePoint until = met(dependency);
     if (until > own.started || until == TimePoint{})
       continue;  // that held back what comes of it, not the start
-    waits.push_back(
-        {kind_of(dependency.reason()), dependency.from, subject_text(network_, dependency), {}, until});
+    const bool place = dependency.reason() == Reason::Place;
+    waits.push_back({kind_of(dependency.reason()),
+                     dependency.from,
+                     place ? std::string() : subject_text(network_, dependency),
+                     {},
+                     until});
     ready = std::max(ready, until);
   }
   std::ranges::stable_sort(waits, {}, &Wait::until);

@@ -12,7 +12,8 @@
 namespace segue::cdtn {
 
 /// A stretch of time that a node could not start, or not count, and what it lacked. Turn: nothing but a place
-/// among those that run, one after the other or as many as there are workers or copies of the world.
+/// among those that run: beside one that may touch anything, one after the other, or as many as there are
+/// workers or copies of the world.
 struct Wait {
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Turn };
   Kind kind = Kind::Data;
@@ -30,8 +31,7 @@ class WaitFinder {
  public:
   WaitFinder(const Network& network, const Order& order, const RunResult& result);
 
-  /// From the time at which everything else was there; the longest last. World includes its place among
-  /// nodes that do not say what they touch.
+  /// From the time at which everything else was there; the longest last.
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
   /// Whether its run that counts began before all was certain that it relies on.
   [[nodiscard]] bool ran_ahead(NodeId node) const;
