@@ -31,12 +31,14 @@ class Drawing {
   explicit Drawing(const Gantt& gantt) : gantt_(gantt), last_(seconds_of(gantt.makespan)) {
     for (const Gantt::Bar& bar : gantt.bars)
       last_ = std::max(last_, seconds(bar.until));
+    unwanted_ = static_cast<std::size_t>(std::ranges::count_if(gantt.nodes, is_unwanted));
   }
 
   std::string draw() {
     text(4, 16, escape_markup(head()), "font-size='13'");
     legend();
-    axis(kTop + kRow * static_cast<int>(gantt_.nodes.size() + 1 + gantt_.resources.size()));
+    const std::size_t rows = gantt_.nodes.size() - unwanted_ + (unwanted_ > 0 ? 1 : 0);
+    axis(kTop + kRow * static_cast<int>(rows + 1 + gantt_.resources.size()));
     y_ = kTop;
     by_node();
     y_ += kRow;
@@ -51,6 +53,9 @@ class Drawing {
  private:
   static double seconds_of(Duration duration) { return std::chrono::duration<double>(duration).count(); }
   static double seconds(TimePoint time) { return seconds_of(time.time_since_epoch()); }
+  static bool is_unwanted(const Gantt::Node& node) {
+    return node.status == NodeStatus::Skipped && node.bars.empty();
+  }
   [[nodiscard]] std::string head() const {
     std::string text =
         fmt::format("{}: {} in {:.2f} s", gantt_.name, gantt_.outcome, seconds_of(gantt_.makespan));
@@ -128,12 +133,8 @@ class Drawing {
   }
 
   void by_node() {
-    std::size_t unwanted = 0;
     for (const Gantt::Node& node : gantt_.nodes) {
-      if (node.status == NodeStatus::Skipped && node.bars.empty()) {
-        ++unwanted;
-        continue;
-      }
+      if (is_unwanted(node)) continue;
       const bool done = node.status == NodeStatus::Done;
       text(4, y_ + 11, escape_markup(shortened(node.name)),
            done                                ? ""
@@ -145,8 +146,8 @@ class Drawing {
         run(gantt_.bars[one], node.critical);
       y_ += kRow;
     }
-    if (unwanted == 0) return;
-    text(4, y_ + 11, fmt::format("and {} not on the path taken", unwanted), "fill='#999'");
+    if (unwanted_ == 0) return;
+    text(4, y_ + 11, fmt::format("and {} not on the path taken", unwanted_), "fill='#999'");
     y_ += kRow;
   }
 
@@ -198,6 +199,7 @@ class Drawing {
 
   const Gantt& gantt_;
   double last_;
+  std::size_t unwanted_ = 0;  ///< neither on the path nor run: without a row
   int y_ = 0;
   std::string body_;
 };
