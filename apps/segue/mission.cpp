@@ -64,6 +64,10 @@ int import(const ImportOptions& options, const Context& context) {
 /// A mission as it is written, a task network concurrently unless something else is asked.
 int run_plan(const MissionOptions& options, NetworkOptions network, const Context& context) {
   if (is_task_network(options.file)) {
+    if (!options.inputs.empty() || !options.facts.empty() || !options.start_at.empty()) {
+      return failed(context, fail(ErrorCode::Unsupported,
+                                  "--input, --fact and --start-at are for missions, not for task networks"));
+    }
     network.mode = options.mode;
     network.clock = options.clock;
     network.files = options.files;
@@ -108,6 +112,8 @@ void add_runner(CLI::App& verb, Context& context) {
       ->check(CLI::IsMember({"real", "virtual"}).description(""));
   runner->add_flag("--simulate", options->simulate, "simulate every action by what is expected of it");
   runner->add_option("--input", options->inputs, "an input of the mission")->type_name("NAME=VALUE");
+  runner->add_option("--fact", options->facts, "a fact that holds at the beginning, or with '!' does not")
+      ->type_name("FACT");
   runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
       ->type_name("PATH");
   runner->add_option("--python", options->python, "what executes Python scripts; default: python3")

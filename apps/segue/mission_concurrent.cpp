@@ -47,6 +47,9 @@ Result<std::unique_ptr<convert::Run>> prepare(mission::Mission loaded, const Mis
     if (auto set = set_input(**program, input, inputs); !set) return set.error();
   }
   convert::RunOptions settings;
+  auto facts = given_facts(options);
+  if (!facts) return facts.error();
+  settings.facts = std::move(*facts);
   settings.clock = options.clock == "virtual" ? cdtn::ClockKind::Virtual : cdtn::ClockKind::Real;
   settings.strict = network.strict;
   settings.workers = network.workers;

@@ -64,6 +64,9 @@ class MissionRun {
     mission::EngineOptions settings;
     settings.clock = &clock();
     settings.warn = [](const std::string& text) { print_note(text); };
+    auto facts = given_facts(options_);
+    if (!facts) return facts.error();
+    settings.facts = std::move(*facts);
     auto engine = mission::Engine::create(*program, runners_of(options_), std::move(settings));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
@@ -152,7 +155,7 @@ class MissionRun {
     map.append("outputs", outputs());
     map.append("globals", engine_->globals().snapshot());
     Value::List world;
-    for (const std::string& fact : history.world())
+    for (const std::string& fact : engine_->world().facts())
       world.emplace_back(fact);
     map.append("world", std::move(world));
     map.append("engine_us_per_node", engine_us_);
@@ -216,6 +219,16 @@ Result<std::pair<std::string, Value>> parse_input(const std::string& text) {
   auto value = type::parse_yaml(text.substr(equals + 1));
   if (!value) return value.error();
   return std::pair(text.substr(0, equals), std::move(*value));
+}
+
+Result<std::vector<mission::Fact>> given_facts(const MissionOptions& options) {
+  std::vector<mission::Fact> facts;
+  for (const std::string& text : options.facts) {
+    auto fact = mission::parse_initial_fact(text);
+    if (!fact) return fact.error();
+    facts.push_back(std::move(*fact));
+  }
+  return facts;
 }
 
 int run_mission(const MissionOptions& options, const Context& context) {

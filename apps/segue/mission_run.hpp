@@ -18,6 +18,7 @@ struct MissionOptions {
   std::string clock = "real";
   bool simulate = false;
   std::vector<std::string> inputs;
+  std::vector<std::string> facts;
   std::string start_at;
   std::vector<std::string> libraries;
   RunFiles files;
@@ -32,6 +33,9 @@ void add_library_option(CLI::App& verb, MissionOptions& options);
 mission::Runners runners_of(const MissionOptions& options);
 /// "NAME=VALUE", the value as in YAML. InvalidArgument, ParseError.
 Result<std::pair<std::string, type::Value>> parse_input(const std::string& text);
+
+/// What --fact says. ParseError.
+Result<std::vector<mission::Fact>> given_facts(const MissionOptions& options);
 
 /// Runs the mission and shows what was executed. SIGINT and SIGTERM preempt it.
 int run_mission(const MissionOptions& options, const Context& context);

@@ -38,6 +38,7 @@ Engine::Implementation::Implementation(Network& network, Expansion& expansion, E
   growing_ = &network;
   expansion_ = &expansion;
   builder_ = std::make_unique<OrderBuilder>(network, own_order_);
+  builder_->extend();  // what is there already
 }
 
 Rank Engine::Implementation::rank(NodeId node) const {

@@ -28,8 +28,10 @@ void Engine::Implementation::end_run(EventQueue::End end) {
   running_[state.run_place] = running_.back();
   running_.pop_back();
   log(node, LogKind::End);
+  environment_.ended(node, end.attempt);
   if (const auto claims = network_.claims(node); !claims.empty())
     pool_.release(claims, succeeded(network_, node, end.report));
+  if (end.report) learn_effects(*end.report);
   if (irreversible(node)) {
     reports_[index(node)] = std::move(end.report);
     return commit(node);
@@ -39,6 +41,19 @@ void Engine::Implementation::end_run(EventQueue::End end) {
   if (state.phase == Phase::Skipped) return;
   state.phase = Phase::Waiting;
   work_.push_back(node);
+}
+
+/// Effects that were told as texts become effects like others.
+void Engine::Implementation::learn_effects(Report& report) {
+  if (report.named_effects.empty()) return;
+  auto& effects = report.effects ? *report.effects : report.effects.emplace();
+  for (const NamedEffect& named : report.named_effects) {
+    if (growing_ != nullptr) {
+      if (const auto fact = growing_->facts.intern_named(named.fact)) effects.push_back({*fact, named.value});
+    } else if (const auto known = network_.facts.find(named.fact)) {
+      effects.push_back({*known, named.value});
+    }
+  }
 }
 
 void Engine::Implementation::discard(NodeId node) {
@@ -89,20 +104,6 @@ void Engine::Implementation::commit(NodeId node) {
   apply_effects(node, outcome);
   if (outcome.failure) return fail_node(node, std::move(*outcome.failure));
   pass(node);
-}
-
-/// A node that cannot start ends as if it had aborted at once.
-void Engine::Implementation::refuse(NodeId node, const Error& error) {
-  auto report = std::make_unique<Report>();
-  report->outcome = kAborted;
-  report->error = error.message;
-  State& state = at(node);
-  state.started = state.ended = events_.now();
-  reports_[index(node)] = std::move(report);
-  ++state.version;  // an earlier run ahead may have given outputs, which somebody has used
-  outputs_changed(node);
-  announce_start(node);
-  commit(node);
 }
 
 void Engine::Implementation::fail_node(NodeId node, Error error) {

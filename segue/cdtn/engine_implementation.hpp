@@ -83,6 +83,7 @@ class Engine::Implementation {
   [[nodiscard]] bool may_run_ahead(NodeId node) const;
   [[nodiscard]] bool must_be_safe(NodeId node) const;
   [[nodiscard]] bool has_effects(NodeId node) const;
+  void refuse(NodeId node, const Error& error);
   bool admit(NodeId node);
   void claim(NodeId node);
   void dispatch(NodeId node);
@@ -100,7 +101,6 @@ class Engine::Implementation {
   void try_commit(NodeId node);
   void commit(NodeId node);
   void fail_node(NodeId node, Error error);
-  void refuse(NodeId node, const Error& error);
   void settle(NodeId node);
   void apply_effects(NodeId node, const NodeOutcome& outcome);
   void apply_undeclared(NodeId node, const Literal& literal);
@@ -116,6 +116,7 @@ class Engine::Implementation {
   void skip_one(NodeId node);
   void abandon(NodeId node);
   void discard(NodeId node);
+  void learn_effects(Report& report);
   void invalidate(NodeId node);
   void cancel_run(NodeId node);
   void truncate(NodeId node);

@@ -88,6 +88,18 @@ void Engine::Implementation::try_start(NodeId node) {
   if (admit(node)) claim(node);
 }
 
+/// A node that cannot start ends as if it had aborted at once.
+void Engine::Implementation::refuse(NodeId node, const Error& error) {
+  State& state = at(node);
+  state.started = state.ended = events_.now();
+  NodeLaunch refused(*this, node);
+  reports_[index(node)] = environment_.refuse(refused, error.message);
+  ++state.version;  // an earlier run ahead may have given outputs, which somebody has used
+  outputs_changed(node);
+  announce_start(node);
+  commit(node);
+}
+
 /// Whether there is a copy of the world for a node that runs ahead. Nodes whose turn it is need none, so that
 /// whoever keeps a copy until somebody takes its result is waited for by nobody in vain.
 bool Engine::Implementation::admit(NodeId node) {

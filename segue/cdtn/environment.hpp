@@ -11,9 +11,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace segue::cdtn {
+
+/// A fact as text, and whether it holds.
+struct NamedEffect {
+  std::string fact;
+  bool value = true;
+};
 
 /// How a node ended.
 struct Report {
@@ -21,6 +28,8 @@ struct Report {
   /// What was observed to be true now; nothing: what the node declares if its outcome is the expected one,
   /// else nothing at all.
   std::optional<std::vector<Literal>> effects;
+  /// Observed too, of facts that the network need not know: one that grows learns them. For opaque nodes.
+  std::vector<NamedEffect> named_effects{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
 };
@@ -60,8 +69,21 @@ class Environment {
   virtual ~Environment() = default;
   /// Begins a node, whose end `completions` must be told. `completions` lives as long as the engine runs.
   virtual void start(Launch& launch, Completions& completions) = 0;
+  /// How a node ends that does not begin, since a precondition does not hold: as if it had aborted at once.
+  virtual ReportPtr refuse(Launch& launch, std::string why) {
+    (void)launch;
+    auto report = std::make_unique<Report>();
+    report->outcome = kAborted;
+    report->error = std::move(why);
+    return report;
+  }
   /// A node that runs is not wanted any more, or must end early. Its end must still be told, soon.
   virtual void cancel(NodeId node, std::uint32_t attempt, Completions& completions) = 0;
+  /// The end of a start has come to the engine, which asks nothing more about it.
+  virtual void ended(NodeId node, std::uint32_t attempt) {
+    (void)node;
+    (void)attempt;
+  }
   /// How long a start that is not told to end is waited for after `cancel`, on a real clock.
   [[nodiscard]] virtual Duration patience() const { return std::chrono::seconds(10); }
 };

@@ -22,6 +22,11 @@ bool is_word(std::string_view text) {
          text.find_first_of(kBlanks) == std::string_view::npos;
 }
 
+/// Names of things may consist of several words.
+bool is_argument(std::string_view text) {
+  return !text.empty() && trimmed(text) == text && text.find_first_of("(),\r\n") == std::string_view::npos;
+}
+
 std::string fact_text(std::string_view predicate, std::span<const std::string> arguments) {
   std::string text(predicate);
   text += '(';
@@ -41,7 +46,7 @@ Error malformed(std::string_view text) {
   return fail(ErrorCode::ParseError, quote(text) + " is not a fact; expected text like on(box1,table)");
 }
 
-Result<ParsedFact> parse(std::string_view text) {
+Result<ParsedFact> parse(std::string_view text, bool (*fits)(std::string_view) = is_word) {
   const std::string_view whole = trimmed(text);
   const auto open = whole.find('(');
   ParsedFact fact{std::string(trimmed(whole.substr(0, open))), {}};
@@ -53,7 +58,7 @@ Result<ParsedFact> parse(std::string_view text) {
   for (;;) {
     const auto comma = rest.find(',');
     const std::string_view argument = trimmed(rest.substr(0, comma));
-    if (!is_word(argument)) return malformed(text);
+    if (!fits(argument)) return malformed(text);
     fact.arguments.emplace_back(argument);
     if (comma == std::string_view::npos) return fact;
     rest.remove_prefix(comma + 1);
@@ -169,6 +174,13 @@ Result<FactId> FactTable::intern(std::string_view predicate, std::span<const std
 Result<FactId> FactTable::intern(std::string_view text) {
   if (const auto known = facts_.find(text)) return FactId{*known};
   const auto fact = parse(text);
+  if (!fact) return fact.error();
+  return intern(fact->predicate, fact->arguments);
+}
+
+Result<FactId> FactTable::intern_named(std::string_view text) {
+  if (const auto known = facts_.find(text)) return FactId{*known};
+  const auto fact = parse(text, is_argument);
   if (!fact) return fact.error();
   return intern(fact->predicate, fact->arguments);
 }

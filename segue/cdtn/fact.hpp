@@ -40,6 +40,8 @@ class FactTable {
   /// contradicts the declarations.
   Result<FactId> intern(std::string_view text);
   Result<FactId> intern(std::string_view predicate, std::span<const std::string> arguments);
+  /// The same, where the names of things may be of several words: "at(red box,table)".
+  Result<FactId> intern_named(std::string_view text);
   /// "p(a)" or "!p(a)".
   Result<Literal> intern_literal(std::string_view text);
   /// The fact if it is known.

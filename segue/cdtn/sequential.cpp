@@ -71,7 +71,7 @@ class SequentialRun {
     entry.started = events_.now();
     if (const Access* unmet = false_precondition(node)) {
       const Error why = precondition_error(network_, node, {unmet->fact, unmet->needed});
-      return finish(node, aborted(why.message));
+      return finish(node, refuse(node, why.message));
     }
     if (const auto missing = take(node)) return fail_with(node, *missing);
     finish(node, execute(node));
@@ -110,6 +110,7 @@ class SequentialRun {
   }
 
   ReportPtr execute(NodeId node);
+  ReportPtr refuse(NodeId node, const std::string& why);
   ReportPtr wait_for(NodeId node);
 
   void apply(NodeId node, const NodeOutcome& outcome) {
@@ -209,9 +210,15 @@ ReportPtr SequentialRun::execute(NodeId node) {
   ++result_.statistics.starts;
   environment_.start(launch, events_);
   ReportPtr report = wait_for(node);
+  environment_.ended(node, 1);
   if (launch.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
     return aborted("looked at the world without declaring reads_world");
   return report;
+}
+
+ReportPtr SequentialRun::refuse(NodeId node, const std::string& why) {
+  NodeLaunch launch(*this, node);
+  return environment_.refuse(launch, why);
 }
 
 /// Its end; where a stop is asked for before, it is cancelled and waited for only so long.

@@ -23,6 +23,16 @@ TEST(FactTable, KnowsAFactHoweverItIsWritten) {
   EXPECT_EQ(table.find("on(c,d)"), std::nullopt);
 }
 
+TEST(FactTable, TakesNamesOfSeveralWordsWhereAskedTo) {
+  FactTable table;
+  const auto fact = table.intern_named("at(red box,table)");
+  ASSERT_TRUE(fact);
+  EXPECT_EQ(table.text(*fact), "at(red box,table)");
+  EXPECT_EQ(*table.intern_named("at( red box , table )"), *fact);
+  for (const char* text : {"", "p(a", "p(a(b))", "p(,)", "p q(a)", "p(a\nb)"})
+    EXPECT_FALSE(table.intern_named(text)) << text;
+}
+
 TEST(FactTable, RefusesWhatIsNoFact) {
   FactTable table;
   for (const char* text : {"", "(a)", "p(", "p(a", "p(a,)", "p(,a)", "p(a))", "p q", "p(a b)", "!", "p(a)b"})

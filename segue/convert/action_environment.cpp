@@ -46,7 +46,7 @@ struct ActionEnvironment::Reporter {
       map.append(ports[i], tells_error ? Value(error) : std::move(outputs[i]));
     }
     map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
-    if (outcome == kAborted) map.append(std::string(kErrorOutput), error);
+    if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
     if (counts) map.append(std::string(kCountOutput), count + 1);
     report->outputs = std::make_shared<const Value>(std::move(map));
     return report;
@@ -69,18 +69,12 @@ class ActionEnvironment::NodeCall final : public mission::Call {
         attempt_(launch.attempt()),
         completions_(completions),
         reporter_(std::move(reporter)),
-        inputs_(environment.inputs(launch)) {
+        inputs_(environment.inputs(launch)),
+        outputs_(environment.default_outputs(launch.node())) {
     const Value error = environment.value(launch, planned_.error_before);
     if (error.is_string()) error_before_ = error.as_string();
-    if (!error_before_.empty()) {
-      if (const auto port = mission::position(action().inputs, "error")) inputs_[*port] = error_before_;
-    }
     for (const BranchSource& branch : planned_.branches)
       branches_.push_back(ended(launch, branch));
-    for (const mission::Supply& output : program().node(planned_.state).outputs) {
-      auto global = output.global.empty() ? std::nullopt : environment.globals.get(output.global);
-      outputs_.push_back(global ? std::move(*global) : output.fallback);
-    }
   }
 
   [[nodiscard]] mission::StateIndex state() const override { return planned_.state; }
@@ -104,7 +98,6 @@ class ActionEnvironment::NodeCall final : public mission::Call {
     };
   }
   void end_after(Duration duration, Ending ending) override {
-    environment_.running_[index(node_)] = {reporter_, nullptr};
     completions_.finish_at(completions_.now() + duration, node_, attempt_,
                            reporter_->report(ending, std::move(outputs_)));
   }
@@ -150,6 +143,16 @@ ActionEnvironment::~ActionEnvironment() {
   close();
 }
 
+void ActionEnvironment::stop() {
+  const std::lock_guard lock(stopping_);
+  stopped_ = true;
+  if (routine_ != nullptr) routine_->stop();
+}
+
+void ActionEnvironment::ended(NodeId node, std::uint32_t /*attempt*/) {
+  running_.erase(index(node));
+}
+
 void ActionEnvironment::close() {
   const std::lock_guard lock(desk_->mutex);
   desk_->completions = nullptr;
@@ -184,6 +187,15 @@ std::vector<Value> ActionEnvironment::inputs(Launch& launch) const {
   return values;
 }
 
+std::vector<Value> ActionEnvironment::default_outputs(NodeId node) const {
+  std::vector<Value> outputs;
+  for (const mission::Supply& output : plan_.program().node(plan_[node].state).outputs) {
+    auto global = output.global.empty() ? std::nullopt : globals.get(output.global);
+    outputs.push_back(global ? std::move(*global) : output.fallback);
+  }
+  return outputs;
+}
+
 std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
   const mission::Node& state = plan_.program().node(plan_[node].state);
   auto made = std::make_shared<Reporter>();
@@ -194,6 +206,21 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId 
     made->outcomes.push_back(id ? cdtn::OutcomeId(*id) : cdtn::kSuccess);
   }
   return made;
+}
+
+std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporter(Launch& launch) const {
+  const PlannedNode& planned = plan_[launch.node()];
+  auto made = reporter(launch.node());
+  made->counts = planned.counts;
+  if (!planned.counts) return made;
+  const Value begun = value(launch, planned.begun);
+  made->count = begun.is_integer() ? begun.as_int() : 0;
+  return made;
+}
+
+/// An action that does not begin leaves its defaults, as one does that aborts.
+ReportPtr ActionEnvironment::refuse(Launch& launch, std::string why) {
+  return counting_reporter(launch)->report({kAborted, std::move(why)}, default_outputs(launch.node()));
 }
 
 void ActionEnvironment::start(Launch& launch, Completions& completions) {
@@ -237,12 +264,11 @@ void ActionEnvironment::join(Launch& launch, Completions& completions) {
 
 void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
   const PlannedNode& planned = plan_[launch.node()];
-  auto reports = reporter(launch.node());
-  reports->counts = planned.counts;
-  if (planned.counts) {
-    const Value begun = value(launch, planned.begun);
-    reports->count = begun.is_integer() ? begun.as_int() : 0;
+  if (!planned.refused.empty()) {
+    return completions.finish_at(completions.now(), launch.node(), launch.attempt(),
+                                 refuse(launch, planned.refused));
   }
+  auto reports = counting_reporter(launch);
   NodeCall call(*this, launch, completions, reports);
   std::optional<Ending> ending;
   try {
@@ -257,6 +283,23 @@ void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
                         reports->report(*ending, std::move(call.results())));
 }
 
+namespace {
+
+/// What is true afterwards and was not before, and what is not any more.
+std::vector<cdtn::NamedEffect> changes(const mission::World::Facts& before,
+                                       const mission::World::Facts& after) {
+  std::vector<cdtn::NamedEffect> effects;
+  for (const std::string& fact : after) {
+    if (!before.contains(fact)) effects.push_back({fact, true});
+  }
+  for (const std::string& fact : before) {
+    if (!after.contains(fact)) effects.push_back({fact, false});
+  }
+  return effects;
+}
+
+}  // namespace
+
 /// In virtual time it runs at once, and ends when it would have.
 void ActionEnvironment::start_routine(Launch& launch, Completions& completions) {
   const PlannedNode& planned = plan_[launch.node()];
@@ -266,12 +309,15 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   if (in_virtual_time) options.clock = clock.get();
   options.warn = options_.warn;
   options.history = false;
+  options.preemption_grace = options_.preemption_grace;
   const auto slash = planned.path.rfind('/');
   const std::string around = slash == std::string::npos ? std::string() : planned.path.substr(0, slash);
   const Value error = value(launch, planned.error_before);
-  options.part = mission::MissionPart{planned.state,  around,
-                                      inputs(launch), error.is_string() ? error.as_string() : "",
-                                      globals,        iterations_};
+  const auto texts = launch.world().texts(plan_.network().facts);
+  const mission::World::Facts world(texts.begin(), texts.end());
+  options.part = mission::MissionPart{
+      planned.state, around,      inputs(launch), error.is_string() ? error.as_string() : "",
+      globals,       iterations_, world};
   auto reports = reporter(launch.node());
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
@@ -279,12 +325,17 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
                                  reports->report({kAborted, made.error().message}, {}));
   }
   std::shared_ptr<mission::Engine> engine = std::move(*made);
-  const auto carry_out = [engine, reports] {
+  const auto carry_out = [engine, reports, world] {
     engine->run();
-    return reports->report({engine->result().outcome, engine->result().error}, engine->result().outputs);
+    auto report =
+        reports->report({engine->result().outcome, engine->result().error}, engine->result().outputs);
+    report->named_effects = changes(world, engine->world().facts());
+    return report;
   };
   if (in_virtual_time) {
+    occupy(engine.get());
     auto report = carry_out();
+    occupy(nullptr);
     const Duration taken = clock->now() - VirtualClock().now();
     return completions.finish_at(completions.now() + taken, launch.node(), launch.attempt(),
                                  std::move(report));
@@ -295,18 +346,26 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   });
 }
 
+/// What keeps this thread, and can only be ended from another.
+void ActionEnvironment::occupy(mission::Engine* routine) {
+  const std::lock_guard lock(stopping_);
+  routine_ = routine;
+  if (routine_ != nullptr && stopped_) routine_->stop();
+}
+
 void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {
   const auto found = running_.find(index(node));
   if (found == running_.end()) {
-    auto report = std::make_unique<cdtn::Report>();
+    const Role role = plan_[node].role;
+    const bool acts = role == Role::Action || role == Role::Routine;
+    auto report = acts ? reporter(node)->report({kPreempted, {}}, {}) : std::make_unique<cdtn::Report>();
     report->outcome = cdtn::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }
   const Running running = std::move(found->second);
   running_.erase(found);
   running.reporter->cancelled = true;
-  if (running.preempt) return running.preempt();
-  completions.finish_at(completions.now(), node, attempt, running.reporter->report({kPreempted, {}}, {}));
+  running.preempt();
 }
 
 }  // namespace segue::convert

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/convert/plan.hpp>
 #include <segue/convert/unroller.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/world.hpp>
 
 #include <algorithm>
 
@@ -13,10 +16,36 @@ using type::Value;
 Plan::Plan(std::shared_ptr<const mission::Program> program) : program_(std::move(program)) {}
 Plan::~Plan() = default;
 
+namespace {
+
+Result<void> check_inputs(const std::vector<mission::Port>& ports, const std::vector<Value>& inputs) {
+  if (inputs.size() > ports.size()) {
+    return fail(ErrorCode::InvalidArgument, "the mission has " + std::to_string(ports.size()) +
+                                                " inputs, not " + std::to_string(inputs.size()));
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (mission::accepts(ports[i].type, inputs[i])) continue;
+    return fail(ErrorCode::TypeMismatch, "the input " + quote(ports[i].name) + " is of type " +
+                                             ports[i].type + ", not " + type::describe(inputs[i]));
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Plan>> Plan::create(std::shared_ptr<const mission::Program> program,
-                                           std::vector<Value> inputs) {
+                                           std::vector<Value> inputs,
+                                           const std::vector<mission::Fact>& facts) {
+  if (auto fits = check_inputs(*program->node(0).input_ports, inputs); !fits) return fits.error();
+  const auto world = mission::initial_facts(program->mission(), facts);
+  if (!world) return world.error();
   auto plan = std::unique_ptr<Plan>(new Plan(std::move(program)));
   plan->network_.name = plan->program().mission().name;
+  for (const std::string& fact : *world) {
+    const auto known = plan->network_.facts.intern_named(fact);
+    if (!known) return known.error();
+    plan->network_.initial_world.set({*known, true});
+  }
   for (const mission::Resource& resource : plan->program().mission().resources) {
     cdtn::Resource& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
     entry.kind = static_cast<cdtn::ResourceClass>(resource.kind);

@@ -55,6 +55,7 @@ struct PlannedNode {
   std::vector<BranchSource> branches;                             ///< deciders
   std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>> joined;  ///< Join: inputs and what they must say
   std::string global;
+  std::string refused;  ///< why the action will not begin, whatever holds then
 };
 
 /// Names of outputs beside those of ports.
@@ -70,9 +71,12 @@ class Unroller;
 /// than declared) is planned for once it has happened, where it leads back. One thread.
 class Plan final : public cdtn::Expansion {
  public:
-  /// `inputs` by port of the root. TypeMismatch or ParseError where facts contradict each other.
+  /// `inputs` by port of the root, null for its default; `facts` hold at the beginning, or do not, whatever
+  /// the mission says of its world. TypeMismatch for an input of another type, InvalidArgument for one too
+  /// many and for a fact that is none.
   static Result<std::unique_ptr<Plan>> create(std::shared_ptr<const mission::Program> program,
-                                              std::vector<type::Value> inputs = {});
+                                              std::vector<type::Value> inputs = {},
+                                              const std::vector<mission::Fact>& facts = {});
   ~Plan() override;
 
   void expand(cdtn::Network& network, std::size_t wanted) override;

@@ -53,7 +53,7 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
                                          RunOptions options) {
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
-  auto plan = Plan::create(std::move(program), std::move(inputs));
+  auto plan = Plan::create(std::move(program), std::move(inputs), options.facts);
   if (!plan) return plan.error();
   return std::unique_ptr<Run>(
       new Run(std::make_unique<Implementation>(std::move(*plan), runners, std::move(*assigned), options)));
@@ -64,6 +64,7 @@ const mission::MissionResult& Run::run() {
 }
 void Run::stop() {
   implementation_->engine_.stop();
+  implementation_->environment_.stop();
 }
 const cdtn::RunResult& Run::network_result() const {
   return implementation_->network_result_;

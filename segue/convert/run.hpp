@@ -11,19 +11,22 @@ namespace segue::convert {
 
 struct RunOptions {
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
-  bool strict = false;                    ///< irreversible nodes wait for every earlier node that may fail
-  bool speculate = true;                  ///< pure actions run ahead
-  std::uint32_t workers = 0;              ///< actions that run at the same time; 0: any number
-  std::size_t horizon = 1000;             ///< unfinished nodes that are planned ahead
-  bool log = false;                       ///< what happened when, in the result of the network
-  std::function<void(std::string)> warn;  ///< as in mission::EngineOptions
+  bool strict = false;         ///< irreversible nodes wait for every earlier node that may fail
+  bool speculate = true;       ///< pure actions run ahead
+  std::uint32_t workers = 0;   ///< actions that run at the same time; 0: any number
+  std::size_t horizon = 1000;  ///< unfinished nodes that are planned ahead
+  bool log = false;            ///< what happened when, in the result of the network
+  Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions
+  std::vector<mission::Fact> facts{};                    ///< likewise
+  std::function<void(std::string)> warn;                 ///< likewise
 };
 
 /// A mission that runs concurrently, with the outcome of its sequential run (docs/missions.md). One run each;
 /// one thread, but for stop().
 class Run {
  public:
-  /// `inputs` by port of the mission, null for its default. NotFound where an action has no runner.
+  /// `inputs` by port of the mission, null for its default. NotFound where an action has no runner; else as
+  /// Plan::create.
   static Result<std::unique_ptr<Run>> create(std::shared_ptr<const mission::Program> program,
                                              const mission::Runners& runners, std::vector<type::Value> inputs,
                                              RunOptions options = {});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/unroller.hpp>
+#include <segue/mission/index.hpp>
 
 #include <algorithm>
 
@@ -39,6 +40,7 @@ void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs)
 
 bool Unroller::step(Track& track) {
   take_alternatives(track);
+  if (track.pending) return enter_pending(track);
   if (track.frames.empty()) return false;
   const StateKind kind = node(track.frames.back().activation->entry.state).kind;
   return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
@@ -64,6 +66,7 @@ void Unroller::take_alternatives(Track& track) {
     }
     track.frames = std::move(track.alternatives[i]);
     track.alternatives.resize(i);
+    track.pending.reset();
     track.end.reset();
     return;
   }
@@ -71,7 +74,6 @@ void Unroller::take_alternatives(Track& track) {
 
 bool Unroller::step_hierarchy(Track& track) {
   Frame& frame = track.frames.back();
-  if (frame.pending) return enter_pending(track);
   const WeakOrder& order = *frame.activation->order;
   const bool at_end = !frame.loops.empty() && frame.place == order.end[frame.loops.back().head];
   if (at_end) return end_of_loop(track);
@@ -171,38 +173,45 @@ bool Unroller::visit(Track& track, StateIndex state) {
     if (arrival.aborted)
       entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());
   }
+  if (const auto port = mission::position(*node(state).input_ports, "error")) {
+    auto& candidates = entry.inputs[*port].candidates;
+    candidates.insert(candidates.end(), entry.errors.begin(), entry.errors.end());
+  }
   entry.path = activation.entry.path.empty()
                    ? plan_.program().state(state).id.str()
                    : activation.entry.path + "/" + plan_.program().state(state).id.str();
   entry.aborts_handled = activation.entry.aborts_handled || node(state).next[1].kind != Step::Kind::Nowhere;
   waiting.clear();
   ++frame.place;
-  frame.pending = std::move(entry);
-  return enter_pending(track);
+  enter(track, std::move(entry));
+  return !track.pending;
 }
 
 bool Unroller::enter_pending(Track& track) {
-  auto& pending = track.frames.back().pending;
-  const auto live = paths_.live(pending->when);
-  if (!live) {
-    pending.reset();
-    return true;
-  }
-  pending->when = *live;
-  if (!knows_what_it_touches(*pending)) return false;
-  Entry entry = std::move(*pending);
-  pending.reset();
+  Entry entry = std::move(*track.pending);
+  track.pending.reset();
+  const auto live = paths_.live(entry.when);
+  if (!live) return true;
+  entry.when = *live;
   enter(track, std::move(entry));
-  return true;
+  return !track.pending;
 }
+
+/// The state comes next; a leaf that names what it touches by its inputs once they are known.
 
 void Unroller::enter(Track& track, Entry entry) {
   const StateIndex state = entry.state;
   const StateKind kind = node(state).kind;
   if (routine_[state]) return finish(track, state, add_routine(entry));
-  if (kind == StateKind::Execution || kind == StateKind::Decider)
-    return finish(track, state, add_action(entry, nullptr));
-  enter_container(track, std::move(entry));
+  if (kind != StateKind::Execution && kind != StateKind::Decider)
+    return enter_container(track, std::move(entry));
+  if (!naming_values(entry)) {
+    track.pending = std::move(entry);
+    return;
+  }
+  if (kind == StateKind::Execution) return finish(track, state, add_action(entry, nullptr));
+  const std::vector<StateEnd> beside = ends_beside(track);
+  finish(track, state, add_action(entry, &beside));
 }
 
 void Unroller::enter_container(Track& track, Entry entry) {
@@ -332,15 +341,13 @@ bool Unroller::step_barrier(Track& track) {
 }
 
 void Unroller::join_barrier(Track& track) {
-  Frame& frame = track.frames.back();
-  Activation& activation = *frame.activation;
+  Activation& activation = *track.frames.back().activation;
   const mission::Node& barrier = node(activation.entry.state);
-  std::vector<StateEnd> ends;
+  const std::vector<StateEnd> ends = ends_beside(track);
   std::size_t next = 0;
   for (const StateIndex child : barrier.children) {
-    if (child == barrier.decider) continue;
-    ends.push_back(*frame.tracks[next++]->end);
-    take_outputs(activation, child, activation.entry.when, ends.back().outputs);
+    if (child != barrier.decider)
+      take_outputs(activation, child, activation.entry.when, ends[next++].outputs);
   }
   Entry entry;
   entry.state = barrier.decider;
@@ -350,7 +357,15 @@ void Unroller::join_barrier(Track& track) {
                plan_.program().state(barrier.decider).id.str();
   entry.aborts_handled =
       activation.entry.aborts_handled || node(barrier.decider).next[1].kind != Step::Kind::Nowhere;
-  finish_decider(track, barrier.decider, add_action(entry, &ends));
+  enter(track, std::move(entry));
+}
+
+/// How the states of the barrier at the top of the track end.
+std::vector<StateEnd> Unroller::ends_beside(const Track& track) const {
+  std::vector<StateEnd> ends;
+  for (const auto& beside : track.frames.back().tracks)
+    ends.push_back(*beside->end);
+  return ends;
 }
 
 void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {

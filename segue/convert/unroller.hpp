@@ -62,7 +62,6 @@ struct Frame {
   std::uint32_t place = 0;
   std::vector<Loop> loops;
   std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state but the decider
-  std::optional<Entry> pending{};              ///< comes next, once it is known what it touches
 };
 
 /// One sequence of states: the mission, or a state of a barrier. Where it went past a loop that is expected
@@ -70,6 +69,7 @@ struct Frame {
 struct Track {
   std::vector<Frame> frames;
   std::vector<std::vector<Frame>> alternatives;
+  std::optional<Entry> pending;  ///< comes next, once it is known what it touches
   std::optional<StateEnd> end;
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
@@ -106,6 +106,7 @@ class Unroller {
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
   void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
   void join_barrier(Track& track);
+  [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   [[nodiscard]] std::vector<Arrival> live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
@@ -127,8 +128,8 @@ class Unroller {
                     const std::vector<Symbol>& outputs);
   std::vector<Symbol> inputs_of(Activation& activation, mission::StateIndex child, Edge at);
   Default fallback(const mission::Supply& supply, Edge at);
-  [[nodiscard]] bool knows_what_it_touches(const Entry& entry);
-  bool declare(const Entry& entry, cdtn::NodeSpec& spec);
+  [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const Entry& entry);
+  void declare(const Entry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
   [[nodiscard]] const mission::Node& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/unroller.hpp>
+#include <segue/mission/footprint.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 
 namespace segue::convert {
 
@@ -54,12 +56,6 @@ bool counts_executions(const Action& action) {
 
 std::string numbered(const std::string& name, std::size_t number) {
   return number == 0 ? name : name + "~" + std::to_string(number);
-}
-
-/// As it stands in the name of a fact or resource.
-std::string plain_text(const Value& value) {
-  if (value.is_string()) return value.as_string();
-  return type::describe(value);
 }
 
 }  // namespace
@@ -245,52 +241,51 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
     const std::size_t i = index(candidate->node);
     if (i >= outputs_.size() || !outputs_[i]) return std::nullopt;
     const Value* value = outputs_[i]->find(plan_.network_.names.name(candidate->output));
-    return chosen(value == nullptr ? Value() : *value, candidate->defaults);
+    if (value == nullptr) continue;
+    return chosen(*value, candidate->defaults);
   }
   return chosen({}, symbol.rest);
 }
 
-/// False where facts or resources are named by inputs that are not known yet.
-bool Unroller::knows_what_it_touches(const Entry& entry) {
-  const StateKind kind = node(entry.state).kind;
-  if (kind != StateKind::Execution && kind != StateKind::Decider) return true;
-  NodeSpec spec;
-  return declare(entry, spec);
+/// The inputs that name facts and resources, by port; nothing where one is not known yet.
+std::optional<std::vector<Value>> Unroller::naming_values(const Entry& entry) {
+  const Action& what = action(entry.state);
+  std::vector<Value> values(what.inputs.size());
+  for (const std::size_t port : mission::naming_inputs(what)) {
+    const std::string& name = what.inputs[port].name;
+    auto value = value_of(entry.inputs[port]);
+    if (!value) {
+      plan_.waits_for_ = "the input " + name + " of " + plan_.program().state(entry.state).id.str() +
+                         ", which tells what it touches";
+      return std::nullopt;
+    }
+    values[port] = std::move(*value);
+  }
+  return values;
 }
 
-bool Unroller::declare(const Entry& entry, NodeSpec& spec) {
+/// What it touches; where a name cannot be formed, that it will not begin.
+void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned) {
   const Action& what = action(entry.state);
-  bool all_known = true;
-  const auto filled = [&](std::string text) {
-    for (const std::string& name : mission::placeholders(text)) {
-      const auto port = std::ranges::find(what.inputs, name, &mission::Port::name);
-      if (port == what.inputs.end()) continue;
-      const auto value = value_of(entry.inputs[static_cast<std::size_t>(port - what.inputs.begin())]);
-      if (!value) {
-        plan_.waits_for_ = "the input " + name + " of " + plan_.program().state(entry.state).id.str() +
-                           ", which tells what it touches";
-        all_known = false;
-        return text;
-      }
-      const std::string key = "{" + name + "}";
-      for (auto at = text.find(key); at != std::string::npos; at = text.find(key))
-        text.replace(at, key.size(), plain_text(*value));
-    }
-    return text;
-  };
-  const auto literals = [&](const std::vector<mission::Fact>& facts, std::vector<cdtn::Literal>& into) {
-    for (const mission::Fact& fact : facts) {
-      if (const auto id = plan_.network_.facts.intern(filled(to_string(fact))))
-        into.push_back({*id, fact.positive});
-    }
-  };
-  literals(what.preconditions, spec.preconditions);
-  literals(what.effects, spec.effects);
-  for (const mission::ResourceUse& use : what.resources) {
-    const auto resource = plan_.network_.resources.intern(filled(use.resource));
-    spec.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation), 1, cdtn::kNone});
+  const auto values = naming_values(entry);
+  assert(values);
+  const auto touched = mission::footprint(what, *values, entry.path);
+  if (!touched) {
+    planned.refused = touched.error().message;
+    return;
   }
-  return all_known;
+  const auto literals = [&](const std::vector<mission::GroundFact>& facts, std::vector<cdtn::Literal>& into) {
+    for (const mission::GroundFact& fact : facts) {
+      if (const auto id = plan_.network_.facts.intern_named(fact.text)) into.push_back({*id, fact.holds});
+    }
+  };
+  literals(touched->preconditions, spec.preconditions);
+  literals(touched->effects, spec.effects);
+  for (std::size_t i = 0; i < what.resources.size(); ++i) {
+    const auto resource = plan_.network_.resources.intern(touched->resources[i]);
+    spec.claims.push_back(
+        {resource, static_cast<cdtn::ResourceOp>(what.resources[i].operation), 1, cdtn::kNone});
+  }
 }
 
 /// How often the state has begun is a value like others, so that runs ahead know it too.
@@ -374,7 +369,7 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
     spec.expected = plan_.network_.outcome(expected);
   else if (!what.outcomes.empty())
     spec.expected = plan_.network_.outcome(what.outcomes.front());
-  (void)declare(entry, spec);
+  declare(entry, spec, planned);
   spec.conditions = paths_.conditions(entry.when);
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
@@ -400,6 +395,7 @@ StateEnd Unroller::add_routine(const Entry& entry) {
   planned.state = entry.state;
   spec.routine = true;
   spec.opaque = true;
+  spec.reads_world = true;
   spec.branches = state.outcomes->size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;
   if (!state.outcomes->empty()) spec.expected = plan_.network_.outcome(state.outcomes->front());

@@ -2,6 +2,8 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/action.hpp>
 
+#include <algorithm>
+
 namespace segue::mission {
 namespace {
 
@@ -13,9 +15,7 @@ std::string_view trimmed(std::string_view text) {
 
 bool is_argument(std::string_view text) {
   const bool placeholder = text.size() > 2 && text.front() == '{' && text.back() == '}';
-  const std::string_view inner = placeholder ? text.substr(1, text.size() - 2) : text;
-  return !inner.empty() && trimmed(inner) == inner &&
-         inner.find_first_of(",(){}\n\r") == std::string_view::npos;
+  return is_fact_argument(placeholder ? text.substr(1, text.size() - 2) : text);
 }
 
 bool parse_arguments(std::string_view text, std::vector<std::string>& arguments) {
@@ -31,6 +31,13 @@ bool parse_arguments(std::string_view text, std::vector<std::string>& arguments)
 }
 
 }  // namespace
+
+bool is_fact_argument(std::string_view text) {
+  return !text.empty() && trimmed(text) == text && std::ranges::none_of(text, [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 ||
+           std::string_view(",(){}").find(c) != std::string_view::npos;
+  });
+}
 
 std::string to_string(const Fact& fact) {
   std::string text = fact.predicate;

@@ -138,11 +138,20 @@ struct Action {
   std::string expected_outcome;  ///< empty: not known
   Procedure run;
   Place where;
+  /// The outcome that its effects belong to: the expected one, else the first.
+  [[nodiscard]] std::string_view foreseen_outcome() const {
+    if (!expected_outcome.empty() || outcomes.empty()) return expected_outcome;
+    return outcomes.front();
+  }
   friend bool operator==(const Action&, const Action&) = default;
 };
 
 /// "p(a)", "p(a, {b})", "p" with an optional sign out of `signs` ("!" or "+-") in front.
 std::optional<Fact> parse_fact(std::string_view text, std::string_view signs);
+
+/// Whether a text can be an argument of a fact: one line, not empty, without blanks at its ends and without
+/// brackets, braces and commas.
+bool is_fact_argument(std::string_view text);
 
 /// The inputs that "{port}" in the text names.
 std::vector<std::string> placeholders(std::string_view text);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/mission/footprint.hpp>
 #include <segue/mission/parts.hpp>
 
 #include <algorithm>
@@ -191,6 +192,25 @@ std::vector<Port> read_ports(Fields& fields, std::string_view key, const Source&
   for (const auto& [name, port] : value->as_map())
     ports.push_back(read_port(name, port, fields.what() + ": " + quote(key), source));
   return ports;
+}
+
+std::vector<Fact> read_world(Fields& fields, const Source& source) {
+  std::vector<Fact> facts;
+  const Value* list = fields.find("world", Value::Kind::List);
+  if (list == nullptr) return facts;
+  for (const Value& item : list->as_list()) {
+    auto fact = item.is_string() ? parse_fact(item.as_string(), "") : std::nullopt;
+    if (!fact || !ground(*fact)) {
+      source.error("bad-fact",
+                   fields.what() + ": 'world' must be facts that hold at the beginning, such as " +
+                       "'at(robot, dock)', without signs and inputs, got " + type::describe(item),
+                   item);
+      continue;
+    }
+    fact->where = source.at(item);
+    facts.push_back(std::move(*fact));
+  }
+  return facts;
 }
 
 std::vector<PortValue> read_values(Fields& fields, std::string_view key, const Source& source) {

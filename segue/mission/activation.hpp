@@ -3,6 +3,7 @@
 
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/history.hpp>
+#include <segue/mission/world.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -24,10 +25,12 @@ struct Slot {
 struct Trail {
   std::uint32_t position = 0;
   std::uint32_t item = History::kNone;
-  std::vector<type::Value> inputs;                     ///< of a leaf
-  std::vector<std::pair<std::uint32_t, Slot>> before;  ///< what its end replaced
-  Outcome last = 0;                                    ///< of the container, before it
-  std::string error;
+  std::vector<type::Value> inputs{};                     ///< of a leaf
+  World::Changes changed{};                              ///< likewise
+  bool refused = false;                                  ///< likewise
+  std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< what its end replaced
+  Outcome last = 0;                                      ///< of the container, before it
+  std::string error{};
   Activation* kept = nullptr;  ///< a container's or library's activation with its own trail
 };
 
@@ -44,12 +47,15 @@ struct Activation {
   bool pass = false;      ///< held, and let go for one child
   bool mark = false;      ///< where a step over or out ends
   bool deferred = false;  ///< a leaf under way that a Completer will end
+  bool refused = false;   ///< a leaf whose action was not begun, for want of a fact
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
   std::uint64_t generation = 0;
   Outcome outcome = 0;
-  std::string error;         ///< what it, or the last of its children, aborted with
-  std::string error_before;  ///< leaves: of the state before
+  std::string error;                ///< what it, or the last of its children, aborted with
+  std::string error_before;         ///< leaves: of the state before
+  std::vector<GroundFact> effects;  ///< leaves: if they end as expected
+  World::Changes changed{};         ///< leaves: what came of that
   std::vector<type::Value> inputs;
   std::vector<type::Value> outputs;
   std::function<void()> preempt;  ///< leaves under way

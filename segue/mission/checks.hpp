@@ -11,6 +11,8 @@ namespace segue::mission::detail {
 
 /// Actions by themselves: values, outcomes and placeholders that mean something.
 void check_actions(const Mission& mission, Diagnostics& diagnostics);
+/// Facts that contradict each other, stand there twice, or can never become as somebody needs them.
+void check_facts(const Mission& mission, Diagnostics& diagnostics);
 /// Resources that are needed but can never be there.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
 /// Names, transitions, reachability, deciders, recursion of libraries.

@@ -18,8 +18,12 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
                                                EngineOptions options) {
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
-  auto core =
-      std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(options));
+  auto facts = options.part ? Result<World::Facts>(std::move(options.part->world))
+                            : initial_facts(program->mission(), options.facts);
+  if (!facts) return facts.error();
+  World world(std::move(*facts), options.backward);
+  auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
+                                                   std::move(options));
   return std::unique_ptr<Engine>(new Engine(std::move(core)));
 }
 
@@ -104,6 +108,9 @@ const History& Engine::history() const {
 }
 Globals& Engine::globals() {
   return core_->globals;
+}
+const World& Engine::world() const {
+  return core_->world;
 }
 std::uint64_t Engine::executions() const {
   return core_->executions;

@@ -7,6 +7,7 @@
 #include <segue/mission/globals.hpp>
 #include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/world.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -33,6 +34,7 @@ struct MissionPart {
   std::string error_before;  ///< what the state before it aborted with
   Globals globals;           ///< shared with whoever made this
   std::shared_ptr<Iterations> iterations;
+  World::Facts world;  ///< what holds when it begins
 };
 
 struct EngineOptions {
@@ -44,6 +46,8 @@ struct EngineOptions {
   /// How long an action that is preempted may go on, in real time; then it counts as aborted and is
   /// forgotten.
   Duration preemption_grace = std::chrono::seconds(10);
+  /// Hold at the beginning, or do not, whatever the mission says of its world.
+  std::vector<Fact> facts{};
   /// Told what is odd but no failure, such as an input of another type than declared.
   std::function<void(std::string)> warn;
   /// Runs only that; by default the whole mission, with globals and iterations of its own.
@@ -62,7 +66,7 @@ struct MissionResult {
 /// owns an engine and calls everything but what says otherwise. One run each.
 class Engine {
  public:
-  /// NotFound where an action has no runner.
+  /// NotFound where an action has no runner, InvalidArgument where a given fact is none.
   static Result<std::unique_ptr<Engine>> create(std::shared_ptr<const Program> program,
                                                 const Runners& runners, EngineOptions options = {});
   ~Engine();
@@ -104,6 +108,8 @@ class Engine {
   [[nodiscard]] const Program& program() const;
   [[nodiscard]] const History& history() const;
   [[nodiscard]] Globals& globals();
+  /// The facts that hold: what the mission began with, and what came about by actions that ended as expected.
+  [[nodiscard]] const World& world() const;
   /// Executions of states that have begun, actions and containers.
   [[nodiscard]] std::uint64_t executions() const;
 

@@ -77,6 +77,8 @@ void EngineCore::remember(Activation& hierarchy, Activation& child) {
   Trail trail{program->node(child.state).position,
               child.item,
               {},
+              child.changed,
+              child.refused,
               std::move(replaced_),
               hierarchy.last,
               hierarchy.error,
@@ -138,7 +140,7 @@ void EngineCore::undo_at(Activation& hierarchy) {
     at->trail.pop_back();
     restore(*at, trail);
     if (trail.kept == nullptr) {
-      undo_leaf(*at, program->node(at->state).children[trail.position], trail.inputs, trail.item);
+      undo_leaf(*at, program->node(at->state).children[trail.position], trail);
       break;
     }
     Activation* inner = trail.kept;
@@ -168,11 +170,11 @@ void EngineCore::restore(Activation& hierarchy, Trail& trail) {
 }
 
 /// Calls the action backward and waits for its end.
-void EngineCore::undo_leaf(Activation& around, StateIndex state, const std::vector<type::Value>& inputs,
-                           std::uint32_t item) {
-  if (item != History::kNone) history.undo(item);
+void EngineCore::undo_leaf(Activation& around, StateIndex state, const Trail& done) {
+  if (done.item != History::kNone) history.undo(done.item);
+  if (done.refused) return;
   Activation& leaf = *make(state, &around);
-  leaf.inputs = inputs;
+  leaf.inputs = done.inputs;
   for (const Supply& output : program->node(state).outputs)
     leaf.outputs.push_back(fallback(output));
   backward_ = true;
@@ -188,6 +190,7 @@ void EngineCore::undo_leaf(Activation& around, StateIndex state, const std::vect
     std::erase(ready_, &leaf);
   }
   free(leaf);
+  world.undo(done.changed);
 }
 
 /// Every action within, the last first; of states side by side the last branch first.
@@ -202,13 +205,16 @@ void EngineCore::undo_all(Activation& kept) {
     open.pop_back();
     if (work.trail != nullptr && work.trail->kept == nullptr) {
       const StateIndex state = program->node(work.activation->state).children[work.trail->position];
-      undo_leaf(*work.activation, state, work.trail->inputs, work.trail->item);
+      undo_leaf(*work.activation, state, *work.trail);
       continue;
     }
     Activation& inside = work.trail == nullptr ? *work.activation : *work.trail->kept;
     const StateKind kind = program->node(inside.state).kind;
     if (inside.item != History::kNone) history.undo(inside.item);
-    if (kind == StateKind::Execution) undo_leaf(*inside.parent, inside.state, inside.inputs, inside.item);
+    if (kind == StateKind::Execution)
+      undo_leaf(*inside.parent, inside.state,
+                {0, inside.item, inside.inputs, inside.changed, inside.refused});
+    if (kind == StateKind::Decider) world.undo(inside.changed);
     for (Activation* child : inside.children)
       open.push_back({child, nullptr});
     for (const Trail& trail : inside.trail)

@@ -13,14 +13,20 @@ constexpr int kTurn = 64;
 }  // namespace
 
 EngineCore::EngineCore(std::shared_ptr<const Program> program_,
-                       std::vector<std::shared_ptr<ActionRunner>> runners_, EngineOptions options_)
+                       std::vector<std::shared_ptr<ActionRunner>> runners_, World world_,
+                       EngineOptions options_)
     : program(std::move(program_)),
       runners(std::move(runners_)),
       options(std::move(options_)),
       globals(options.part ? options.part->globals : Globals(program->mission().globals)),
+      world(std::move(world_)),
       iterations_(options.part ? options.part->iterations
                                : std::make_shared<Iterations>(program->nodes().size())),
-      virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {}
+      virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {
+  for (const Action& action : program->mission().actions)
+    touches_.push_back(!action.preconditions.empty() || !action.effects.empty() ||
+                       !naming_inputs(action).empty());
+}
 
 void EngineCore::begin() {
   if (options.part) {

@@ -18,7 +18,7 @@ namespace segue::mission::detail {
 class EngineCore {
  public:
   EngineCore(std::shared_ptr<const Program> program, std::vector<std::shared_ptr<ActionRunner>> runners,
-             EngineOptions options);
+             World world, EngineOptions options);
 
   Engine::Progress run();
 
@@ -35,6 +35,7 @@ class EngineCore {
   std::vector<std::shared_ptr<ActionRunner>> runners;  ///< by action
   EngineOptions options;
   Globals globals;
+  World world;
   History history;
   std::shared_ptr<Mailbox> mailbox = std::make_shared<Mailbox>();
   MissionResult result;
@@ -76,7 +77,8 @@ class EngineCore {
   Activation* proceed(Activation& hierarchy);
   Activation* leave(Activation& activation, Outcome outcome);
   Activation* finish(Activation& activation);
-  void write_history(const Activation& activation);
+  bool look_at_facts(Activation& leaf);
+  void bring_about(Activation& leaf);
   Activation* child_of_hierarchy(Activation& hierarchy, Activation& child);
   Activation* child_of_concurrency(Activation& concurrency, Activation& child);
   Activation* join(Activation& concurrency);
@@ -107,8 +109,7 @@ class EngineCore {
   void undo_at(Activation& hierarchy);
   void hold(Activation& hierarchy);
   void restore(Activation& hierarchy, Trail& trail);
-  void undo_leaf(Activation& around, StateIndex state, const std::vector<type::Value>& inputs,
-                 std::uint32_t item);
+  void undo_leaf(Activation& around, StateIndex state, const Trail& done);
   void undo_all(Activation& kept);
   void forget(Activation& kept);
 
@@ -119,6 +120,7 @@ class EngineCore {
   std::priority_queue<Timer> timers_;
   std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, and when they are given up
   std::shared_ptr<Iterations> iterations_;
+  std::vector<bool> touches_;  ///< by action: it names facts, or resources by its inputs
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its trail
   Activation* root_ = nullptr;
   Mode mode_ = Mode::Run;

@@ -18,6 +18,8 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.parent = parent;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
+  activation.refused = false;
+  activation.changed = {};
   activation.item = History::kNone;
   activation.outcome = activation.last = 0;
   activation.pending = {};
@@ -34,6 +36,7 @@ void EngineCore::free(Activation& activation) {
   activation.outputs.clear();
   activation.children.clear();
   activation.branches.clear();
+  activation.effects.clear();
   activation.trail.clear();
   free_.push_back(&activation);
 }

@@ -88,6 +88,7 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   for (const Supply& output : program->node(leaf.state).outputs)
     leaf.outputs.push_back(fallback(output));
   if (leaf.preempted) return leave(leaf, kPreempted);
+  if (touches_[program->node(leaf.state).action] && !look_at_facts(leaf)) return leave(leaf, kAborted);
   bool under_way = false;
   const Ending ending = call(leaf, under_way);
   if (under_way) {
@@ -97,6 +98,29 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   check(leaf, ending);
   leaf.phase = Phase::Finish;
   return &leaf;
+}
+
+/// Whether the action may begin; else the error says why not.
+bool EngineCore::look_at_facts(Activation& leaf) {
+  auto touched =
+      footprint(program->mission().actions[program->node(leaf.state).action], leaf.inputs, path(leaf));
+  if (!touched) {
+    leaf.error = touched.error().message;
+  } else if (const GroundFact* lacking = world.first_false(touched->preconditions)) {
+    leaf.error = precondition_error(*lacking);
+  } else {
+    leaf.effects = std::move(touched->effects);
+    return true;
+  }
+  leaf.refused = true;
+  return false;
+}
+
+/// What is declared belongs to the outcome that is expected.
+void EngineCore::bring_about(Activation& leaf) {
+  const Action& action = program->mission().actions[program->node(leaf.state).action];
+  if (program->outcome_name(leaf.state, leaf.outcome) == action.foreseen_outcome())
+    leaf.changed = world.apply(leaf.effects);
 }
 
 Ending EngineCore::call(Activation& leaf, bool& under_way) {
@@ -183,7 +207,9 @@ Activation* EngineCore::finish(Activation& activation) {
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
-  if (activation.item != History::kNone) write_history(activation);
+  if (!activation.effects.empty()) bring_about(activation);
+  if (activation.item != History::kNone)
+    history.end(activation.item, activation.outcome, now(), activation.error);
   Activation* around = activation.parent;
   if (around == nullptr) {
     result = {activation.outcome, program->outcome_name(activation.state, activation.outcome),
@@ -207,19 +233,6 @@ Activation* EngineCore::finish(Activation& activation) {
   }
   around->phase = Phase::Finish;
   return around;
-}
-
-void EngineCore::write_history(const Activation& activation) {
-  history.end(activation.item, activation.outcome, now(), activation.error);
-  const Node& node = program->node(activation.state);
-  if (node.kind != StateKind::Execution && node.kind != StateKind::Decider) return;
-  const Action& action = program->mission().actions[node.action];
-  if (action.effects.empty()) return;
-  // What is declared belongs to the outcome that is expected.
-  const std::string& expected =
-      action.expected_outcome.empty() ? action.outcomes.front() : action.expected_outcome;
-  if (program->outcome_name(activation.state, activation.outcome) == expected)
-    history.add_effects(activation.item, action, activation.inputs);
 }
 
 Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& child) {

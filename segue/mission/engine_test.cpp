@@ -233,9 +233,9 @@ TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
     engine->step_into();
     ASSERT_EQ(engine->run(), Engine::Progress::Held);
   }
-  EXPECT_EQ(engine->history().world(), std::vector<std::string>{"down"});
+  EXPECT_EQ(engine->world().facts(), World::Facts{"down()"});
   ASSERT_TRUE(engine->step_back());
-  EXPECT_EQ(engine->history().world(), std::vector<std::string>{"up"});
+  EXPECT_EQ(engine->world().facts(), World::Facts{"up()"});
 }
 
 TEST(MissionGlobals, areLockedByOneAtATime) {

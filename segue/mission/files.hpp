@@ -28,8 +28,8 @@ void add_libraries(Mission& mission, const std::vector<std::filesystem::path>& f
 
 /// Every problem of a mission whose libraries are added: names that mean nothing, outcomes that lead nowhere,
 /// states that are never reached, types that do not match, inputs that nobody can have written, libraries
-/// that use themselves, resources that nobody can ever create. Linear but for the reachability of writers,
-/// which is looked for within one container.
+/// that use themselves, facts and resources that nobody can ever make true or create. Linear but for the
+/// reachability of writers, which is looked for within one container.
 Diagnostics validate(const Mission& mission);
 
 /// Where the script of an action lies that names a file; relative to the file that declares the action.

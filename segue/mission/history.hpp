@@ -5,7 +5,6 @@
 #include <segue/mission/program.hpp>
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -49,22 +48,10 @@ class History {
     items_[item].end = when;
     if (!error.empty()) errors_[item] = error;
   }
-  /// What the action of an item that has ended declares to change, with the inputs that it had.
-  void add_effects(std::uint32_t item, const Action& action, std::span<const type::Value> inputs);
-  /// The facts that hold by the effects of all items that were not undone, sorted. Nothing is known from
-  /// before the run.
-  [[nodiscard]] std::vector<std::string> world() const;
-
   void undo(std::uint32_t item) { items_[item].undone = true; }
 
  private:
-  struct Effect {
-    std::uint32_t item = kNone;
-    bool holds = true;
-    std::string fact;
-  };
   std::vector<Item> items_;
-  std::vector<Effect> effects_;  ///< in the order of the ends
   std::unordered_map<std::uint32_t, std::string> errors_;
 };
 

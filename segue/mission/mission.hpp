@@ -106,13 +106,14 @@ struct Library {
 struct Mission {
   std::string name;
   std::vector<Port> globals;
+  std::vector<Fact> world;  ///< what holds at the beginning, without inputs; nothing else does
   std::vector<Resource> resources;
   std::vector<Action> actions;
   std::vector<State> states;  ///< states[0] is the root
   std::vector<Library> libraries;
   std::string file;
   friend bool operator==(const Mission& a, const Mission& b) {
-    return a.name == b.name && a.globals == b.globals && a.resources == b.resources &&
+    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.resources == b.resources &&
            a.actions == b.actions && a.states == b.states && a.libraries == b.libraries;
   }
 

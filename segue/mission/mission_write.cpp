@@ -92,6 +92,12 @@ std::string write_mission(const Mission& mission) {
   ValueMap map;
   map.append("mission", mission.name);
   detail::write_ports(map, "globals", mission.globals);
+  if (!mission.world.empty()) {
+    Value::List world;
+    for (const Fact& fact : mission.world)
+      world.emplace_back(to_string(fact));
+    map.append("world", std::move(world));
+  }
   write_named(
       map, "resources", mission.resources, [](const Resource& resource) { return resource.name; },
       detail::write_resource);

@@ -25,6 +25,8 @@ std::vector<Port> read_ports(Fields& fields, std::string_view key, const Source&
 std::vector<PortValue> read_values(Fields& fields, std::string_view key, const Source& source);
 /// A list of names, or one; each once, none of those that every state has. Without any: "success".
 std::vector<std::string> read_outcomes(Fields& fields, const Source& source);
+/// "world": facts without inputs.
+std::vector<Fact> read_world(Fields& fields, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
 Resource read_resource(const std::string& name, const type::Value& value, const Source& source);
 

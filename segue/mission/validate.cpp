@@ -28,6 +28,7 @@ Diagnostics validate(const Mission& mission) {
   Diagnostics diagnostics;
   const MissionIndex index(mission);
   detail::check_actions(mission, diagnostics);
+  detail::check_facts(mission, diagnostics);
   detail::check_resources(mission, diagnostics);
   detail::check_control(index, diagnostics);
   detail::check_data(index, diagnostics);

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/convert/run.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/index.hpp>
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
-/// Runs tests/cases/mission/run/*.yaml in virtual time; README.md there tells the format. A new case needs no
-/// C++.
+/// Runs tests/cases/mission/run/*.yaml in virtual time, as they are written and concurrently; README.md there
+/// tells the format. A new case needs no C++.
 namespace segue::mission {
 namespace {
 
@@ -25,23 +28,20 @@ std::string json(const Value& value) {
   return type::to_json(value, -1);
 }
 
-/// An execution of a case: the engine, and what its callbacks have noted.
+/// An execution of a case: its run, and what its callbacks have noted.
 class Trial {
  public:
   explicit Trial(const Value& test) : test_(test) { add_callbacks(); }
 
   void execute() {
-    Diagnostics diagnostics;
-    auto mission = read_mission(test_.find("mission")->as_string(), "mission", diagnostics);
-    ASSERT_TRUE(mission) << to_string(diagnostics);
-    auto program = Program::compile(std::move(*mission));
-    ASSERT_TRUE(program) << to_string(program.error());
+    ASSERT_NO_FATAL_FAILURE(compile());
     EngineOptions options;
     options.clock = &clock_;
     options.backward = test_.find("backward") != nullptr;
     options.preemption_grace = std::chrono::milliseconds(1);
+    options.facts = facts();
     options.warn = [this](const std::string& text) { warnings_.emplace_back(text); };
-    auto engine = Engine::create(*program, runners_, std::move(options));
+    auto engine = Engine::create(program_, runners_, std::move(options));
     ASSERT_TRUE(engine) << to_string(engine.error());
     engine_ = std::move(*engine);
     if (const Value* inputs = test_.find("inputs")) {
@@ -58,10 +58,58 @@ class Trial {
       for (const Value& step : steps->as_list())
         do_step(step);
     }
+    outcome_ = engine_->result();
+    world_ = engine_->world().facts();
     compare(*test_.find("expect"));
   }
 
+  void execute_concurrently() {
+    ASSERT_NO_FATAL_FAILURE(compile());
+    convert::RunOptions options;
+    options.clock = cdtn::ClockKind::Virtual;
+    options.facts = facts();
+    options.preemption_grace = std::chrono::milliseconds(1);
+    std::vector<Value> inputs(program_->node(0).input_ports->size());
+    if (const Value* given = test_.find("inputs")) {
+      for (const auto& [name, value] : given->as_map())
+        inputs[position(*program_->node(0).input_ports, name).value()] = value;
+    }
+    auto run = convert::Run::create(program_, runners_, std::move(inputs), std::move(options));
+    ASSERT_TRUE(run) << to_string(run.error());
+    run_ = std::move(*run);
+    outcome_ = run_->run();
+    for (const std::string& fact : run_->network_result().world.texts(run_->plan().network().facts))
+      world_.insert(fact);
+    const auto by_text = [](const Value& a, const Value& b) { return json(a) < json(b); };
+    std::ranges::sort(notes_, by_text);
+    ValueMap expect;
+    for (const auto& [key, value] : test_.find("expect")->as_map()) {
+      if (key == "trace" || key == "warnings" || key == "end") continue;
+      expect.append(key, value);
+      if (key == "notes") std::ranges::sort(expect.find(key)->as_list(), by_text);
+    }
+    compare(expect);
+  }
+
  private:
+  void compile() {
+    Diagnostics diagnostics;
+    auto mission = read_mission(test_.find("mission")->as_string(), "mission", diagnostics);
+    ASSERT_TRUE(mission) << to_string(diagnostics);
+    auto program = Program::compile(std::move(*mission));
+    ASSERT_TRUE(program) << to_string(program.error());
+    program_ = std::move(*program);
+  }
+
+  [[nodiscard]] std::vector<Fact> facts() const {
+    std::vector<Fact> facts;
+    if (const Value* given = test_.find("facts")) {
+      for (const Value& fact : given->as_list())
+        facts.push_back(parse_initial_fact(fact.as_string()).value());
+    }
+    return facts;
+  }
+
   void do_step(const Value& step) {
     const std::string verb = step.find("do")->as_string();
     if (verb == "pause") engine_->pause();
@@ -82,6 +130,9 @@ class Trial {
     } else {
       progress = engine_->run();
     }
+    if (const Value* world = step.find("world")) {
+      EXPECT_EQ(json(listed(engine_->world().facts())), json(*world)) << "after " << verb;
+    }
     const Value* held = step.find("held");
     ASSERT_EQ(held != nullptr, progress == Engine::Progress::Held) << verb;
     if (held == nullptr) return;
@@ -99,25 +150,29 @@ class Trial {
   }
 
   Value part(const std::string& key, const Value& wanted) {
-    if (key == "outcome") return engine_->result().outcome_name;
-    if (key == "error") return engine_->result().error;
+    if (key == "outcome") return outcome_.outcome_name;
+    if (key == "error") return outcome_.error;
     if (key == "trace") return trace();
+    if (key == "world") return listed(world_);
     if (key == "notes") return notes_;
     if (key == "warnings") return warnings_;
     if (key == "end") return format_duration(clock_.now().time_since_epoch());
     ValueMap map;
     if (key == "outputs") {
-      const auto& ports = *engine_->program().node(0).output_ports;
+      const auto& ports = *program_->node(0).output_ports;
       for (std::size_t i = 0; i < ports.size(); ++i)
-        map.append(ports[i].name, engine_->result().outputs[i]);
+        map.append(ports[i].name, outcome_.outputs[i]);
     } else if (key == "globals") {
+      const Globals& globals = engine_ ? engine_->globals() : run_->globals();
       for (const auto& [name, value] : wanted.as_map())
-        map.append(name, engine_->globals().get(name).value_or("(none)"));
+        map.append(name, globals.get(name).value_or("(none)"));
     } else {
       return "no case expects a " + key;
     }
     return map;
   }
+
+  static Value listed(const World::Facts& facts) { return Value::List(facts.begin(), facts.end()); }
 
   /// Actions in the order in which they began, "path" or "path: outcome" where that is not the first.
   Value trace() {
@@ -161,7 +216,7 @@ class Trial {
     runners_.add("unknown", [](Call&) { return Ending{99, {}}; });
     runners_.add("throw", [](Call&) -> Ending { throw std::runtime_error("thrown"); });
     runners_.add("stop", [this](Call&) {
-      engine_->stop();
+      engine_ ? engine_->stop() : run_->stop();
       return Ending{};
     });
     runners_.add("pause", [this](Call&) {
@@ -196,7 +251,11 @@ class Trial {
   const Value& test_;
   VirtualClock clock_;
   Runners runners_;
+  std::shared_ptr<const Program> program_;
   std::unique_ptr<Engine> engine_;
+  std::unique_ptr<convert::Run> run_;
+  MissionResult outcome_;
+  World::Facts world_;
   Value::List notes_;
   Value::List warnings_;
 };
@@ -208,6 +267,16 @@ TEST_P(MissionRunCase, goesAsItExpects) {
   ASSERT_TRUE(root) << to_string(root.error());
   ASSERT_TRUE(root->find("mission") != nullptr && root->find("expect") != nullptr);
   Trial(*root).execute();
+}
+
+TEST_P(MissionRunCase, goesSoConcurrently) {
+  const auto root = type::load_yaml(GetParam());
+  ASSERT_TRUE(root) << to_string(root.error());
+  for (const char* sequential_only : {"steps", "start_at", "backward"}) {
+    if (root->find(sequential_only) != nullptr)
+      GTEST_SKIP() << "only a run as written has " << sequential_only;
+  }
+  Trial(*root).execute_concurrently();
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, MissionRunCase, ::testing::ValuesIn(glob_files(kCases)),

@@ -82,6 +82,7 @@ states:
 
 TEST_F(Missions, AMachineTellsTheFactsThatHoldInTheEnd) {
   write("m.yaml", R"j(mission: tidy
+world: ["at(robot, dock)", "safe"]
 actions:
   take: {inputs: {what: text}, effects: ["+held({what})", "-free"], run: {simulated: {duration: 1s}}}
   drop:
@@ -102,10 +103,20 @@ states:
   pen: {action: take, inputs: {what: pen}, on: {success: again}}
   again: {action: shake, on: {dropped: return success, stuck: return success}}
 )j");
-  const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual"});
-  const auto& world = run.find("world")->as_list();
-  ASSERT_EQ(world.size(), 1U) << "the cup was put away, the pen did not fall";
-  EXPECT_EQ(world[0].as_string(), "held(pen)");
+  const auto held_at_the_end = [&](const std::string& mode) {
+    const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual", "--mode", mode, "--fact", "lit",
+                           "--fact", "!at(robot, dock)"});
+    std::vector<std::string> facts;
+    for (const auto& fact : run.find("world")->as_list())
+      facts.push_back(fact.as_string());
+    return facts;
+  };
+  // The cup was put away, the pen did not fall.
+  EXPECT_THAT(held_at_the_end("sequential"), ::testing::ElementsAre("held(pen)", "lit()", "safe()"));
+  EXPECT_THAT(held_at_the_end("concurrent"), ::testing::ElementsAre("held(pen)", "lit()", "safe()"));
+  const auto odd = segue({"mission", "run", "m.yaml", "--fact", "+lit"});
+  EXPECT_EQ(odd.status, 1);
+  EXPECT_THAT(odd.errors, HasSubstr("'+lit' is not a fact"));
 }
 
 TEST_F(Missions, AMachineIsDrawnAsATaskNetworkIs) {

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/footprint.hpp>
+#include <segue/mission/index.hpp>
+#include <segue/type/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace segue::mission {
+
+using type::Value;
+
+namespace {
+
+/// As it stands in a name: 2.0 is 2, since both are the same value.
+std::optional<std::string> name_part(const Value& value) {
+  if (value.is_string()) return value.as_string();
+  if (value.is_bool() || value.is_integer()) return type::describe(value);
+  if (!value.is_number() || !std::isfinite(value.as_double())) return std::nullopt;
+  constexpr double kExact = 9007199254740992.0;  // integers up to 2^53 are exact
+  const double number = value.as_double();
+  if (std::trunc(number) == number && std::abs(number) <= kExact)
+    return std::to_string(static_cast<std::int64_t>(number));
+  return type::describe(value);
+}
+
+std::string ground_text(const std::string& predicate, const std::vector<std::string>& arguments) {
+  std::string text = predicate + '(';
+  for (std::size_t i = 0; i < arguments.size(); ++i)
+    text += (i == 0 ? "" : ",") + arguments[i];
+  return text + ')';
+}
+
+/// One execution's names.
+class Grounding {
+ public:
+  Grounding(const Action& action, std::span<const Value> inputs, std::string_view path)
+      : action_(action), inputs_(inputs), path_(path) {}
+
+  Result<Footprint> run() {
+    Footprint footprint;
+    for (const Fact& fact : action_.preconditions) {
+      auto text = named(fact);
+      if (!text) return text.error();
+      const auto known = std::ranges::find(footprint.preconditions, *text, &GroundFact::text);
+      if (known == footprint.preconditions.end()) {
+        footprint.preconditions.push_back({std::move(*text), fact.positive});
+      } else if (known->holds != fact.positive) {
+        return fail(ErrorCode::InvalidArgument,
+                    where() + ": its preconditions " + *text + " and !" + *text + " contradict each other");
+      }
+    }
+    for (const Fact& fact : action_.effects) {
+      auto text = named(fact);
+      if (!text) return text.error();
+      const auto known = std::ranges::find(footprint.effects, *text, &GroundFact::text);
+      if (known == footprint.effects.end())
+        footprint.effects.push_back({std::move(*text), fact.positive});
+      else
+        known->holds = known->holds || fact.positive;
+    }
+    for (const ResourceUse& use : action_.resources) {
+      auto text = filled(use.resource, "resource " + quote(use.resource));
+      if (!text) return text.error();
+      footprint.resources.push_back(std::move(*text));
+    }
+    return footprint;
+  }
+
+ private:
+  [[nodiscard]] std::string where() const {
+    return path_.empty() ? "action " + quote(action_.name.str()) : std::string(path_);
+  }
+
+  Result<std::string> named(const Fact& fact) {
+    std::vector<std::string> arguments;
+    for (const std::string& argument : fact.arguments) {
+      auto text = filled(argument, "fact " + quote(to_string(fact)));
+      if (!text) return text.error();
+      arguments.push_back(std::move(*text));
+    }
+    return ground_text(fact.predicate, arguments);
+  }
+
+  /// Each "{port}" is looked at once: what a value says is never read as a placeholder.
+  Result<std::string> filled(const std::string& text, const std::string& what) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size();) {
+      const auto close = text[i] == '{' ? text.find('}', i) : std::string::npos;
+      if (close == std::string::npos) {
+        result += text[i++];
+        continue;
+      }
+      auto part = value_of(text.substr(i + 1, close - i - 1), what);
+      if (!part) return part.error();
+      result += *part;
+      i = close + 1;
+    }
+    return result;
+  }
+
+  Result<std::string> value_of(const std::string& input, const std::string& what) {
+    const auto port = position(action_.inputs, input);
+    const Value none;
+    const Value& value = port && *port < inputs_.size() ? inputs_[*port] : none;
+    const auto part = name_part(value);
+    if (part && is_fact_argument(*part)) return *part;
+    return fail(ErrorCode::InvalidArgument, where() + ": its " + what + " cannot be formed: the input " +
+                                                quote(input) + " is " + type::describe(value) +
+                                                (part ? ", which is no name" : ""));
+  }
+
+  const Action& action_;
+  std::span<const Value> inputs_;
+  std::string_view path_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> naming_inputs(const Action& action) {
+  std::vector<std::size_t> inputs;
+  const auto add = [&](std::string_view text) {
+    for (const std::string& name : placeholders(text)) {
+      const auto port = position(action.inputs, name);
+      if (port && std::ranges::find(inputs, *port) == inputs.end()) inputs.push_back(*port);
+    }
+  };
+  for (const auto* facts : {&action.preconditions, &action.effects}) {
+    for (const Fact& fact : *facts) {
+      for (const std::string& argument : fact.arguments)
+        add(argument);
+    }
+  }
+  for (const ResourceUse& use : action.resources)
+    add(use.resource);
+  return inputs;
+}
+
+Result<Footprint> footprint(const Action& action, std::span<const Value> inputs, std::string_view path) {
+  return Grounding(action, inputs, path).run();
+}
+
+std::string precondition_error(const GroundFact& precondition) {
+  return std::string("its precondition ") + (precondition.holds ? "" : "!") + precondition.text +
+         " does not hold";
+}
+
+Result<GroundFact> ground(const Fact& fact) {
+  const bool fits = is_identifier(fact.predicate) && std::ranges::all_of(fact.arguments, is_fact_argument);
+  if (fits) return GroundFact{ground_text(fact.predicate, fact.arguments), fact.positive};
+  return fail(ErrorCode::InvalidArgument,
+              quote(to_string(fact)) + " is not a fact such as 'at(robot,table)'");
+}
+
+Result<Fact> parse_initial_fact(std::string_view text) {
+  auto fact = parse_fact(text, "!");
+  if (fact && ground(*fact)) return std::move(*fact);
+  return fail(ErrorCode::ParseError,
+              quote(text) + " is not a fact; expected text like 'at(robot,table)' or '!held(cup)'");
+}
+
+}  // namespace segue::mission

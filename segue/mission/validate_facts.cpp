@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+#include <segue/mission/footprint.hpp>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace segue::mission::detail {
+namespace {
+
+bool is_placeholder(std::string_view argument) {
+  return argument.starts_with('{');
+}
+
+/// Whether both can be the same fact once inputs are known.
+bool meet(const Fact& a, const Fact& b) {
+  return a.predicate == b.predicate &&
+         std::ranges::equal(a.arguments, b.arguments, [](const std::string& x, const std::string& y) {
+           return x == y || is_placeholder(x) || is_placeholder(y);
+         });
+}
+
+class FactCheck {
+ public:
+  FactCheck(const Mission& mission, Diagnostics& diagnostics) : mission_(mission), diagnostics_(diagnostics) {
+    for (const Fact& fact : mission.world)
+      initial_[fact.predicate].push_back(&fact);
+    for (const Action& action : mission.actions) {
+      for (const Fact& fact : action.effects)
+        effects_[fact.predicate].push_back(&fact);
+    }
+  }
+
+  void run() {
+    check_world();
+    for (const Action& action : mission_.actions) {
+      const std::string what = "action " + quote(action.name.str());
+      check_shape(action.preconditions, what);
+      check_shape(action.effects, what);
+      check_pairs(action.preconditions, what, "precondition", true);
+      check_pairs(action.effects, what, "effect", false);
+      for (const Fact& fact : action.preconditions) {
+        if (can_become(fact)) continue;
+        diagnostics_.warning("never-true",
+                             what + ": its precondition " + told(fact) + " never holds: " + why(fact),
+                             fact.where);
+      }
+    }
+  }
+
+ private:
+  using ByPredicate = std::unordered_map<std::string_view, std::vector<const Fact*>>;
+
+  static std::string told(const Fact& fact) { return quote((fact.positive ? "" : "!") + to_string(fact)); }
+
+  static std::string why(const Fact& fact) {
+    return fact.positive ? "it does not at the beginning, and no action makes it true"
+                         : "the fact holds at the beginning, and no action makes it false";
+  }
+
+  void check_world() {
+    std::unordered_set<std::string> seen;
+    for (const Fact& fact : mission_.world) {
+      const auto grounded = ground(fact);
+      if (!grounded || !fact.positive) {
+        diagnostics_.error("bad-fact",
+                           "the mission: 'world' must be facts that hold, without inputs, not " + told(fact),
+                           fact.where);
+      } else if (!seen.insert(grounded->text).second) {
+        diagnostics_.warning("duplicate-fact", "the mission: 'world' has " + told(fact) + " twice",
+                             fact.where);
+      }
+    }
+  }
+
+  /// What a reader has made always fits; what a program has put together need not.
+  void check_shape(const std::vector<Fact>& facts, const std::string& what) {
+    for (const Fact& fact : facts) {
+      const bool fits =
+          is_identifier(fact.predicate) && std::ranges::all_of(fact.arguments, [](std::string_view argument) {
+            const bool input = argument.size() > 2 && is_placeholder(argument) && argument.back() == '}';
+            return is_fact_argument(input ? argument.substr(1, argument.size() - 2) : argument);
+          });
+      if (fits) continue;
+      diagnostics_.error("bad-fact", what + ": " + told(fact) + " is not a fact such as 'at(robot,{place})'",
+                         fact.where);
+    }
+  }
+
+  /// The same fact twice, or with both signs.
+  void check_pairs(const std::vector<Fact>& facts, const std::string& what, const std::string& role,
+                   bool contradiction_is_error) {
+    std::unordered_map<std::string, const Fact*> seen;
+    for (const Fact& fact : facts) {
+      const auto [known, fresh] = seen.try_emplace(to_string(fact), &fact);
+      if (fresh) continue;
+      if (known->second->positive == fact.positive) {
+        diagnostics_.warning("duplicate-fact",
+                             what + " has the " + role + " " + quote(to_string(fact)) + " twice", fact.where);
+      } else if (contradiction_is_error) {
+        diagnostics_.error(
+            "contradicting-facts",
+            what + ": its " + role + "s ask for " + quote(to_string(fact)) + " to hold and not to",
+            fact.where);
+      } else {
+        diagnostics_.warning(
+            "contradicting-facts",
+            what + ": its " + role + "s make " + quote(to_string(fact)) + " true and false; it will be true",
+            fact.where);
+      }
+    }
+  }
+
+  [[nodiscard]] bool can_become(const Fact& needed) const {
+    const auto same = [&](const Fact* fact) { return meet(*fact, needed); };
+    if (const auto made = effects_.find(needed.predicate); made != effects_.end()) {
+      const auto fits = [&](const Fact* fact) { return fact->positive == needed.positive && same(fact); };
+      if (std::ranges::any_of(made->second, fits)) return true;
+    }
+    const auto there = initial_.find(needed.predicate);
+    const bool known = there != initial_.end() && std::ranges::any_of(there->second, same);
+    if (needed.positive) return known;
+    // Others than those that hold may be meant where an input tells.
+    return !known || std::ranges::any_of(needed.arguments, is_placeholder);
+  }
+
+  const Mission& mission_;
+  Diagnostics& diagnostics_;
+  ByPredicate initial_;
+  ByPredicate effects_;
+};
+
+}  // namespace
+
+void check_facts(const Mission& mission, Diagnostics& diagnostics) {
+  FactCheck(mission, diagnostics).run();
+}
+
+}  // namespace segue::mission::detail
