@@ -15,6 +15,8 @@ namespace {
 
 /// How long cleaning up what was left over may take where nobody waits for it in particular.
 constexpr Duration kCleaning = std::chrono::seconds(2);
+/// How long processes may take to get to know each other; what has not by then does when it is connected.
+constexpr Duration kGettingReady = std::chrono::seconds(1);
 
 TimePoint in(Duration duration) {
   return RealClock::instance().now() + duration;
@@ -32,13 +34,19 @@ void check_hosts(const model::Network& network, const std::vector<model::HostNam
   }
 }
 
-void check_links(const model::Network& network, Diagnostics& findings) {
+/// The processes of its tasks; those of the runtime's own have none.
+std::map<model::TaskId, model::DeploymentKey> seats_in(const model::Network& network) {
   std::map<model::TaskId, model::DeploymentKey> seats;
   for (const auto& deployment : network.deployments) {
     for (const auto& seat : deployment.tasks) {
       seats.emplace(seat.task, deployment.key());
     }
   }
+  return seats;
+}
+
+void check_links(const model::Network& network, Diagnostics& findings) {
+  const auto seats = seats_in(network);
   const auto seat_of = [&](const model::TaskId& task) {
     const auto seat = seats.find(task);
     return seat == seats.end() ? model::DeploymentKey{} : seat->second;
@@ -73,8 +81,9 @@ struct DeployedTaskHost::Implementation {
     }
     const auto service = located->record->service();
     if (service == nullptr) {
-      return fail(ErrorCode::Unavailable,
-                  "process " + quote(to_string(located->record->key())) + " cannot be reached", task.str());
+      Error error = located->record->unreachable();
+      error.subject = task.str();
+      return error;
     }
     return ask(*service, located->task);
   }
@@ -121,6 +130,23 @@ void DeployedTaskHost::end_processes(TimePoint deadline) {
 
 void DeployedTaskHost::expect(const model::Network& target) {
   implementation_->fleet->expect(target);
+}
+
+void DeployedTaskHost::get_ready(const model::Network& target) {
+  const auto seats = seats_in(target);
+  const auto record_of = [&](const model::TaskId& task) {
+    const auto seat = seats.find(task);
+    return implementation_->fleet->find(seat == seats.end() ? model::DeploymentKey{} : seat->second);
+  };
+  std::vector<detail::Pair> pairs;
+  for (const auto& connection : target.connections) {
+    auto writer = record_of(connection.from.task);
+    auto reader = record_of(connection.to.task);
+    if (writer != nullptr && reader != nullptr && writer != reader) {
+      pairs.emplace_back(std::move(writer), std::move(reader));
+    }
+  }
+  implementation_->wiring.acquaint(pairs, in(kGettingReady));
 }
 
 void DeployedTaskHost::conclude(const model::Transition& transition) {

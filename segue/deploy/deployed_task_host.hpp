@@ -58,6 +58,8 @@ class DeployedTaskHost final : public host::TaskHost {
   /// shared memory.
   [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   void expect(const model::Network& target) override;
+  /// Processes that its connections will join map each other's memory.
+  void get_ready(const model::Network& target) override;
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
   void withdraw() override;

@@ -649,6 +649,25 @@ TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
   EXPECT_EQ(robot.host.observe().connections.size(), 20U);
 }
 
+TEST(DeployedTaskHost, GetsProcessesToKnowEachOtherBeforeTheyAreConnected) {
+  FakeWorld world;
+  Robot robot(world);
+  const model::Network target = network_of(kOne);
+  robot.host.get_ready(target);
+  EXPECT_EQ(world.calls("memory"), 0) << "none of them is there";
+  for (const char* name : {"p1", "p2"}) {
+    ASSERT_EQ(text(robot.host.perform(on_process(ActionKind::Deploy, name), soon())), "done");
+  }
+  robot.host.get_ready(target);
+  const int offers = world.calls("memory");
+  const int admissions = world.calls("admit");
+  EXPECT_GE(offers, 2);
+  EXPECT_EQ(world.calls("open_inputs"), 0) << "what runs is not changed";
+  ASSERT_EQ(text(robot.switch_to(target)), "done");
+  EXPECT_EQ(world.calls("memory"), offers);
+  EXPECT_EQ(world.calls("admit"), admissions);
+}
+
 TEST(DeployedTaskHost, CarriesOutTheOthersWhereOneFails) {
   FakeWorld world;
   Robot robot(world);

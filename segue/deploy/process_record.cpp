@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/process_record.hpp>
 
+#include <segue/base/text.hpp>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -58,6 +60,10 @@ void ProcessRecord::note_task(const model::ConfigAction& made) {
 void ProcessRecord::note_removed(const model::TaskId& task) {
   const std::lock_guard lock(mutex_);
   std::erase_if(made_, [&](const auto& item) { return item.second.definition.id == task; });
+}
+
+Error ProcessRecord::unreachable() const {
+  return fail(ErrorCode::Unavailable, "process " + quote(to_string(key_)) + " cannot be reached");
 }
 
 link::Incarnation ProcessRecord::incarnation() const {

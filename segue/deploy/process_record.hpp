@@ -26,6 +26,8 @@ class ProcessRecord {
   [[nodiscard]] const ProcessInfo& process() const { return process_; }
   [[nodiscard]] ProcessView view() const;
   [[nodiscard]] link::Incarnation incarnation() const;
+  /// Unavailable, with its name.
+  [[nodiscard]] Error unreachable() const;
 
   /// What answers for it; null while there is no connection.
   [[nodiscard]] std::shared_ptr<DeploymentService> service() const;

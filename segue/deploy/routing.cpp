@@ -28,10 +28,6 @@ Error not_connected() {
   return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected");
 }
 
-Error unreachable(const ProcessRecord& record) {
-  return fail(ErrorCode::Unavailable, "process " + quote(to_string(record.key())) + " cannot be reached");
-}
-
 Error with_subject(Error error, const std::string& subject) {
   if (error.subject.empty()) {
     error.subject = subject;
@@ -209,7 +205,7 @@ Result<void> Router::hand_over(const HandOver& what, TimePoint deadline) {
   const auto giver = what.from.record->service();
   const auto taker = what.to.record->service();
   if (giver == nullptr || taker == nullptr) {
-    return unreachable(giver == nullptr ? *what.from.record : *what.to.record);
+    return (giver == nullptr ? what.from : what.to).record->unreachable();
   }
   const auto state = giver->save_state(what.from.task, deadline);
   if (!state) {
@@ -279,7 +275,7 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
   std::vector<model::Action> batch;
   for (const std::size_t index : indices) {
     if (service == nullptr) {
-      outcomes->note({index, unreachable(*record)});
+      outcomes->note({index, record->unreachable()});
       continue;
     }
     asked.push_back(index);

@@ -14,11 +14,6 @@ namespace {
 using Indices = std::vector<std::size_t>;
 using Groups = std::map<RecordPtr, Indices>;
 
-Error unavailable(const ProcessRecord& record) {
-  return fail(ErrorCode::Unavailable, "process " + quote(to_string(record.key())) + " cannot be reached",
-              to_string(record.key()));
-}
-
 /// What is known of one connection on its way.
 struct Laying {
   const Crossing* crossing = nullptr;
@@ -62,7 +57,7 @@ void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_ser
   }
   using Answers = decltype(ask_service(*service, questions));
   Answers answers = service ? fitting(ask_service(*service, questions), indices.size())
-                            : Answers(indices.size(), unavailable(*record));
+                            : Answers(indices.size(), record->unreachable());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     take(indices[i], std::move(answers[i]));
   }
@@ -121,63 +116,19 @@ class Batch {
     return groups;
   }
 
-  /// Both processes of every connection map each other's memory: once for each pair.
+  /// Both processes of every connection map each other's memory.
   void acquaint() {
-    std::map<RecordPtr, std::set<RecordPtr>> unknown;  // who has to be told of whom
+    std::vector<Pair> pairs;
     for (const auto& laying : layings_) {
-      const auto& [connection, writer, reader] = *laying.crossing;
-      for (const auto& [one, other] : {std::pair(writer, reader), std::pair(reader, writer)}) {
-        if (!one->knows(other->incarnation())) {
-          unknown[one].insert(other);
-        }
-      }
+      pairs.emplace_back(laying.crossing->writer, laying.crossing->reader);
     }
-    const auto offers = collect_offers(unknown);
-    std::vector<WorkerPool::Job> jobs;
-    for (const auto& [one, others] : unknown) {
-      jobs.emplace_back([this, &offers, one = one, &others = others] { introduce(one, others, offers); });
-    }
-    pool_.run_all(std::move(jobs));
-  }
-
-  using Offers = std::map<RecordPtr, Result<link::MemoryOffer>>;
-
-  Offers collect_offers(const std::map<RecordPtr, std::set<RecordPtr>>& unknown) {
-    Offers offers;
-    for (const auto& [one, others] : unknown) {
-      for (const auto& other : others) {
-        offers.try_emplace(other, unavailable(*other));
-      }
-    }
-    std::vector<WorkerPool::Job> jobs;
-    for (auto& item : offers) {
-      jobs.emplace_back([this, &item] {
-        if (const auto service = item.first->service()) {
-          item.second = service->memory(deadline_);
-        }
-      });
-    }
-    pool_.run_all(std::move(jobs));
-    return offers;
-  }
-
-  void introduce(const RecordPtr& one, const std::set<RecordPtr>& others, const Offers& offers) {
-    const auto service = one->service();
-    for (const auto& other : others) {
-      const auto& offer = offers.at(other);
-      const auto admitted = !offer     ? Result<void>(offer.error())
-                            : !service ? Result<void>(unavailable(*one))
-                                       : service->admit(*offer, deadline_);
-      if (admitted) {
-        one->learn(offer->incarnation);
-      } else {
-        fail_between(one, other, admitted.error());
-      }
+    for (const auto& [pair, why] : detail::acquaint(pool_, pairs, deadline_)) {
+      fail_between(pair, why);
     }
   }
 
-  void fail_between(const RecordPtr& one, const RecordPtr& other, const Error& why) {
-    const std::lock_guard lock(mutex_);
+  void fail_between(const Pair& pair, const Error& why) {
+    const auto& [one, other] = pair;
     for (auto& laying : layings_) {
       const auto& [connection, writer, reader] = *laying.crossing;
       const bool between = (writer == one && reader == other) || (writer == other && reader == one);
@@ -324,7 +275,6 @@ class Batch {
   WorkerPool& pool_;
   const TimePoint deadline_;
   std::vector<Laying> layings_;
-  std::mutex mutex_;  ///< where two processes' answers concern the same connection
 };
 
 bool is_of(const LooseHalf& half, const Crossing& crossing) {
@@ -394,6 +344,12 @@ void Wiring::make_room(std::span<const Crossing> crossings, const std::vector<Re
     std::copy_if(loose.begin(), loose.end(), std::back_inserter(mine),
                  [&](const LooseHalf& half) { return is_of(half, crossings[i]); });
     clean_now(mine, deadline);
+  }
+}
+
+void Wiring::acquaint(const std::vector<Pair>& pairs, TimePoint deadline) {
+  if (const Turn turn(*this, deadline); turn) {
+    (void)detail::acquaint(fleet_.pool(), pairs, deadline);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/deploy/acquaintance.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/model/network.hpp>
 
@@ -25,7 +26,9 @@ class Wiring {
  public:
   explicit Wiring(Fleet& fleet) : fleet_(fleet) {}
 
-  /// Offers are exchanged between processes that do not know each other yet; then three rounds: outputs are
+  /// What of later connections can be done ahead. Failures are found again when they are laid.
+  void acquaint(const std::vector<Pair>& pairs, TimePoint deadline);
+  /// Processes that do not know each other yet get to know each other; then three rounds: outputs are
   /// described, inputs opened, outputs attached. An input whose output fails is closed again.
   std::vector<Result<void>> connect(std::span<const Crossing> crossings, TimePoint deadline);
   /// The writer's halves, then the readers'. NotFound where neither was there.

@@ -32,6 +32,8 @@ std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> a
 
 void TaskHost::expect(const model::Network& /*target*/) {}
 
+void TaskHost::get_ready(const model::Network& /*target*/) {}
+
 void TaskHost::conclude(const model::Transition& /*transition*/) {}
 
 void TaskHost::withdraw() {}

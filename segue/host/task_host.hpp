@@ -96,6 +96,9 @@ class TaskHost {
   /// Which network is about to be made. Told once before the first action of a transition; may prepare, does
   /// not change what runs.
   virtual void expect(const model::Network& target);
+  /// Everything that can be made before `target` is committed has been made. Does what later actions would
+  /// have to do besides, as far as it does not change what runs; what fails here is found by those actions.
+  virtual void get_ready(const model::Network& target);
   /// Whether a task that moves to another process can be made there beside the incarnation that still runs.
   [[nodiscard]] virtual bool side_by_side() const { return false; }
   /// All actions of the transition are done: new incarnations become the ones that plain ids mean; tasks that

@@ -113,6 +113,28 @@ TEST_F(RuntimeTest, keeps_tasks_that_the_transition_does_not_name_running) {
   }
 }
 
+TEST_F(RuntimeTest, lets_the_host_get_ready_between_prepare_and_commit) {
+  ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+  std::mutex mutex;
+  std::vector<model::Phase> phases;
+  std::vector<model::Phase> before;
+  robot_.asking.ask([&](const model::Action& action) -> Result<void> {
+    const std::lock_guard lock(mutex);
+    phases.push_back(action.phase);
+    return {};
+  });
+  robot_.asking.when_getting_ready([&](const model::Network& target) {
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(target.name.str(), "second");
+    before = phases;
+  });
+  const auto result = switch_to("second");
+  ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_THAT(before, ::testing::Not(::testing::Contains(::testing::Ne(model::Phase::Prepare))));
+  EXPECT_EQ(before.size(), static_cast<std::size_t>(std::ranges::count(phases, model::Phase::Prepare)));
+  EXPECT_THAT(phases, ::testing::Contains(model::Phase::Commit));
+}
+
 TEST_F(RuntimeTest, refuses_what_it_does_not_know_before_any_action) {
   const auto unknown = switch_to("frist");
   EXPECT_EQ(unknown.outcome, Outcome::Refused);

@@ -156,11 +156,16 @@ void Transaction::run(SwitchResult& result) {
 void Transaction::forward(SwitchResult& result) {
   const auto execution = begin(plan_.transition);
   const bool prepared = enter(Stage::Prepare) && execution->run(model::Phase::Prepare);
+  const TimePoint made = RealClock::instance().now();
+  if (prepared) {
+    ground_.host.get_ready(plan_.target);
+  }
+  const Duration getting_ready = RealClock::instance().now() - made;
   const bool committed = prepared && enter(Stage::Commit) && execution->run(model::Phase::Commit);
   if (committed) {
     retire(*execution, result);
   }
-  result.prepare = execution->window(model::Phase::Prepare);
+  result.prepare = execution->window(model::Phase::Prepare) + getting_ready;
   result.commit = execution->window(model::Phase::Commit);
   result.retire = execution->window(model::Phase::Retire);
   std::optional<ActionRecord> failed;

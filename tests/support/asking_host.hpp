@@ -30,6 +30,23 @@ class AskingHost final : public ForwardingHost {
     ask_after_ = std::move(ask);
   }
 
+  /// Called when the host is to get ready for a target.
+  void when_getting_ready(std::function<void(const model::Network&)> tell) {
+    const std::lock_guard lock(mutex_);
+    getting_ready_ = std::move(tell);
+  }
+
+  void get_ready(const model::Network& target) override {
+    std::function<void(const model::Network&)> tell;
+    {
+      const std::lock_guard lock(mutex_);
+      tell = getting_ready_;
+    }
+    if (tell) {
+      tell(target);
+    }
+    inner_.get_ready(target);
+  }
   void perform_all(std::span<const model::Action> actions, TimePoint deadline,
                    const host::Completion& completed) override {
     Ask ask;
@@ -90,6 +107,7 @@ class AskingHost final : public ForwardingHost {
   mutable std::mutex mutex_;
   Ask ask_;
   Ask ask_after_;
+  std::function<void(const model::Network&)> getting_ready_;
   Listener listener_;
   mutable std::optional<host::TaskEvent> after_look_;
 };

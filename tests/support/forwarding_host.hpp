@@ -33,6 +33,7 @@ class ForwardingHost : public host::TaskHost {
     return inner_.check(network);
   }
   void expect(const model::Network& target) override { inner_.expect(target); }
+  void get_ready(const model::Network& target) override { inner_.get_ready(target); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }
