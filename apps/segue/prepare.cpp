@@ -25,9 +25,11 @@ bool is_ready(const Value& entry) {
 
 std::string line_for(const Value& entry) {
   const std::string name = text_at(entry, "controller");
-  if (!is_ready(entry)) return fmt::format("{} is not ready: {}", name, text_at(entry, "reason"));
-  return fmt::format("{}: {} of {} tasks are ready", name, number_at(entry, "prepared"),
-                     number_at(entry, "tasks"));
+  const auto prepared = number_at(entry, "prepared");
+  if (!is_ready(entry) && prepared == 0)
+    return fmt::format("{} is not ready: {}", name, text_at(entry, "reason"));
+  const std::string reason = is_ready(entry) ? "" : "; " + text_at(entry, "reason");
+  return fmt::format("{}: {} of {} tasks are ready{}", name, prepared, number_at(entry, "tasks"), reason);
 }
 
 int prepare(control::RobotService& robot, const Options& options, const Context& context) {

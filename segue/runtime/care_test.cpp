@@ -239,6 +239,36 @@ TEST_F(LookAheadTest, the_budget_and_unknown_names_are_told) {
   EXPECT_EQ(robot.host.observe().tasks.size(), 2U);
 }
 
+TEST_F(LookAheadTest, as_many_processes_of_a_controller_are_prepared_as_the_budget_permits) {
+  testing::StandInRobot robot(
+      RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 1}, .journal = {}});
+  model::Network wide = dock_;
+  model::Deployment& vision = wide.deployments.front();
+  model::Deployment control = vision;
+  control.process = model::ProcessName("control");
+  control.tasks = {vision.tasks.back()};
+  vision.tasks.pop_back();
+  wide.deployments.push_back(control);
+  for (const auto& network : {drive_, wide}) {
+    ASSERT_FALSE(robot.runtime.add_controller(network).has_errors());
+  }
+  ASSERT_EQ(robot.runtime.switch_to(drive_.name).outcome, Outcome::Done);
+  const auto ready = robot.runtime.prepare({wide.name}).get();
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_FALSE(ready[0].ready);
+  EXPECT_EQ(ready[0].prepared, 2U) << "base, which runs, and camera";
+  EXPECT_THAT(ready[0].reason, ::testing::HasSubstr("1 of its 2 processes are beyond the budget"));
+  EXPECT_NE(robot.host.observe().find_task(model::TaskId("camera")), nullptr);
+  EXPECT_EQ(robot.host.observe().find_task(model::TaskId("servo")), nullptr);
+  const auto docked = robot.runtime.switch_to(wide.name);
+  ASSERT_EQ(docked.outcome, Outcome::Done) << why(docked);
+  for (const auto& record : docked.actions) {
+    const bool made_again =
+        record.action.kind == model::ActionKind::Configure && record.action.task()->str() == "camera";
+    EXPECT_FALSE(made_again) << "it was ready";
+  }
+}
+
 TEST_F(LookAheadTest, a_failure_in_preparing_disturbs_nobody) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   robot_.asking.ask([](const model::Action& action) -> Result<void> {

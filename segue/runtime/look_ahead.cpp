@@ -17,19 +17,60 @@ struct Cost {
   std::uint64_t memory = 0;
 };
 
-Cost cost_of(const model::Network& beside, const model::Network& controller, const MemoryOf& memory_of) {
-  std::set<model::DeploymentKey> running;
-  for (const auto& deployment : controller.deployments) {
-    running.insert(deployment.key());
+using Keys = std::set<model::DeploymentKey>;
+
+Keys processes_of(const model::Network& network) {
+  Keys keys;
+  for (const auto& deployment : network.deployments) {
+    keys.insert(deployment.key());
   }
-  Cost cost;
-  for (const auto& deployment : beside.deployments) {
-    if (!running.contains(deployment.key())) {
-      ++cost.processes;
-      cost.memory += memory_of(deployment.key());
+  return keys;
+}
+
+/// What processes cost that stand beside a controller.
+class Budget {
+ public:
+  Budget(const model::LookAhead& limit, const MemoryOf& memory_of) : limit_(limit), memory_of_(memory_of) {}
+
+  /// False where it is too much: then nothing is taken.
+  bool take(const model::DeploymentKey& process) {
+    const std::uint64_t memory = memory_of_(process);
+    if (taken_.processes >= static_cast<std::size_t>(std::max(limit_.processes, 0)) ||
+        memory > limit_.memory - taken_.memory) {
+      return false;
     }
+    ++taken_.processes;
+    taken_.memory += memory;
+    return true;
   }
-  return cost;
+  [[nodiscard]] std::string text() const {
+    return "the budget of " + std::to_string(limit_.processes) + " processes and " +
+           std::to_string(limit_.memory / 1'000'000) + " MB for look-ahead";
+  }
+
+ private:
+  const model::LookAhead& limit_;
+  const MemoryOf& memory_of_;
+  Cost taken_;
+};
+
+/// A network without some of its processes and all that lives in them or is connected to that.
+model::Network without_processes(model::Network network, const Keys& processes) {
+  std::set<model::TaskId> gone;
+  std::erase_if(network.deployments, [&](const model::Deployment& deployment) {
+    if (!processes.contains(deployment.key())) {
+      return false;
+    }
+    for (const auto& seat : deployment.tasks) {
+      gone.insert(seat.task);
+    }
+    return true;
+  });
+  std::erase_if(network.tasks, [&](const model::Task& task) { return gone.contains(task.id); });
+  std::erase_if(network.connections, [&](const model::Connection& connection) {
+    return gone.contains(connection.from.task) || gone.contains(connection.to.task);
+  });
+  return network;
 }
 
 /// How much of a controller is there, or will be.
@@ -64,28 +105,33 @@ LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wis
                          const MemoryOf& memory_of) {
   LookAheadPlan plan;
   model::Network all = controller;
+  Keys there = processes_of(controller);
+  Budget left(budget, memory_of);
   for (const auto& wish : wishes) {
     if (!wish.network) {
       plan.readiness.push_back({wish.name, false, 0, 0, "no such controller"});
       continue;
     }
-    model::Network more = solve::warmed(all, *wish.network, catalog);
-    model::Network beside = without(more, controller);
-    const Cost cost = cost_of(beside, controller, memory_of);
-    const bool fits = cost.processes <= static_cast<std::size_t>(std::max(budget.processes, 0)) &&
-                      cost.memory <= budget.memory;
-    if (fits) {
-      all = std::move(more);
-      plan.beside = std::move(beside);
+    Keys beyond;
+    for (const auto& deployment : wish.network->deployments) {
+      const auto key = deployment.key();
+      if (there.contains(key) || left.take(key)) {
+        there.insert(key);
+      } else {
+        beyond.insert(key);
+      }
     }
+    all = solve::warmed(all, without_processes(*wish.network, beyond), catalog);
     Readiness readiness = readiness_of(*wish.network, all);
-    readiness.ready = fits;
-    if (!fits) {
-      readiness.reason = "beyond the budget of " + std::to_string(budget.processes) + " processes and " +
-                         std::to_string(budget.memory / 1'000'000) + " MB for look-ahead";
+    readiness.ready = beyond.empty();
+    if (!readiness.ready) {
+      readiness.reason = std::to_string(beyond.size()) + " of its " +
+                         std::to_string(wish.network->deployments.size()) + " processes are beyond " +
+                         left.text();
     }
     plan.readiness.push_back(std::move(readiness));
   }
+  plan.beside = without(all, controller);
   return plan;
 }
 

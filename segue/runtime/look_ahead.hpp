@@ -26,7 +26,8 @@ struct LookAheadPlan {
 /// How much memory (bytes) a process takes that stands beside now; 0: not known.
 using MemoryOf = std::function<std::uint64_t(const model::DeploymentKey& process)>;
 
-/// As many of the wishes as the budget permits, in their order. Pure but for `memory_of`.
+/// As much of the wishes as the budget permits, in their order, and of each its processes in theirs. Pure but
+/// for `memory_of`.
 LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wish>& wishes,
                          const model::ComponentCatalog& catalog, const model::LookAhead& budget,
                          const MemoryOf& memory_of);

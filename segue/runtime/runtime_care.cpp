@@ -238,7 +238,7 @@ void Runtime::Implementation::look_ahead() {
       for (auto& one : ahead.readiness) {
         if (result.outcome != Outcome::Done) {
           one = {one.controller, false, 0, one.tasks, result.error ? to_string(*result.error) : ""};
-        } else if (const auto wished = one.ready ? known(one.controller) : std::nullopt) {
+        } else if (const auto wished = one.prepared > 0 ? known(one.controller) : std::nullopt) {
           host.get_ready(*wished);
         }
       }
