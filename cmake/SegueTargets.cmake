@@ -28,7 +28,9 @@ if(SEGUE_WERROR)
   target_compile_options(segue_flags INTERFACE -Werror)
 endif()
 if(SEGUE_SANITIZE)
-  target_compile_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE} -fno-omit-frame-pointer)
+  # A finding ends the program, so that a test that has one fails.
+  target_compile_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE} -fno-sanitize-recover=all
+                                               -fno-omit-frame-pointer)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # With the sanitizers' code in between, gcc sees unset variables where there are none.
     target_compile_options(segue_flags INTERFACE -Wno-maybe-uninitialized)
