@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/files.hpp>
+#include <segue/mission/checks.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/program.hpp>
 
@@ -11,8 +11,8 @@ namespace {
 /// Resolves the names of a mission without errors.
 class Compiler {
  public:
-  Compiler(const Mission& mission, std::vector<Node>& nodes)
-      : mission_(mission), index_(mission), nodes_(nodes) {}
+  Compiler(const MissionIndex& index, std::vector<Node>& nodes)
+      : mission_(index.mission()), index_(index), nodes_(nodes) {}
 
   void run() {
     nodes_.resize(mission_.states.size());
@@ -44,7 +44,7 @@ class Compiler {
     if (state.kind == StateKind::Library) {
       node.library = index_.library(state.library)->root;
     } else if (!is_container(state.kind)) {
-      node.action = static_cast<std::uint32_t>(index_.action(state.action) - mission_.actions.data());
+      node.action = static_cast<std::uint32_t>(index_.action_of(i) - mission_.actions.data());
     }
   }
 
@@ -82,17 +82,20 @@ class Compiler {
       if (child.kind == StateKind::Decider) node.decider = state.children[position];
     }
     node.slots = slot;
-    if (state.start) node.start = step(i, *state.start);
-    for (const DataFlow& flow : state.flows)
-      connect(i, flow);
+    if (state.start) {
+      const Target& start = *state.start;
+      node.start = step(i, start, start.leaves() ? kNoState : index_.child(i, start.state));
+    }
+    for (std::size_t flow = 0; flow < state.flows.size(); ++flow)
+      connect(i, state.flows[flow], index_.flow(i, flow));
   }
 
-  void connect(StateIndex i, const DataFlow& flow) {
+  void connect(StateIndex i, const DataFlow& flow, const FlowStates& states) {
     const State& state = mission_.states[i];
-    const std::uint32_t from = slot_of(i, flow.from);
+    const std::uint32_t from = slot_of(i, flow.from, states.from);
     switch (flow.to.owner) {
       case Owner::Child: {
-        Node& child = nodes_[index_.child(i, flow.to.state)];
+        Node& child = nodes_[states.to];
         child.inputs[*position(*child.input_ports, flow.to.port)].slots.push_back(from);
         return;
       }
@@ -102,34 +105,36 @@ class Compiler {
       default:
         break;
     }
-    const Copy copy{from, slot_of(i, flow.to)};
+    const Copy copy{from, slot_of(i, flow.to, states.to)};
     if (flow.from.owner == Owner::Child) {
-      nodes_[index_.child(i, flow.from.state)].into_variables.push_back(copy);
+      nodes_[states.from].into_variables.push_back(copy);
     } else {
       nodes_[i].at_begin.push_back(copy);
     }
   }
 
-  [[nodiscard]] std::uint32_t slot_of(StateIndex i, const PortRef& ref) const {
+  [[nodiscard]] std::uint32_t slot_of(StateIndex i, const PortRef& ref, StateIndex owner) const {
     const State& state = mission_.states[i];
     if (ref.owner == Owner::Inputs) return static_cast<std::uint32_t>(*position(state.inputs, ref.port));
     if (ref.owner == Owner::Variables)
       return static_cast<std::uint32_t>(state.inputs.size() + *position(state.variables, ref.port));
-    const Node& child = nodes_[index_.child(i, ref.state)];
+    const Node& child = nodes_[owner];
     return child.first_output + static_cast<std::uint32_t>(*position(*child.output_ports, ref.port));
   }
 
   void transitions(StateIndex i) {
     const State& state = mission_.states[i];
-    for (const Transition& transition : state.transitions) {
-      const Outcome outcome = number(*nodes_[i].outcomes, transition.outcome);
-      nodes_[i].next[static_cast<std::size_t>(outcome + 2)] = step(state.parent, transition.to);
+    for (std::size_t transition = 0; transition < state.transitions.size(); ++transition) {
+      const auto& [name, to, where] = state.transitions[transition];
+      const Outcome outcome = number(*nodes_[i].outcomes, name);
+      nodes_[i].next[static_cast<std::size_t>(outcome + 2)] =
+          step(state.parent, to, index_.target(i, transition));
     }
   }
 
-  [[nodiscard]] Step step(StateIndex container, const Target& target) const {
+  [[nodiscard]] Step step(StateIndex container, const Target& target, StateIndex sibling) const {
     if (target.leaves()) return {Step::Kind::Leave, 0, number(*nodes_[container].outcomes, target.outcome)};
-    return {Step::Kind::Child, nodes_[index_.child(container, target.state)].position, 0};
+    return {Step::Kind::Child, index_.position(sibling), 0};
   }
 
   static Outcome number(const std::vector<std::string>& outcomes, std::string_view name) {
@@ -139,17 +144,18 @@ class Compiler {
   }
 
   const Mission& mission_;
-  MissionIndex index_;
+  const MissionIndex& index_;
   std::vector<Node>& nodes_;
 };
 
 }  // namespace
 
 Result<std::shared_ptr<const Program>> Program::compile(Mission mission) {
-  const Diagnostics problems = validate(mission);
-  if (problems.has_errors()) return problems.to_error();
   auto program = std::make_shared<Program>(std::move(mission));
-  Compiler(program->mission_, program->nodes_).run();
+  const MissionIndex index(program->mission_);
+  const Diagnostics problems = detail::validate(index);
+  if (problems.has_errors()) return problems.to_error();
+  Compiler(index, program->nodes_).run();
   return std::shared_ptr<const Program>(std::move(program));
 }
 

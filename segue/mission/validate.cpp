@@ -25,18 +25,21 @@ bool connects(std::string_view from, std::string_view to) {
 }
 
 Diagnostics validate(const Mission& mission) {
-  Diagnostics diagnostics;
-  const MissionIndex index(mission);
-  detail::check_actions(mission, diagnostics);
-  detail::check_facts(mission, diagnostics);
-  detail::check_resources(mission, diagnostics);
-  detail::check_control(index, diagnostics);
-  detail::check_data(index, diagnostics);
-  diagnostics.sort();
-  return diagnostics;
+  return detail::validate(MissionIndex(mission));
 }
 
 namespace detail {
+
+Diagnostics validate(const MissionIndex& index) {
+  Diagnostics diagnostics;
+  check_actions(index.mission(), diagnostics);
+  check_facts(index.mission(), diagnostics);
+  check_resources(index.mission(), diagnostics);
+  check_control(index, diagnostics);
+  check_data(index, diagnostics);
+  diagnostics.sort();
+  return diagnostics;
+}
 
 std::string told(const Mission& mission, StateIndex index) {
   if (index == 0) return "the mission";

@@ -21,6 +21,11 @@ class ControlCheck {
   void run() {
     for (StateIndex i = 0; i < mission_.states.size(); ++i)
       check(i);
+    for (const StateIndex i : index_.duplicates()) {
+      error("duplicate-state",
+            told(mission_, i) + " is there twice in " + told(mission_, mission_.states[i].parent),
+            mission_.states[i].where);
+    }
     check_recursion();
   }
 
@@ -57,7 +62,7 @@ class ControlCheck {
 
   void check_action(StateIndex i) {
     const State& state = mission_.states[i];
-    const Action* action = index_.action(state.action);
+    const Action* action = index_.action_of(i);
     if (action == nullptr) {
       error("unknown-action",
             told(mission_, i) + ": there is no action " + quote(state.action.str()) +
@@ -104,21 +109,15 @@ class ControlCheck {
 
   void check_container(StateIndex i) {
     const State& state = mission_.states[i];
-    std::unordered_map<std::string_view, StateIndex> ids;
-    std::size_t deciders = 0;
-    for (const StateIndex child : state.children) {
-      if (mission_.states[child].kind == StateKind::Decider) ++deciders;
-      if (ids.try_emplace(mission_.states[child].id.str(), child).second) continue;
-      error("duplicate-state", told(mission_, child) + " is there twice in " + told(mission_, i),
-            mission_.states[child].where);
-    }
+    const auto deciders = std::ranges::count_if(
+        state.children, [&](StateIndex child) { return mission_.states[child].kind == StateKind::Decider; });
     if (state.kind == StateKind::Barrier && deciders != 1) {
       error("missing-decider",
             told(mission_, i) + ": a barrier has one state of the kind 'decider', not " +
                 std::to_string(deciders),
             state.where);
     }
-    if (state.kind != StateKind::Hierarchy && state.children.size() == deciders) {
+    if (state.kind != StateKind::Hierarchy && std::ssize(state.children) == deciders) {
       error("no-states", told(mission_, i) + " has no states", state.where);
     }
     if (state.kind == StateKind::Hierarchy) check_hierarchy(i);
@@ -130,11 +129,10 @@ class ControlCheck {
       error("missing-start", told(mission_, i) + " does not say under 'start' where to begin", state.where);
       return;
     }
-    check_target(*state.start, i, told(mission_, i) + ": 'start'", state.where);
-    const bool begins = state.start->leaves() || index_.child(i, state.start->state) != kNoState;
-    if (!begins) return;
-    const auto next = successors(index_, state);
-    const auto seen = reached(index_, state, next);
+    const StateIndex first = state.start->leaves() ? kNoState : index_.child(i, state.start->state);
+    check_target(*state.start, first, i, state.where, [&] { return told(mission_, i) + ": 'start'"; });
+    if (!state.start->leaves() && first == kNoState) return;
+    const auto seen = reached(index_, i, Successors(index_, state));
     for (std::size_t child = 0; child < seen.size(); ++child) {
       if (seen[child]) continue;
       const State& lost = mission_.states[state.children[child]];
@@ -145,20 +143,23 @@ class ControlCheck {
     }
   }
 
-  void check_target(const Target& target, StateIndex container, const std::string& what, const Place& where) {
+  /// `found`: the state that it names; `what` tells whose target it is.
+  template <class What>
+  void check_target(const Target& target, StateIndex found, StateIndex container, const Place& where,
+                    What what) {
     const State& around = mission_.states[container];
     if (!target.leaves()) {
-      if (index_.child(container, target.state) != kNoState) return;
+      if (found != kNoState) return;
       std::vector<std::string> ids;
       for (const StateIndex child : around.children)
         ids.push_back(mission_.states[child].id.str());
       error("unknown-state",
-            what + " leads to " + quote(target.state.str()) + ", but " + told(mission_, container) +
+            what() + " leads to " + quote(target.state.str()) + ", but " + told(mission_, container) +
                 " has no such state" + did_you_mean(target.state.str(), ids),
             where);
     } else if (!has_outcome(around.outcomes, target.outcome)) {
       error("unknown-outcome",
-            what + " returns " + quote(target.outcome) + ", but " + told(mission_, container) +
+            what() + " returns " + quote(target.outcome) + ", but " + told(mission_, container) +
                 " has no such outcome" + did_you_mean(target.outcome, around.outcomes),
             where);
     }
@@ -177,8 +178,11 @@ class ControlCheck {
     if (around.kind == StateKind::Barrier && state.kind != StateKind::Decider)
       return check_ignored(i, "the decider tells how a barrier ends");
     const auto interface = index_.interface(i);
-    for (const Transition& transition : state.transitions) {
-      const std::string what = told(mission_, i) + ": the transition from " + quote(transition.outcome);
+    for (std::size_t number = 0; number < state.transitions.size(); ++number) {
+      const Transition& transition = state.transitions[number];
+      const auto what = [&] {
+        return told(mission_, i) + ": the transition from " + quote(transition.outcome);
+      };
       if (interface && !has_outcome(*interface->outcomes, transition.outcome)) {
         error("unknown-outcome",
               told(mission_, i) + " has no outcome " + quote(transition.outcome) +
@@ -187,12 +191,12 @@ class ControlCheck {
       }
       if (is_concurrency(around.kind) && !transition.to.leaves()) {
         error("bad-target",
-              what + " must leave " + told(mission_, state.parent) +
+              what() + " must leave " + told(mission_, state.parent) +
                   ", as in 'return success': its states run side by side",
               transition.where);
         continue;
       }
-      check_target(transition.to, state.parent, what, transition.where);
+      check_target(transition.to, index_.target(i, number), state.parent, transition.where, what);
     }
     if (!interface) return;
     for (const std::string& outcome : *interface->outcomes) {
@@ -256,31 +260,25 @@ class ControlCheck {
 
 }  // namespace
 
-std::vector<std::vector<std::uint32_t>> successors(const MissionIndex& index, const State& hierarchy) {
-  const Mission& mission = index.mission();
-  std::vector<std::vector<std::uint32_t>> next(hierarchy.children.size());
-  std::unordered_map<std::string_view, std::uint32_t> positions;
-  for (std::uint32_t i = 0; i < hierarchy.children.size(); ++i)
-    positions.try_emplace(mission.states[hierarchy.children[i]].id.str(), i);
-  for (std::size_t i = 0; i < hierarchy.children.size(); ++i) {
-    for (const Transition& transition : mission.states[hierarchy.children[i]].transitions) {
-      const auto found = positions.find(transition.to.state.str());
-      if (!transition.to.leaves() && found != positions.end()) next[i].push_back(found->second);
+Successors::Successors(const MissionIndex& index, const State& hierarchy) {
+  first_.reserve(hierarchy.children.size() + 1);
+  for (const StateIndex child : hierarchy.children) {
+    first_.push_back(static_cast<std::uint32_t>(all_.size()));
+    for (std::size_t i = 0; i < index.mission().states[child].transitions.size(); ++i) {
+      const StateIndex next = index.target(child, i);
+      if (next != kNoState) all_.push_back(index.position(next));
     }
   }
-  return next;
+  first_.push_back(static_cast<std::uint32_t>(all_.size()));
 }
 
-std::vector<bool> reached(const MissionIndex& index, const State& hierarchy,
-                          const std::vector<std::vector<std::uint32_t>>& successors) {
-  std::vector<bool> seen(hierarchy.children.size(), false);
-  if (!hierarchy.start || hierarchy.start->leaves()) return seen;
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t i = 0; i < hierarchy.children.size(); ++i) {
-    if (index.mission().states[hierarchy.children[i]].id == hierarchy.start->state) open.push_back(i);
-  }
-  for (const std::uint32_t first : open)
-    seen[first] = true;
+std::vector<bool> reached(const MissionIndex& index, StateIndex hierarchy, const Successors& successors) {
+  std::vector<bool> seen(successors.size(), false);
+  const auto& start = index.mission().states[hierarchy].start;
+  const StateIndex first = start && !start->leaves() ? index.child(hierarchy, start->state) : kNoState;
+  if (first == kNoState) return seen;
+  std::vector<std::uint32_t> open = {index.position(first)};
+  seen[open.front()] = true;
   while (!open.empty()) {
     const std::uint32_t here = open.back();
     open.pop_back();

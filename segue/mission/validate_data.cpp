@@ -3,16 +3,24 @@
 #include <segue/mission/checks.hpp>
 #include <segue/mission/files.hpp>
 
-#include <map>
-#include <unordered_map>
+#include <algorithm>
+#include <compare>
+#include <tuple>
 
 namespace segue::mission::detail {
 namespace {
 
 /// A port at one end of a data flow.
 struct End {
+  Owner owner = Owner::Child;
+  std::uint32_t child = 0;   ///< position among the children, where it is one's
+  std::uint32_t number = 0;  ///< of the port
   const Port* port = nullptr;
-  std::uint32_t child = 0;  ///< position among the children, where it is one's
+  /// Whose it is, in their order.
+  friend auto operator<=>(const End& a, const End& b) {
+    return std::tie(a.owner, a.child, a.number) <=> std::tie(b.owner, b.child, b.number);
+  }
+  friend bool operator==(const End& a, const End& b) { return (a <=> b) == 0; }
 };
 
 /// The data flows of one container.
@@ -26,10 +34,10 @@ class FlowCheck {
         diagnostics_(diagnostics) {}
 
   void run() {
-    for (std::uint32_t i = 0; i < state_.children.size(); ++i)
-      positions_.try_emplace(mission_.states[state_.children[i]].id.str(), i);
-    for (const DataFlow& flow : state_.flows)
-      check(flow);
+    written_.resize(state_.variables.size(), false);
+    for (std::size_t i = 0; i < state_.flows.size(); ++i)
+      check(state_.flows[i], index_.flow(container_, i));
+    std::ranges::stable_sort(writers_, {}, &Writer::to);
     check_writers();
   }
 
@@ -40,23 +48,24 @@ class FlowCheck {
     End to;
   };
 
-  void check(const DataFlow& flow) {
-    const auto from = end(flow.from, true, flow);
-    const auto to = end(flow.to, false, flow);
+  void check(const DataFlow& flow, const FlowStates& states) {
+    const auto from = end(flow.from, states.from, true, flow);
+    const auto to = end(flow.to, states.to, false, flow);
     if (!from || !to) return;
     if (!connects(from->port->type, to->port->type)) {
       diagnostics_.error("type-mismatch",
                          told(flow) + ": " + from->port->type + " does not fit into " + to->port->type,
                          flow.where);
     }
-    writers_[to_string(flow.to)].push_back({&flow, *from, *to});
+    writers_.push_back({&flow, *from, *to});
+    if (to->owner == Owner::Variables) written_[to->number] = true;
   }
 
   std::string told(const DataFlow& flow) const {
     return "data flow " + to_string(flow.from) + " -> " + to_string(flow.to);
   }
 
-  std::optional<End> end(const PortRef& ref, bool source, const DataFlow& flow) {
+  std::optional<End> end(const PortRef& ref, StateIndex state, bool source, const DataFlow& flow) {
     switch (ref.owner) {
       case Owner::Inputs:
         if (!source) return misused(ref, flow, "only its outputs and variables can be written from inside");
@@ -69,18 +78,17 @@ class FlowCheck {
       case Owner::Child:
         break;
     }
-    const auto found = positions_.find(ref.state.str());
-    if (found == positions_.end()) {
+    if (state == kNoState) {
       diagnostics_.error(
           "unknown-state",
           told(flow) + ": " + detail::told(mission_, container_) + " has no state " + quote(ref.state.str()),
           flow.where);
       return std::nullopt;
     }
-    const auto interface = index_.interface(state_.children[found->second]);
+    const auto interface = index_.interface(state);
     if (!interface) return std::nullopt;
     auto result = port_of(source ? *interface->outputs : *interface->inputs, ref, flow);
-    if (result) result->child = found->second;
+    if (result) result->child = index_.position(state);
     return result;
   }
 
@@ -94,7 +102,7 @@ class FlowCheck {
 
   std::optional<End> port_of(const std::vector<Port>& ports, const PortRef& ref, const DataFlow& flow) {
     const auto found = position(ports, ref.port);
-    if (found) return End{&ports[*found], 0};
+    if (found) return End{ref.owner, 0, static_cast<std::uint32_t>(*found), &ports[*found]};
     diagnostics_.error("unknown-port",
                        told(flow) + ": there is no " + quote(to_string(ref)) + suggestion(ports, ref.port),
                        flow.where);
@@ -105,19 +113,22 @@ class FlowCheck {
   void check_writers() {
     if (writers_.empty()) return;
     if (state_.kind == StateKind::Hierarchy) {
-      next_ = successors(index_, state_);
-      reached_ = reached(index_, state_, next_);
+      next_ = Successors(index_, state_);
+      reached_ = reached(index_, container_, next_);
+      visited_.resize(next_.size(), 0);
     }
-    for (const auto& [port, writers] : writers_) {
-      const DataFlow& first = *writers.front().flow;
-      if (first.to.owner == Owner::Variables || !writers.front().to.port->value.is_null()) continue;
-      if (first.to.owner == Owner::Child && is_given(first)) continue;
+    for (std::size_t begin = 0, end = 0; begin < writers_.size(); begin = end) {
+      while (end < writers_.size() && writers_[end].to == writers_[begin].to)
+        ++end;
+      const DataFlow& first = *writers_[begin].flow;
+      if (first.to.owner == Owner::Variables || !writers_[begin].to.port->value.is_null()) continue;
+      if (first.to.owner == Owner::Child && is_given(writers_[begin])) continue;
       bool possible = false;
-      for (const Writer& writer : writers)
-        possible = possible || can_write(writer);
+      for (std::size_t i = begin; i < end; ++i)
+        possible = possible || can_write(writers_[i]);
       if (possible) continue;
       diagnostics_.error("never-written",
-                         quote(port) +
+                         quote(to_string(first.to)) +
                              " has no default, and nothing that is connected to it can have been written "
                              "when it is read",
                          first.where);
@@ -125,10 +136,10 @@ class FlowCheck {
   }
 
   /// Whether the child gives the input a value of its own.
-  [[nodiscard]] bool is_given(const DataFlow& flow) const {
-    const State& child = mission_.states[state_.children[positions_.at(flow.to.state.str())]];
+  [[nodiscard]] bool is_given(const Writer& writer) const {
+    const State& child = mission_.states[state_.children[writer.to.child]];
     for (const PortValue& value : child.input_values) {
-      if (value.port == flow.to.port) return true;
+      if (value.port == writer.to.port->name) return true;
     }
     return false;
   }
@@ -137,7 +148,7 @@ class FlowCheck {
     const PortRef& from = writer.flow->from;
     if (from.owner == Owner::Inputs) return true;
     if (from.owner == Owner::Variables)
-      return !writer.from.port->value.is_null() || writers_.contains(to_string(from));
+      return !writer.from.port->value.is_null() || written_[writer.from.number];
     if (writer.flow->to.owner == Owner::Outputs)
       return state_.kind != StateKind::Hierarchy || reached_[writer.from.child];
     if (state_.kind != StateKind::Hierarchy) {
@@ -150,7 +161,7 @@ class FlowCheck {
 
   /// Whether a way leads from one state to the other. The search is bounded; beyond that a way is assumed.
   bool leads(std::uint32_t from, std::uint32_t to) {
-    visited_.assign(next_.size(), false);
+    ++search_;
     std::vector<std::uint32_t> open = {from};
     while (!open.empty()) {
       const std::uint32_t here = open.back();
@@ -158,8 +169,8 @@ class FlowCheck {
       for (const std::uint32_t there : next_[here]) {
         if (there == to || budget_ == 0) return true;
         --budget_;
-        if (!visited_[there]) open.push_back(there);
-        visited_[there] = true;
+        if (visited_[there] != search_) open.push_back(there);
+        visited_[there] = search_;
       }
     }
     return false;
@@ -170,11 +181,12 @@ class FlowCheck {
   const State& state_;
   StateIndex container_;
   Diagnostics& diagnostics_;
-  std::unordered_map<std::string_view, std::uint32_t> positions_;
-  std::map<std::string, std::vector<Writer>> writers_;  ///< by what they write
-  std::vector<std::vector<std::uint32_t>> next_;
+  std::vector<Writer> writers_;  ///< by what they write
+  std::vector<bool> written_;    ///< by variable
+  Successors next_;
   std::vector<bool> reached_;
-  std::vector<bool> visited_;
+  std::vector<std::uint32_t> visited_;  ///< in which search last
+  std::uint32_t search_ = 0;
   std::size_t budget_ = 10'000'000;
 };
 
