@@ -69,7 +69,8 @@ struct DataFlow {
 /// One state. Which members mean something depends on the kind.
 struct State {
   StateId id;
-  std::string title;  ///< as people call it; may be empty
+  std::string title;      ///< as people call it; may be empty
+  std::string script_id;  ///< as scripts know it, such as RAFCON's id; empty: `id`
   std::string description;
   StateKind kind = StateKind::Execution;
   StateIndex parent = kNoState;
@@ -120,6 +121,10 @@ struct Mission {
   [[nodiscard]] const State& root() const { return states.front(); }
   /// Appends a state under `parent` (kNoState: a root).
   StateIndex add(StateIndex parent, State state);
+  /// As scripts know the state.
+  [[nodiscard]] const std::string& script_id(StateIndex state) const {
+    return states[state].script_id.empty() ? states[state].id.str() : states[state].script_id;
+  }
   /// "fetch/grasp": the ids from below the root; "" for a root.
   [[nodiscard]] std::string path(StateIndex state) const;
 };

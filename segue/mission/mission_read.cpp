@@ -86,6 +86,7 @@ class Reader {
   StateIndex read_state(State state, StateIndex parent, const Value& value, Fields& fields) {
     state.where = source_.at(value);
     state.title = fields.text("title");
+    state.script_id = fields.text("id");
     state.description = fields.text("description");
     const bool container = fields.find("states", Value::Kind::Map) != nullptr;
     state.kind = kind_of(fields, container);

@@ -62,6 +62,7 @@ void write_state(ValueMap& map, const Mission& mission, StateIndex index) {
   const bool plain = state.kind == StateKind::Execution || state.kind == StateKind::Library ||
                      (state.kind == StateKind::Hierarchy && !state.children.empty());
   if (!state.title.empty()) map.append("title", state.title);
+  if (!state.script_id.empty()) map.append("id", state.script_id);
   if (!state.description.empty()) map.append("description", state.description);
   if (!plain) map.append("kind", kStateKindNames[static_cast<std::size_t>(state.kind)]);
   container ? write_container(map, state) : write_use(map, state);

@@ -34,10 +34,10 @@ struct RafconImport {
 };
 
 /// Reads the machine in `folder` (with its statemachine.json) and the libraries it uses. Ids are made from
-/// names, which remain as titles; scripts become Python actions, semantic data notes. What RAFCON never looks
-/// at is left out: transitions of the states of a barrier. Nothing where there are errors: unreadable files,
-/// missing libraries, references to what is not there. The mission may still have problems that validate()
-/// finds. Reads files.
+/// names, which remain as titles; RAFCON's ids remain as what scripts know states by; scripts become Python
+/// actions, semantic data notes. What RAFCON never looks at is left out: transitions of the states of a
+/// barrier. Nothing where there are errors: unreadable files, missing libraries, references to what is not
+/// there. The mission may still have problems that validate() finds. Reads files.
 std::optional<RafconImport> import_rafcon(const std::filesystem::path& folder,
                                           const std::vector<RafconLibraryPath>& libraries,
                                           Diagnostics& diagnostics);

@@ -127,6 +127,7 @@ class Converter {
     State state;
     state.id = StateId(id);
     if (parent != kNoState && raw.name != id) state.title = raw.name;
+    if (raw.id != id) state.script_id = raw.id;
     state.description = raw.description;
     state.kind = raw.kind;
     state.notes = raw.notes;

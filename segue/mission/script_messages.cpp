@@ -69,7 +69,8 @@ Value branches_of(const Call& call) {
   Value::List branches;
   for (const BranchResult& branch : call.branches()) {
     branches.push_back(
-        Value::map({{"id", call.program().state(branch.state).id.str()},
+        Value::map({{"id", call.program().mission().script_id(branch.state)},
+                    {"state", call.program().state(branch.state).id.str()},
                     {"name", name_of(call.program(), branch.state)},
                     {"outcome", static_cast<std::int64_t>(branch.outcome)},
                     {"outcome_name", call.program().outcome_name(branch.state, branch.outcome)},
@@ -164,7 +165,7 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, Call& ca
   message.append("run", run);
   message.append("backward", call.backward());
   message.append("path", call.path().empty() ? program.mission().name : call.path());
-  message.append("state", state.id.str());
+  message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));
   add_script(message, call.action(), program.mission());
   message.append("inputs", std::move(*inputs));

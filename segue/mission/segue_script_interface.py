@@ -142,16 +142,16 @@ class ScriptDecider(ScriptState):
         return RuntimeError(branch["error"]) if branch and branch["error"] else None
 
     def get_outcome_for_state_name(self, name):
-        return self._outcome(self._find("name", name) or self._find("id", name))
+        return self._outcome(self._find("name", name) or self._find("state", name))
 
     def get_outcome_for_state_id(self, state_id):
-        return self._outcome(self._find("id", state_id))
+        return self._outcome(self._find("id", state_id) or self._find("state", state_id))
 
     def get_errors_for_state_name(self, name):
-        return self._error(self._find("name", name) or self._find("id", name))
+        return self._error(self._find("name", name) or self._find("state", name))
 
     def get_errors_for_state_id(self, state_id):
-        return self._error(self._find("id", state_id))
+        return self._error(self._find("id", state_id) or self._find("state", state_id))
 
 
 class GlobalVariables:
