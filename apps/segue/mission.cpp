@@ -64,9 +64,12 @@ int import(const ImportOptions& options, const Context& context) {
 /// A mission as it is written, a task network concurrently unless something else is asked.
 int run_plan(const MissionOptions& options, NetworkOptions network, const Context& context) {
   if (is_task_network(options.file)) {
-    if (!options.inputs.empty() || !options.facts.empty() || !options.start_at.empty()) {
+    const bool for_missions = !options.inputs.empty() || !options.facts.empty() ||
+                              !options.start_at.empty() || !options.journal.empty();
+    if (for_missions) {
       return failed(context, fail(ErrorCode::Unsupported,
-                                  "--input, --fact and --start-at are for missions, not for task networks"));
+                                  "--input, --fact, --start-at and --journal are for missions, not for task "
+                                  "networks"));
     }
     network.mode = options.mode;
     network.clock = options.clock;
@@ -116,6 +119,18 @@ void add_runner(CLI::App& verb, Context& context) {
       ->type_name("FACT");
   runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
       ->type_name("PATH");
+  CLI::Option* journal =
+      runner->add_option("--journal", options->journal, "write down what is done, so that it can be resumed");
+  journal->type_name("FILE");
+  CLI::Option* resume =
+      runner->add_flag("--resume", options->resume, "go on where the run of that journal broke off");
+  resume->needs(journal);
+  runner
+      ->add_option("--under-way", options->under_way,
+                   "what becomes of actions that had begun then: again, skip or abort")
+      ->type_name("HOW")
+      ->needs(resume)
+      ->check(CLI::IsMember({"again", "skip", "abort"}).description(""));
   runner->add_option("--python", options->python, "what executes Python scripts; default: python3")
       ->type_name("PROGRAM");
   add_library_option(*runner, *options);

@@ -47,7 +47,7 @@ Result<std::unique_ptr<convert::Run>> prepare(mission::Mission loaded, const Mis
     if (auto set = set_input(**program, input, inputs); !set) return set.error();
   }
   convert::RunOptions settings;
-  auto facts = given_facts(options);
+  auto facts = given_facts(options.facts);
   if (!facts) return facts.error();
   settings.facts = std::move(*facts);
   settings.clock = options.clock == "virtual" ? cdtn::ClockKind::Virtual : cdtn::ClockKind::Real;
@@ -73,6 +73,9 @@ int run_mission_concurrently(const MissionOptions& options, const NetworkOptions
   if (!options.start_at.empty()) {
     return failed(context, fail(ErrorCode::Unsupported,
                                 "--start-at begins in the middle, which only a sequential run can"));
+  }
+  if (!options.journal.empty()) {
+    return failed(context, fail(ErrorCode::Unsupported, "--journal is for sequential runs"));
   }
   if (const auto fits = check(options.files); !fits) return failed(context, fits.error());
   Diagnostics diagnostics;

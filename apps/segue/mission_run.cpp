@@ -64,18 +64,55 @@ class MissionRun {
     mission::EngineOptions settings;
     settings.clock = &clock();
     settings.warn = [](const std::string& text) { print_note(text); };
-    auto facts = given_facts(options_);
+    auto start = beginning((*program)->mission(), settings.journal);
+    if (!start) return start.error();
+    auto facts = given_facts(start->facts);
     if (!facts) return facts.error();
     settings.facts = std::move(*facts);
     auto engine = mission::Engine::create(*program, runners_of(options_), std::move(settings));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
+    for (const auto& [name, value] : start->inputs) {
+      if (auto set = engine_->set_input(name, value); !set) return set;
+    }
+    return start->start_at.empty() ? Result<void>{} : engine_->start_at(start->start_at);
+  }
+
+  /// What the options say, or the journal of the run that goes on.
+  Result<mission::RunJournal::Start> beginning(const mission::Mission& mission,
+                                               std::shared_ptr<mission::RunJournal>& journal) const {
+    const auto warn = [](const std::string& text) { print_note(text); };
+    mission::RunJournal::Start start{{}, options_.facts, options_.start_at};
     for (const std::string& input : options_.inputs) {
       auto given = parse_input(input);
       if (!given) return given.error();
-      if (auto set = engine_->set_input(given->first, std::move(given->second)); !set) return set;
+      start.inputs.erase(given->first);
+      start.inputs.append(given->first, std::move(given->second));
     }
-    return options_.start_at.empty() ? Result<void>{} : engine_->start_at(options_.start_at);
+    if (options_.journal.empty()) return start;
+    if (!options_.resume) {
+      auto made = mission::RunJournal::create(options_.journal, mission, start, warn);
+      if (!made) return made.error();
+      journal = std::move(*made);
+      return start;
+    }
+    if (!start.inputs.empty() || !start.facts.empty() || !start.start_at.empty()) {
+      return fail(ErrorCode::InvalidArgument,
+                  "a run that goes on has the inputs, facts and start that it began with");
+    }
+    auto found = mission::RunJournal::resume(options_.journal, mission, under_way(), warn);
+    if (!found) return found.error();
+    journal = std::move(*found);
+    print_note(fmt::format("the run goes on: {} {} had ended", journal->size(),
+                           journal->size() == 1 ? "action" : "actions"));
+    return journal->start();
+  }
+
+  [[nodiscard]] mission::RunJournal::UnderWay under_way() const {
+    using UnderWay = mission::RunJournal::UnderWay;
+    if (options_.under_way == "again") return UnderWay::Again;
+    if (options_.under_way == "skip") return UnderWay::Skip;
+    return options_.under_way == "abort" ? UnderWay::Abort : UnderWay::Refuse;
   }
 
   /// The engine in this thread; another waits for a signal meanwhile.
@@ -221,9 +258,9 @@ Result<std::pair<std::string, Value>> parse_input(const std::string& text) {
   return std::pair(text.substr(0, equals), std::move(*value));
 }
 
-Result<std::vector<mission::Fact>> given_facts(const MissionOptions& options) {
+Result<std::vector<mission::Fact>> given_facts(const std::vector<std::string>& texts) {
   std::vector<mission::Fact> facts;
-  for (const std::string& text : options.facts) {
+  for (const std::string& text : texts) {
     auto fact = mission::parse_initial_fact(text);
     if (!fact) return fact.error();
     facts.push_back(std::move(*fact));

@@ -21,6 +21,9 @@ struct MissionOptions {
   std::vector<std::string> facts;
   std::string start_at;
   std::vector<std::string> libraries;
+  std::string journal;  ///< "": none
+  bool resume = false;
+  std::string under_way = "refuse";
   RunFiles files;
   bool show = true;  ///< what was executed, on standard output
   std::string python = "python3";
@@ -35,7 +38,7 @@ mission::Runners runners_of(const MissionOptions& options);
 Result<std::pair<std::string, type::Value>> parse_input(const std::string& text);
 
 /// What --fact says. ParseError.
-Result<std::vector<mission::Fact>> given_facts(const MissionOptions& options);
+Result<std::vector<mission::Fact>> given_facts(const std::vector<std::string>& texts);
 
 /// Runs the mission and shows what was executed. SIGINT and SIGTERM preempt it.
 int run_mission(const MissionOptions& options, const Context& context);

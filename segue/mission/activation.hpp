@@ -48,6 +48,7 @@ struct Activation {
   bool mark = false;      ///< where a step over or out ends
   bool deferred = false;  ///< a leaf under way that a Completer will end
   bool refused = false;   ///< a leaf whose action was not begun, for want of a fact
+  bool recalled = false;  ///< a leaf whose end is that of an earlier run
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
   std::uint64_t generation = 0;

@@ -16,6 +16,10 @@ Engine::~Engine() = default;
 
 Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> program, const Runners& runners,
                                                EngineOptions options) {
+  if (options.journal != nullptr && (options.backward || options.part)) {
+    return fail(ErrorCode::Unsupported,
+                "what is in a journal cannot be stepped back, and is of a whole mission");
+  }
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
   auto facts = options.part ? Result<World::Facts>(std::move(options.part->world))

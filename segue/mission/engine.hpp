@@ -7,6 +7,7 @@
 #include <segue/mission/globals.hpp>
 #include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/run_journal.hpp>
 #include <segue/mission/world.hpp>
 
 #include <atomic>
@@ -50,6 +51,9 @@ struct EngineOptions {
   std::vector<Fact> facts{};
   /// Told what is odd but no failure, such as an input of another type than declared.
   std::function<void(std::string)> warn;
+  /// Where it writes what it does, and finds what an earlier run has done. Not with `backward`, nor for a
+  /// part.
+  std::shared_ptr<RunJournal> journal{};
   /// Runs only that; by default the whole mission, with globals and iterations of its own.
   std::optional<MissionPart> part{};
 };
@@ -66,7 +70,8 @@ struct MissionResult {
 /// owns an engine and calls everything but what says otherwise. One run each.
 class Engine {
  public:
-  /// NotFound where an action has no runner, InvalidArgument where a given fact is none.
+  /// NotFound where an action has no runner, InvalidArgument where a given fact is none, Unsupported for a
+  /// journal of what is to be stepped back.
   static Result<std::unique_ptr<Engine>> create(std::shared_ptr<const Program> program,
                                                 const Runners& runners, EngineOptions options = {});
   ~Engine();

@@ -83,7 +83,7 @@ Activation* EngineCore::step(Activation& activation) {
 
 /// False where nothing can come any more but through a release of what is held.
 bool EngineCore::wait() {
-  if (fire_timers()) return true;
+  if (recall_next() || begin_postponed() || fire_timers()) return true;
   const bool timed = !timers_.empty();
   if (!timed && open_calls_ == 0) return mailbox->has_news();
   if (timed && virtual_clock_ != nullptr && open_calls_ == 0) {

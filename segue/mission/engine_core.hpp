@@ -6,9 +6,12 @@
 #include <segue/mission/mailbox.hpp>
 
 #include <deque>
+#include <map>
 #include <memory>
+#include <optional>
 #include <queue>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace segue::mission::detail {
@@ -84,6 +87,7 @@ class EngineCore {
   Activation* join(Activation& concurrency);
   Activation* follow(Activation& concurrency, const Activation& child);
   Ending call(Activation& leaf, bool& under_way);
+  Ending execute(Activation& leaf, bool& under_way);
   void check(Activation& leaf, const Ending& ending);
   void first_step(Activation& hierarchy);
 
@@ -99,6 +103,16 @@ class EngineCore {
   [[nodiscard]] type::Value fallback(const Supply& supply);
   static const Slot* newest(const Supply& supply, const Activation& container);
   void warn(const Activation& activation, const std::string& message) const;
+
+  // engine_journal.cpp: what outlives the run
+  Ending call_recorded(Activation& leaf, bool& under_way);
+  Ending begin_recorded(Activation& leaf, bool& under_way);
+  bool recall(Activation& leaf);
+  bool recall_next();
+  bool begin_postponed();
+  [[nodiscard]] std::optional<Ending> settled(const Activation& leaf) const;
+  void record_begin(const Activation& leaf);
+  void record_end(const Activation& leaf);
 
   // engine_control.cpp: holding and going back
   [[nodiscard]] bool holds(Activation& hierarchy);
@@ -118,6 +132,10 @@ class EngineCore {
   std::deque<Activation*> ready_;
   std::vector<Activation*> held_;
   std::priority_queue<Timer> timers_;
+  using Waiting = std::pair<Activation*, std::uint64_t>;  ///< and its generation
+  std::map<std::size_t, Waiting> recalled_;               ///< by place in the journal
+  std::deque<Waiting> postponed_;                         ///< not in the journal, begun after what is
+  std::size_t recalled_count_ = 0;
   std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, and when they are given up
   std::shared_ptr<Iterations> iterations_;
   std::vector<bool> touches_;  ///< by action: it names facts, or resources by its inputs

@@ -18,7 +18,7 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.parent = parent;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
-  activation.refused = false;
+  activation.refused = activation.recalled = false;
   activation.changed = {};
   activation.item = History::kNone;
   activation.outcome = activation.last = 0;

@@ -124,6 +124,10 @@ void EngineCore::bring_about(Activation& leaf) {
 }
 
 Ending EngineCore::call(Activation& leaf, bool& under_way) {
+  return options.journal == nullptr ? execute(leaf, under_way) : call_recorded(leaf, under_way);
+}
+
+Ending EngineCore::execute(Activation& leaf, bool& under_way) {
   LeafCall execution(*this, leaf);
   try {
     const auto ending = runners[program->node(leaf.state).action]->start(execution);
@@ -147,6 +151,7 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
     leaf.outcome = kAborted;
     leaf.error = "its action ended with an outcome that it does not have";
   }
+  if (options.journal != nullptr && !leaf.recalled) record_end(leaf);
 }
 
 Activation* EngineCore::enter_library(Activation& library) {
@@ -215,6 +220,7 @@ Activation* EngineCore::finish(Activation& activation) {
     result = {activation.outcome, program->outcome_name(activation.state, activation.outcome),
               activation.error, activation.outputs};
     ended = true;
+    if (options.journal != nullptr) options.journal->finished(result.outcome_name);
     return nullptr;
   }
   if (activation.mark) around->mark = true;

@@ -10,9 +10,13 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
 #include <algorithm>
+
 #include <filesystem>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 /// Runs tests/cases/mission/run/*.yaml in virtual time, as they are written and concurrently; README.md there
 /// tells the format. A new case needs no C++.
@@ -33,6 +37,12 @@ class Trial {
  public:
   explicit Trial(const Value& test) : test_(test) { add_callbacks(); }
 
+  /// Writes a journal, or goes on with one that was cut.
+  void keep_journal(std::filesystem::path file, bool resume) {
+    journal_ = std::move(file);
+    resume_ = resume;
+  }
+
   void execute() {
     ASSERT_NO_FATAL_FAILURE(compile());
     EngineOptions options;
@@ -41,6 +51,12 @@ class Trial {
     options.preemption_grace = std::chrono::milliseconds(1);
     options.facts = facts();
     options.warn = [this](const std::string& text) { warnings_.emplace_back(text); };
+    if (!journal_.empty()) {
+      auto journal = resume_ ? RunJournal::resume(journal_, program_->mission(), RunJournal::UnderWay::Again)
+                             : RunJournal::create(journal_, program_->mission(), {});
+      ASSERT_TRUE(journal) << to_string(journal.error());
+      options.journal = std::move(*journal);
+    }
     auto engine = Engine::create(program_, runners_, std::move(options));
     ASSERT_TRUE(engine) << to_string(engine.error());
     engine_ = std::move(*engine);
@@ -144,6 +160,8 @@ class Trial {
 
   void compare(const Value& expect) {
     for (const auto& [key, wanted] : expect.as_map()) {
+      // What was done before is not done again, nor does it take time.
+      if (resume_ && (key == "notes" || key == "warnings" || key == "end")) continue;
       const Value found = part(key, wanted);
       EXPECT_TRUE(found == wanted) << key << ":\n  found  " << json(found) << "\n  wanted " << json(wanted);
     }
@@ -258,7 +276,25 @@ class Trial {
   World::Facts world_;
   Value::List notes_;
   Value::List warnings_;
+  std::filesystem::path journal_;
+  bool resume_ = false;
 };
+
+/// What has ended has begun once, unless it was under way at a cut.
+void expect_nothing_done_twice(const std::string& journal) {
+  std::map<std::pair<std::string, std::uint64_t>, bool> ended;
+  std::size_t begin = 0;
+  for (std::size_t end = journal.find('\n'); end != std::string::npos; end = journal.find('\n', begin)) {
+    const Value line = type::parse_json(journal.substr(begin, end - begin)).value();
+    begin = end + 1;
+    const Value* n = line.find("n");
+    if (const Value* begun = line.find("begun")) {
+      EXPECT_FALSE((ended[{begun->as_string(), n->as_uint()}])) << begun->as_string();
+    } else if (const Value* done = line.find("ended")) {
+      EXPECT_FALSE((std::exchange(ended[{done->as_string(), n->as_uint()}], true))) << done->as_string();
+    }
+  }
+}
 
 class MissionRunCase : public ::testing::TestWithParam<std::filesystem::path> {};
 
@@ -277,6 +313,38 @@ TEST_P(MissionRunCase, goesSoConcurrently) {
       GTEST_SKIP() << "only a run as written has " << sequential_only;
   }
   Trial(*root).execute_concurrently();
+}
+
+/// Runs that were broken off after any line of their journal, or within it, go on to the same end.
+TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
+  const auto text = read_file(GetParam());
+  const auto test = type::parse_yaml(*text);
+  ASSERT_TRUE(test);
+  const std::string& mission = test->find("mission")->as_string();
+  for (const char* hand : {"steps", "start_at", "inputs"}) {
+    if (test->find(hand) != nullptr) GTEST_SKIP() << "it is led by hand";
+  }
+  for (const char* hand : {"callback: stop", "callback: pause", "callback: deaf"}) {
+    if (mission.find(hand) != std::string::npos) GTEST_SKIP() << "an action of it stops the engine, or would not be stopped";
+  }
+  const auto file =
+      std::filesystem::path(::testing::TempDir()) / ("segue_run_" + std::to_string(::getpid()) + ".journal");
+  std::filesystem::remove(file);
+  Trial whole(*test);
+  whole.keep_journal(file, false);
+  whole.execute();
+  const std::string journal = read_file(file).value();
+  for (std::size_t cut = journal.find('\n') + 1; cut + 2 < journal.size();
+       cut = std::min(journal.find('\n', cut) + 1, cut + 40)) {
+    if (journal.find("\"finished\"", 0) < cut) break;
+    ASSERT_TRUE(write_file(file, journal.substr(0, cut)));
+    Trial rest(*test);
+    rest.keep_journal(file, true);
+    rest.execute();
+    if (HasFailure()) FAIL() << "after\n" << journal.substr(0, cut);
+    expect_nothing_done_twice(read_file(file).value());
+  }
+  std::filesystem::remove(file);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, MissionRunCase, ::testing::ValuesIn(glob_files(kCases)),

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
+#include <sstream>
 #include <thread>
 
 #include "system_test.hpp"
@@ -178,6 +180,54 @@ TEST_F(MissionScripts, AnInterpreterThatIsNotThereIsToldByTheMissionsError) {
   const auto run = json({"mission", "run", "m.yaml", "--python", "/nowhere/python3"}, 1);
   EXPECT_THAT(run.find("error")->as_string(), HasSubstr("cannot start the Python interpreter"));
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--simulate"}).status, 0) << "needs none";
+}
+
+TEST_F(MissionScripts, AKilledRunGoesOnWhereItBrokeOff) {
+  write("m.yaml", R"(
+mission: m
+actions:
+  count:
+    inputs: {n: int}
+    outputs: {n: int}
+    outcomes: [more, enough]
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              with open("done.txt", "a") as file:
+                  file.write("%d\n" % inputs["n"])
+              gvm.set_variable("last", inputs["n"])
+              outputs["n"] = inputs["n"] + 1
+              return "more" if outputs["n"] < 5 else "enough"
+  rest: {run: {simulated: {duration: 20ms}}}
+variables: {n: {type: int, default: 0}}
+start: count
+flows: [variables.n -> count.n, count.n -> variables.n]
+states:
+  count: {on: {more: rest, enough: return success}}
+  rest: {on: {success: count}}
+)");
+  const std::vector<std::string> begun = {"mission", "run", "m.yaml", "--journal", "run.journal"};
+  {
+    Process process(command(begun), folder_);
+    ASSERT_TRUE(
+        wait_until([&] { return read("run.journal").find("\"ended\":\"rest\"") != std::string::npos; }));
+    process.signal(SIGKILL);
+    process.wait();
+  }
+  EXPECT_THAT(segue(begun).errors, HasSubstr("'run.journal' is there already"));
+  auto resumed = begun;
+  resumed.insert(resumed.end(), {"--resume", "--under-way", "again"});
+  const auto rest = json(resumed);
+  EXPECT_EQ(rest.find("outcome")->as_string(), "success");
+  EXPECT_EQ(*rest.find("globals")->find("last"), Value(4));
+  std::map<std::string, int> lines;
+  std::istringstream done(read("done.txt"));
+  for (std::string line; std::getline(done, line);)
+    ++lines[line];
+  EXPECT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines["0"], 1) << "it had ended";
+  EXPECT_THAT(segue(resumed).errors, HasSubstr("that run has ended"));
 }
 
 }  // namespace

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/run_journal.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/base/system_error.hpp>
+#include <segue/base/text.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/type/json.hpp>
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace segue::mission {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+constexpr std::uint64_t kVersion = 1;
+
+/// FNV-1a of what the mission says, its libraries included; its scripts' files are not.
+std::string digest(const Mission& mission) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : write_mission(mission))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return std::to_string(hash);
+}
+
+Error not_a_journal(const std::string& why) {
+  return fail(ErrorCode::ParseError, "this is no journal of a mission's run: " + why);
+}
+
+const Value& part(const Value& line, std::string_view key) {
+  static const Value kNothing;
+  const Value* found = line.find(key);
+  return found == nullptr ? kNothing : *found;
+}
+
+std::string text_of(const Value& line, std::string_view key) {
+  const Value& value = part(line, key);
+  return value.is_string() ? value.as_string() : std::string();
+}
+
+bool flag_of(const Value& line, std::string_view key) {
+  const Value& value = part(line, key);
+  return value.is_bool() && value.as_bool();
+}
+
+ValueMap map_of(const Value& line, std::string_view key) {
+  const Value& value = part(line, key);
+  return value.is_map() ? value.as_map() : ValueMap();
+}
+
+std::vector<std::string> texts_of(const Value& line, std::string_view key) {
+  std::vector<std::string> texts;
+  const Value& value = part(line, key);
+  for (const Value& one : value.is_list() ? value.as_list() : Value::List()) {
+    if (one.is_string()) texts.push_back(one.as_string());
+  }
+  return texts;
+}
+
+Value list(const std::vector<std::string>& texts) {
+  Value::List values;
+  for (const std::string& text : texts)
+    values.emplace_back(text);
+  return values;
+}
+
+Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
+  Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC, 0600));
+  if (!file.valid() && errno == EEXIST) {
+    return fail(ErrorCode::AlreadyExists,
+                quote(path.string()) + " is there already: resume its run, or name another file");
+  }
+  if (!file.valid()) return system_error("cannot open " + quote(path.string()), errno);
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0)
+    return fail(ErrorCode::InvalidState, "another run writes " + quote(path.string()));
+  return file;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::path& file,
+                                                       const Mission& mission, Start start, Warn warn) {
+  auto opened = open_locked(file, O_CREAT | O_EXCL);
+  if (!opened) return opened.error();
+  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened), std::move(warn)));
+  ValueMap line;
+  line.append("segue_mission_run", kVersion);
+  line.append("mission", mission.name);
+  line.append("digest", digest(mission));
+  line.append("inputs", start.inputs);
+  line.append("facts", list(start.facts));
+  line.append("start_at", start.start_at);
+  journal->start_ = std::move(start);
+  journal->write(line, true);
+  if (!journal->file_.valid())
+    return fail(ErrorCode::IoError, "nothing can be written to " + quote(file.string()));
+  return journal;
+}
+
+Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::path& file,
+                                                       const Mission& mission, UnderWay under_way,
+                                                       Warn warn) {
+  auto text = read_file(file);
+  if (!text) return text.error();
+  auto opened = open_locked(file, 0);
+  if (!opened) return opened.error();
+  std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened), std::move(warn)));
+  const std::size_t whole = text->rfind('\n') == std::string::npos ? 0 : text->rfind('\n') + 1;
+  if (auto taken = journal->read(std::string_view(*text).substr(0, whole), mission, file.string()); !taken)
+    return taken.error();
+  if (journal->finished_) return fail(ErrorCode::InvalidState, "that run has ended; begin a new one");
+  if (const std::string open = journal->open_actions(); under_way == UnderWay::Refuse && !open.empty()) {
+    return fail(ErrorCode::InvalidState,
+                open +
+                    " had begun and not ended when the run broke off; say what is to become of it: again, "
+                    "skip or abort");
+  }
+  if (::ftruncate(journal->file_.get(), static_cast<off_t>(whole)) != 0)
+    return system_error("cannot write " + quote(file.string()), errno);
+  journal->under_way_ = under_way;
+  return journal;
+}
+
+Result<void> RunJournal::read(std::string_view text, const Mission& mission, const std::string& name) {
+  std::size_t number = 0;
+  while (!text.empty()) {
+    const auto end = text.find('\n');
+    auto line = type::parse_json(text.substr(0, end), name);
+    text.remove_prefix(end + 1);
+    ++number;
+    if (!line || !line->is_map()) return not_a_journal("line " + std::to_string(number) + " is no object");
+    if (number > 1) {
+      if (auto taken = take(*line); !taken)
+        return not_a_journal("line " + std::to_string(number) + ": " + taken.error().message);
+      continue;
+    }
+    if (part(*line, "segue_mission_run") != Value(kVersion)) return not_a_journal("it does not say so");
+    if (text_of(*line, "digest") != digest(mission)) {
+      return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(*line, "mission")) +
+                                                  " as it was then; this mission is another one");
+    }
+    start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at")};
+  }
+  return number > 0 ? Result<void>{} : not_a_journal("it is empty, which it is made where a disk is full");
+}
+
+Result<void> RunJournal::take(const Value& line) {
+  if (line.find("finished") != nullptr) {
+    finished_ = true;
+    return {};
+  }
+  const Value& n = part(line, "n");
+  if (!n.is_integer()) return fail(ErrorCode::ParseError, "it lacks the number of the execution");
+  if (const Value* path = line.find("begun"); path != nullptr && path->is_string()) {
+    open_[{path->as_string(), n.as_uint()}] = flag_of(line, "irreversible");
+    return {};
+  }
+  const Value* path = line.find("ended");
+  const Value& outcome = part(line, "outcome");
+  if (path == nullptr || !path->is_string() || !outcome.is_integer())
+    return fail(ErrorCode::ParseError, "it tells neither of a begin nor of an end");
+  const Value& outputs = part(line, "outputs");
+  End end{static_cast<Outcome>(outcome.as_int()),
+          text_of(line, "error"),
+          flag_of(line, "preempted"),
+          outputs.is_list() ? outputs.as_list() : Value::List(),
+          map_of(line, "globals"),
+          texts_of(line, "erased")};
+  const Key key{path->as_string(), n.as_uint()};
+  open_.erase(key);
+  if (!places_.emplace(key, ends_.size()).second)
+    return fail(ErrorCode::ParseError, quote(key.first) + " ends twice");
+  ends_.push_back(std::move(end));
+  return {};
+}
+
+std::string RunJournal::open_actions() const {
+  std::vector<std::string> names;
+  for (const auto& [key, irreversible] : open_) {
+    if (irreversible) names.push_back(quote(key.first));
+  }
+  return names.empty() ? std::string() : listed(names);
+}
+
+std::optional<std::size_t> RunJournal::find(const std::string& path, std::uint64_t iteration) const {
+  const auto found = places_.find({path, iteration});
+  return found == places_.end() ? std::nullopt : std::optional(found->second);
+}
+
+RunJournal::UnderWay RunJournal::interrupted(const std::string& path, std::uint64_t iteration) const {
+  const auto found = open_.find({path, iteration});
+  return found != open_.end() && found->second ? under_way_ : UnderWay::Refuse;
+}
+
+void RunJournal::began(const std::string& path, std::uint64_t iteration, bool irreversible) {
+  ValueMap line;
+  line.append("begun", path);
+  line.append("n", iteration);
+  if (irreversible) line.append("irreversible", true);
+  write(line, irreversible);
+}
+
+void RunJournal::ended(const std::string& path, std::uint64_t iteration, End end, const Value& globals) {
+  ValueMap line;
+  line.append("ended", path);
+  line.append("n", iteration);
+  line.append("outcome", static_cast<std::int64_t>(end.outcome));
+  if (!end.error.empty()) line.append("error", std::move(end.error));
+  if (end.preempted) line.append("preempted", true);
+  line.append("outputs", Value::List(std::move(end.outputs)));
+  const auto& now = globals.as_map();
+  for (const auto& [name, value] : now) {
+    const Value* before = globals_.is_map() ? globals_.find(name) : nullptr;
+    if (before == nullptr || !(*before == value)) end.globals.append(name, value);
+  }
+  for (const auto& [name, value] : globals_.is_map() ? globals_.as_map() : ValueMap()) {
+    if (now.find(name) == nullptr) end.erased.push_back(name);
+  }
+  if (!end.globals.empty()) line.append("globals", std::move(end.globals));
+  if (!end.erased.empty()) line.append("erased", list(end.erased));
+  globals_ = globals;
+  write(line, false);
+}
+
+void RunJournal::finished(const std::string& outcome) {
+  ValueMap line;
+  line.append("finished", outcome);
+  write(line, true);
+}
+
+void RunJournal::write(const ValueMap& line, bool durable) {
+  if (!file_.valid()) return;
+  const std::string text = type::to_json(line, -1) + '\n';
+  std::string_view left = text;
+  while (!left.empty()) {
+    const auto written = ::write(file_.get(), left.data(), left.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) break;
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (left.empty() && (!durable || ::fdatasync(file_.get()) == 0)) return;
+  const int reason = errno;
+  (void)::ftruncate(file_.get(), 0);
+  file_ = Descriptor();
+  if (warn_) {
+    warn_(system_error("this run cannot be resumed any more: its journal cannot be written", reason).message);
+  }
+}
+
+}  // namespace segue::mission

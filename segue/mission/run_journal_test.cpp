@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/mission/engine.hpp>
+#include <segue/mission/files.hpp>
+
+#include <support/full_disk.hpp>
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+namespace segue::mission {
+namespace {
+
+using ::testing::HasSubstr;
+using UnderWay = RunJournal::UnderWay;
+
+constexpr const char* kMission = R"(
+mission: m
+globals: {seen: {type: int, default: 0}}
+actions:
+  look: {outputs: {n: float}, pure: true, run: {callback: look}}
+  grasp: {inputs: {n: float}, outcomes: [held, lost], expect: {outcome: lost}, run: {callback: grasp}}
+outputs: {n: float}
+outcomes: [held, lost]
+start: look
+flows: [look.n -> grasp.n, look.n -> outputs.n]
+states:
+  look: {on: {success: grasp}}
+  grasp: {on: {held: return held, lost: return lost}}
+)";
+
+class RunJournals : public ::testing::Test {
+ protected:
+  RunJournals() {
+    Diagnostics diagnostics;
+    program_ = Program::compile(read_mission(kMission, "m.yaml", diagnostics).value()).value();
+    runners_.add("look", [this](Call& call) {
+      ++looks_;
+      call.set_output("n", type::Value(2.0));
+      EXPECT_TRUE(call.globals().set("seen", type::Value(1)));
+      EXPECT_TRUE(call.globals().set("new", type::Value("text")));
+      return Ending{};
+    });
+    runners_.add("grasp", [this](Call& call) {
+      ++grasps_;
+      EXPECT_EQ(call.input("n"), type::Value(2.0));
+      EXPECT_EQ(call.globals().get("seen"), type::Value(1));
+      EXPECT_EQ(call.globals().get("new"), type::Value("text"));
+      return Ending{};
+    });
+  }
+  ~RunJournals() override { std::filesystem::remove(file_); }
+
+  MissionResult run(Result<std::unique_ptr<RunJournal>> journal) {
+    EXPECT_TRUE(journal) << to_string(journal.error());
+    EngineOptions options;
+    options.journal = std::move(*journal);
+    auto engine = Engine::create(program_, runners_, options).value();
+    engine->run();
+    return engine->result();
+  }
+  [[nodiscard]] const Mission& mission() const { return program_->mission(); }
+  Result<std::unique_ptr<RunJournal>> resume(UnderWay under_way = UnderWay::Refuse) {
+    return RunJournal::resume(file_, mission(), under_way, [this](const std::string& text) { told_ = text; });
+  }
+  Result<std::unique_ptr<RunJournal>> create() {
+    return RunJournal::create(file_, mission(), {}, [this](const std::string& text) { told_ = text; });
+  }
+  /// Runs it all, and cuts the journal after so many lines.
+  void break_off_after(int lines) {
+    (void)run(create());
+    const std::string text = read_file(file_).value();
+    std::size_t end = 0;
+    for (int i = 0; i < lines; ++i)
+      end = text.find('\n', end) + 1;
+    ASSERT_TRUE(write_file(file_, text.substr(0, end)));
+    looks_ = grasps_ = 0;
+  }
+
+  std::filesystem::path file_ =
+      std::filesystem::path(::testing::TempDir()) / ("segue_run_journal_" + std::to_string(::getpid()));
+  std::shared_ptr<const Program> program_;
+  Runners runners_;
+  int looks_ = 0;
+  int grasps_ = 0;
+  std::string told_;
+};
+
+TEST_F(RunJournals, WhatHasEndedIsNotExecutedAgain) {
+  break_off_after(3);
+  const auto result = run(resume());
+  EXPECT_EQ(result.outcome_name, "held");
+  EXPECT_EQ(result.outputs.at(0), type::Value(2.0));
+  EXPECT_EQ(looks_, 0);
+  EXPECT_EQ(grasps_, 1);
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("has ended"));
+}
+
+TEST_F(RunJournals, PureActionsThatWereUnderWayAreExecutedAgain) {
+  break_off_after(2);
+  EXPECT_EQ(run(resume()).outcome_name, "held");
+  EXPECT_EQ(looks_, 1);
+}
+
+TEST_F(RunJournals, SomebodySaysWhatBecomesOfWhatMayNotBeRepeated) {
+  break_off_after(4);
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("'grasp' had begun and not ended"));
+  const std::string text = read_file(file_).value();
+  EXPECT_EQ(run(resume(UnderWay::Skip)).outcome_name, "lost") << "what was expected";
+  EXPECT_EQ(grasps_, 0);
+  ASSERT_TRUE(write_file(file_, text));
+  EXPECT_THAT(run(resume(UnderWay::Abort)).error, HasSubstr("had begun and not ended"));
+  EXPECT_EQ(grasps_, 0);
+  ASSERT_TRUE(write_file(file_, text));
+  EXPECT_EQ(run(resume(UnderWay::Again)).outcome_name, "held");
+  EXPECT_EQ(grasps_, 1);
+}
+
+TEST_F(RunJournals, OneRunOneJournal) {
+  const auto first = create();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(create().error().code, ErrorCode::AlreadyExists);
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("another run writes"));
+}
+
+TEST_F(RunJournals, OthersAreRefused) {
+  EXPECT_EQ(resume().error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(write_file(file_, ""));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("it is empty"));
+  ASSERT_TRUE(write_file(file_, "{\"name\": 1}\n"));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("it does not say so"));
+  std::filesystem::remove(file_);
+  break_off_after(1);
+  Mission other = mission();
+  other.actions.front().pure = false;
+  EXPECT_THAT(to_string(RunJournal::resume(file_, other, UnderWay::Again).error()), HasSubstr("another one"));
+}
+
+TEST_F(RunJournals, AFullDiskEndsTheJournalAndNotTheRun) {
+  const testing::FullDisk full(250);
+  EXPECT_EQ(run(create()).outcome_name, "held");
+  EXPECT_THAT(told_, HasSubstr("cannot be resumed any more"));
+  EXPECT_EQ(std::filesystem::file_size(file_), 0U) << "it would tell of less than was done";
+}
+
+RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {
+  const auto file =
+      std::filesystem::path(::testing::TempDir()) / ("segue_any_journal_" + std::to_string(::getpid()));
+  Diagnostics diagnostics;
+  const Mission mission = read_mission(kMission, "m.yaml", diagnostics).value();
+  std::filesystem::remove(file);
+  {
+    auto journal = RunJournal::create(file, mission, {}).value();
+    journal->began("look", 0, false);
+    journal->ended("look", 0, {0, "e", false, {type::Value(1)}, {}, {}}, type::Value::map({{"g", 1}}));
+    journal->began("grasp", 0, true);
+  }
+  std::string text = read_file(file).value();
+  const auto damages = *rc::gen::inRange(1, 4);
+  for (int i = 0; i < damages; ++i) {
+    const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
+    text[at] = *rc::gen::elementOf(std::string("{}[]\",:0a\n-"));
+  }
+  RC_ASSERT(write_file(file, text).has_value());
+  const auto resumed = RunJournal::resume(file, mission, UnderWay::Again);
+  RC_ASSERT(resumed || !resumed.error().message.empty());
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace segue::mission
