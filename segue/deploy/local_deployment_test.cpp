@@ -182,7 +182,8 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on) {
   expect_done({apply(stuck_in("s", "configure"), "p")});
   const std::vector actions{on_task(ActionKind::Configure, "s")};
-  const auto late = deployment_.perform(actions, in(std::chrono::milliseconds(1))).front();
+  // Long enough for it to begin.
+  const auto late = deployment_.perform(actions, in(std::chrono::seconds(1))).front();
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);
   EXPECT_TRUE(hang_now({model::TaskId("s")}));

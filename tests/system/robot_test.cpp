@@ -93,7 +93,12 @@ TEST_F(RunningRobot, ItsBeliefCanBeReset) {
   ASSERT_EQ(segue({"set", "drive.max_speed=0.25"}).status, 0);
   EXPECT_FALSE(json({"status"}).find("differences")->as_list().empty());
   EXPECT_EQ(json({"reset-belief"}).find("outcome")->as_string(), "done");
-  EXPECT_TRUE(json({"status"}).find("differences")->as_list().empty());
+  // A busy computer may meanwhile have tasks that do not answer.
+  const auto differ = [&] { return !json({"status"}).find("differences")->as_list().empty(); };
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  while (differ() && std::chrono::steady_clock::now() < give_up) {
+  }
+  EXPECT_FALSE(differ()) << segue({"status"}).output;
   EXPECT_TRUE(contains(segue({"reset-belief"}).output, "what is observed"));
 }
 
