@@ -110,6 +110,7 @@ void EngineCore::read_news() {
   if (news.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
   if (!news.stop) return;
   mode_ = Mode::Run;
+  if (options.journal != nullptr) options.journal->close();
   if (root_ != nullptr) preempt(*root_);
 }
 

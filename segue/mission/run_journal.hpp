@@ -71,6 +71,8 @@ class RunJournal {
   /// `globals`: all there are, by name.
   void ended(const std::string& path, std::uint64_t iteration, End end, const type::Value& globals);
   void finished(const std::string& outcome);
+  /// The run is stopped: what ends from now on ends early and does not count, so that it can go on from here.
+  void close() { file_ = Descriptor(); }
 
  private:
   using Key = std::pair<std::string, std::uint64_t>;

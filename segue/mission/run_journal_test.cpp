@@ -85,6 +85,7 @@ class RunJournals : public ::testing::Test {
   Runners runners_;
   int looks_ = 0;
   int grasps_ = 0;
+  std::function<void()> stop_;
   std::string told_;
 };
 
@@ -116,6 +117,36 @@ TEST_F(RunJournals, SomebodySaysWhatBecomesOfWhatMayNotBeRepeated) {
   ASSERT_TRUE(write_file(file_, text));
   EXPECT_EQ(run(resume(UnderWay::Again)).outcome_name, "held");
   EXPECT_EQ(grasps_, 1);
+}
+
+TEST_F(RunJournals, ARunThatWasStoppedGoesOnFromThere) {
+  class UntilStopped final : public ActionRunner {
+   public:
+    UntilStopped(int& calls, std::function<void()>& stop) : calls_(calls), stop_(stop) {}
+    std::optional<Ending> start(Call& call) override {
+      if (++calls_ == 2) return Ending{*call.outcome("lost"), {}};
+      auto completer = std::make_shared<Completer>();
+      *completer = call.defer([completer] { (*completer)({0, {}}, {}); });
+      stop_();
+      return std::nullopt;
+    }
+
+   private:
+    int& calls_;
+    std::function<void()>& stop_;
+  };
+  runners_.add("grasp", std::make_shared<UntilStopped>(grasps_, stop_));
+  EngineOptions options;
+  options.journal = create().value();
+  auto engine = Engine::create(program_, runners_, options).value();
+  stop_ = [&] { engine->stop(); };
+  engine->run();
+  EXPECT_EQ(engine->result().outcome, kPreempted);
+  engine.reset();
+  options.journal.reset();
+  EXPECT_EQ(run(resume(UnderWay::Again)).outcome_name, "lost");
+  EXPECT_EQ(grasps_, 2);
+  EXPECT_EQ(looks_, 1);
 }
 
 TEST_F(RunJournals, OneRunOneJournal) {
