@@ -32,8 +32,8 @@ class RandomMission {
   std::string text() {
     const std::string root = container(0, "", true);
     const std::string world = chance(50) ? "world: [f0, g(1), g(4), b1]\n" : "";
-    return "mission: random\n" + world + "actions:\n" + actions_ + "inputs: {in: {type: int, default: 7}}\n" +
-           root;
+    return "mission: random\nresources: {r0: {count: 2}}\n" + world + "actions:\n" + actions_ +
+           "inputs: {in: {type: int, default: 7}}\n" + root;
   }
 
  private:
@@ -62,7 +62,7 @@ class RandomMission {
     text += branches || back ? "    outcomes: [ok, no]\n" : "    outcomes: [ok]\n";
     if (chance(50)) text += "    pure: true\n";
     if (chance(70)) text += facts(own);
-    if (chance(30)) text += fmt::format("    resources: [{{block: r{}}}]\n", under(2));
+    if (chance(30)) text += fmt::format("    resources: [{{block: r0, count: {}}}]\n", 1 + under(2));
     if (chance(50)) text += fmt::format("    expect: {{duration: {}s, outcome: ok}}\n", under(4));
     if (back) {
       const std::string first = chance(30) ? "no, no" : chance(30) ? "no, ok, no" : "no";

@@ -269,7 +269,7 @@ void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned)
   const Action& what = action(entry.state);
   const auto values = naming_values(entry);
   assert(values);
-  const auto touched = mission::footprint(what, *values, entry.path);
+  const auto touched = mission::footprint(plan_.program().mission(), what, *values, entry.path);
   if (!touched) {
     planned.refused = touched.error().message;
     return;
@@ -283,8 +283,9 @@ void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned)
   literals(touched->effects, spec.effects);
   for (std::size_t i = 0; i < what.resources.size(); ++i) {
     const auto resource = plan_.network_.resources.intern(touched->resources[i]);
-    spec.claims.push_back(
-        {resource, static_cast<cdtn::ResourceOp>(what.resources[i].operation), 1, cdtn::kNone});
+    const mission::ResourceUse& use = what.resources[i];
+    spec.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
+                           static_cast<std::uint32_t>(use.count), cdtn::kNone});
   }
 }
 

@@ -72,4 +72,11 @@ std::vector<std::string> placeholders(std::string_view text) {
   return names;
 }
 
+std::optional<std::string> parameter_input(const type::Value& parameter) {
+  if (!parameter.is_string()) return std::nullopt;
+  const std::string& text = parameter.as_string();
+  if (text.size() < 3 || text.front() != '{' || text.find('}') != text.size() - 1) return std::nullopt;
+  return text.substr(1, text.size() - 2);
+}
+
 }  // namespace segue::mission

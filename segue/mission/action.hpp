@@ -55,7 +55,8 @@ enum class ResourceOperation { Create, Consume, Delete, Block, Release, Exists }
 inline constexpr std::array<std::string_view, 6> kResourceOperationNames = {"create", "consume", "delete",
                                                                             "block",  "release", "exists"};
 
-/// A resource that exists before the mission begins, `count` times; with 0 somebody must create it.
+/// A resource that exists before the mission begins, `count` times; with 0 somebody must create it. Its
+/// `parameters` tell what it is like; nothing changes them.
 struct Resource {
   std::string name;
   ResourceClass kind = ResourceClass::System;
@@ -66,10 +67,13 @@ struct Resource {
   friend bool operator==(const Resource&, const Resource&) = default;
 };
 
-/// What an action does with a resource. "{port}" in the name stands for the value of that input.
+/// What an action does with `count` units of a resource. "{port}" in the name stands for the value of that
+/// input. `parameters` are what it asks of the resource's own; one that is "{port}" is the value of that
+/// input.
 struct ResourceUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
+  int count = 1;
   type::Value parameters{type::ValueMap{}};
   Place where;
   friend bool operator==(const ResourceUse&, const ResourceUse&) = default;
@@ -155,5 +159,8 @@ bool is_fact_argument(std::string_view text);
 
 /// The inputs that "{port}" in the text names.
 std::vector<std::string> placeholders(std::string_view text);
+
+/// The input that a parameter names which is "{port}"; nothing where it is a value of its own.
+std::optional<std::string> parameter_input(const type::Value& parameter);
 
 }  // namespace segue::mission

@@ -62,7 +62,7 @@ void read_facts(std::vector<Fact>& facts, Fields& fields, std::string_view key, 
   }
 }
 
-/// {block: arm} or {consume: "cup_{n}", parameters: {...}}: the operation is the key.
+/// {block: arm} or {consume: "cup_{n}", count: 2, parameters: {...}}: the operation is the key.
 void read_use(std::vector<ResourceUse>& uses, const Value& item, const std::string& what,
               const Source& source) {
   Fields fields(item, "a resource of " + what, source);
@@ -81,6 +81,8 @@ void read_use(std::vector<ResourceUse>& uses, const Value& item, const std::stri
     use.resource = fields.text(kResourceOperationNames[i]);
     check_free_name(use.resource, fields.what(), item, source);
   }
+  constexpr std::int64_t kMost = std::numeric_limits<int>::max();
+  use.count = static_cast<int>(fields.integer("count", 1, kMost, "bad-count").value_or(1));
   if (const Value* parameters = fields.find("parameters", Value::Kind::Map)) use.parameters = *parameters;
   fields.finish();
   if (operations != 1) {

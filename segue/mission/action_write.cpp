@@ -27,6 +27,7 @@ bool is_empty_map(const Value& value) {
 Value write_use(const ResourceUse& use) {
   ValueMap map;
   map.append(std::string(kResourceOperationNames[static_cast<std::size_t>(use.operation)]), use.resource);
+  if (use.count != 1) map.append("count", use.count);
   if (!is_empty_map(use.parameters)) map.append("parameters", use.parameters);
   return map;
 }

@@ -102,8 +102,8 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
 
 /// Whether the action may begin; else the error says why not.
 bool EngineCore::look_at_facts(Activation& leaf) {
-  auto touched =
-      footprint(program->mission().actions[program->node(leaf.state).action], leaf.inputs, path(leaf));
+  auto touched = footprint(program->mission(), program->mission().actions[program->node(leaf.state).action],
+                           leaf.inputs, path(leaf));
   if (!touched) {
     leaf.error = touched.error().message;
   } else if (const GroundFact* lacking = world.first_false(touched->preconditions)) {

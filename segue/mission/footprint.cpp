@@ -36,8 +36,9 @@ std::string ground_text(const std::string& predicate, const std::vector<std::str
 /// One execution's names.
 class Grounding {
  public:
-  Grounding(const Action& action, std::span<const Value> inputs, std::string_view path)
-      : action_(action), inputs_(inputs), path_(path) {}
+  Grounding(const Mission& mission, const Action& action, std::span<const Value> inputs,
+            std::string_view path)
+      : mission_(mission), action_(action), inputs_(inputs), path_(path) {}
 
   Result<Footprint> run() {
     Footprint footprint;
@@ -64,6 +65,7 @@ class Grounding {
     for (const ResourceUse& use : action_.resources) {
       auto text = filled(use.resource, "resource " + quote(use.resource));
       if (!text) return text.error();
+      if (auto fits = check_parameters(use, *text); !fits) return fits.error();
       footprint.resources.push_back(std::move(*text));
     }
     return footprint;
@@ -102,9 +104,9 @@ class Grounding {
   }
 
   Result<std::string> value_of(const std::string& input, const std::string& what) {
-    const auto port = position(action_.inputs, input);
     const Value none;
-    const Value& value = port && *port < inputs_.size() ? inputs_[*port] : none;
+    const Value* given = this->input(input);
+    const Value& value = given == nullptr ? none : *given;
     const auto part = name_part(value);
     if (part && is_fact_argument(*part)) return *part;
     return fail(ErrorCode::InvalidArgument, where() + ": its " + what + " cannot be formed: the input " +
@@ -112,6 +114,30 @@ class Grounding {
                                                 (part ? ", which is no name" : ""));
   }
 
+  [[nodiscard]] const Value* input(const std::string& name) const {
+    const auto port = position(action_.inputs, name);
+    return port && *port < inputs_.size() ? &inputs_[*port] : nullptr;
+  }
+
+  /// Whether the resource is as the action asks.
+  Result<void> check_parameters(const ResourceUse& use, const std::string& name) {
+    if (use.parameters.as_map().empty()) return {};
+    const auto resource = std::ranges::find(mission_.resources, name, &Resource::name);
+    const Value none;
+    for (const auto& [key, parameter] : use.parameters.as_map()) {
+      const auto from = parameter_input(parameter);
+      const Value* wanted = from ? input(*from) : &parameter;
+      const Value* there = resource == mission_.resources.end() ? nullptr : resource->parameters.find(key);
+      if (wanted != nullptr && there != nullptr && *wanted == *there) continue;
+      return fail(ErrorCode::InvalidArgument,
+                  where() + ": its resource " + quote(name) + " shall have the parameter " + quote(key) +
+                      " with " + type::describe(wanted == nullptr ? none : *wanted) + ", but " +
+                      (there == nullptr ? "has none" : "it is " + type::describe(*there)));
+    }
+    return {};
+  }
+
+  const Mission& mission_;
   const Action& action_;
   std::span<const Value> inputs_;
   std::string_view path_;
@@ -121,11 +147,13 @@ class Grounding {
 
 std::vector<std::size_t> naming_inputs(const Action& action) {
   std::vector<std::size_t> inputs;
+  const auto add_input = [&](std::string_view name) {
+    const auto port = position(action.inputs, name);
+    if (port && std::ranges::find(inputs, *port) == inputs.end()) inputs.push_back(*port);
+  };
   const auto add = [&](std::string_view text) {
-    for (const std::string& name : placeholders(text)) {
-      const auto port = position(action.inputs, name);
-      if (port && std::ranges::find(inputs, *port) == inputs.end()) inputs.push_back(*port);
-    }
+    for (const std::string& name : placeholders(text))
+      add_input(name);
   };
   for (const auto* facts : {&action.preconditions, &action.effects}) {
     for (const Fact& fact : *facts) {
@@ -133,13 +161,18 @@ std::vector<std::size_t> naming_inputs(const Action& action) {
         add(argument);
     }
   }
-  for (const ResourceUse& use : action.resources)
+  for (const ResourceUse& use : action.resources) {
     add(use.resource);
+    for (const auto& [key, parameter] : use.parameters.as_map()) {
+      if (const auto name = parameter_input(parameter)) add_input(*name);
+    }
+  }
   return inputs;
 }
 
-Result<Footprint> footprint(const Action& action, std::span<const Value> inputs, std::string_view path) {
-  return Grounding(action, inputs, path).run();
+Result<Footprint> footprint(const Mission& mission, const Action& action, std::span<const Value> inputs,
+                            std::string_view path) {
+  return Grounding(mission, action, inputs, path).run();
 }
 
 std::string precondition_error(const GroundFact& precondition) {

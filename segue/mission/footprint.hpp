@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/mission/action.hpp>
+#include <segue/mission/mission.hpp>
 
 #include <span>
 #include <string>
@@ -30,8 +30,10 @@ std::vector<std::size_t> naming_inputs(const Action& action);
 
 /// What the action touches with these inputs. InvalidArgument, which names the state (`path`), the fact or
 /// resource, the input and its value, where a name cannot be formed: of nothing, a list or a map, or of text
-/// that is no argument of a fact; or where preconditions contradict each other.
-Result<Footprint> footprint(const Action& action, std::span<const type::Value> inputs, std::string_view path);
+/// that is no argument of a fact; or where preconditions contradict each other, or a resource is not as its
+/// parameters ask.
+Result<Footprint> footprint(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
+                            std::string_view path);
 
 /// Why an action whose precondition is not as it says does not begin.
 std::string precondition_error(const GroundFact& precondition);

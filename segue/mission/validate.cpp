@@ -101,8 +101,12 @@ class ActionCheck {
       for (const Fact& fact : *facts)
         check_placeholders(to_string(fact), fact.where);
     }
-    for (const ResourceUse& use : action_.resources)
+    for (const ResourceUse& use : action_.resources) {
       check_placeholders(use.resource, use.where);
+      for (const auto& [key, parameter] : use.parameters.as_map()) {
+        if (const auto name = parameter_input(parameter)) check_placeholders("{" + *name + "}", use.where);
+      }
+    }
     if (!action_.expected_outcome.empty()) check_outcome(action_.expected_outcome);
     if (const auto* simulated = std::get_if<Simulated>(&action_.run)) check(*simulated);
     if (const auto* decision = std::get_if<Decision>(&action_.run)) {

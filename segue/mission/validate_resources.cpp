@@ -3,6 +3,8 @@
 #include <segue/mission/checks.hpp>
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 
 namespace segue::mission::detail {
 namespace {
@@ -101,10 +103,58 @@ class Creation {
   std::vector<std::string> there_;
 };
 
+bool is_created(const Mission& mission, const std::string& resource) {
+  return std::ranges::any_of(mission.actions, [&](const Action& action) {
+    return std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
+      return use.operation == ResourceOperation::Create && matches_glob(pattern_of(use.resource), resource);
+    });
+  });
+}
+
+/// What is asked of a resource that is known by name; `declared` is null where no declaration is there.
+void check_use(const Action& action, const ResourceUse& use, const Resource* declared, const Mission& mission,
+               Diagnostics& diagnostics) {
+  const std::string what = "action " + quote(action.name.str()) + ": ";
+  const int there = declared == nullptr ? 1 : declared->count;
+  const bool needs =
+      use.operation != ResourceOperation::Create && use.operation != ResourceOperation::Release;
+  if (needs && there > 0 && use.count > there && !is_created(mission, use.resource)) {
+    diagnostics.error("too-few",
+                      what + "it needs " + std::to_string(use.count) + " of the resource " +
+                          quote(use.resource) + ", but there " + (there == 1 ? "is " : "are ") +
+                          std::to_string(there) + " at the beginning, and no action creates more",
+                      use.where);
+  }
+  for (const auto& [key, parameter] : use.parameters.as_map()) {
+    const type::Value* own = declared == nullptr ? nullptr : declared->parameters.find(key);
+    if (own == nullptr) {
+      diagnostics.error("unknown-parameter",
+                        what + "the resource " + quote(use.resource) + " has no parameter " + quote(key) +
+                            (declared == nullptr ? "; declare it under 'resources'" : ""),
+                        use.where);
+    } else if (!parameter_input(parameter) && !(parameter == *own)) {
+      diagnostics.error("parameter-mismatch",
+                        what + "the parameter " + quote(key) + " of the resource " + quote(use.resource) +
+                            " is " + type::describe(*own) + ", not " + type::describe(parameter),
+                        use.where);
+    }
+  }
+}
+
 }  // namespace
 
 void check_resources(const Mission& mission, Diagnostics& diagnostics) {
   Creation(mission, diagnostics).run();
+  std::unordered_map<std::string_view, const Resource*> resources;
+  for (const Resource& resource : mission.resources)
+    resources.try_emplace(resource.name, &resource);
+  for (const Action& action : mission.actions) {
+    for (const ResourceUse& use : action.resources) {
+      if (!placeholders(use.resource).empty()) continue;
+      const auto found = resources.find(use.resource);
+      check_use(action, use, found == resources.end() ? nullptr : found->second, mission, diagnostics);
+    }
+  }
 }
 
 }  // namespace segue::mission::detail
