@@ -22,9 +22,8 @@ struct HandedOver {
   int lock = -1;
 };
 
-/// posix_spawn: never a copy of this process, however large that is. The child leads a process group of its
-/// own, with all signals unblocked and at their defaults. `environment` is added to this process's. Fails,
-/// with no process left, where the program cannot be executed.
+/// As ChildProcess does it. `environment` is added to this process's. Fails, with no process left, where the
+/// program cannot be executed.
 Result<pid_t> spawn(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                     const std::vector<std::pair<std::string, std::string>>& environment,
                     const HandedOver& files);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/child_process.hpp>
+#include <segue/base/install_prefix.hpp>
 #include <segue/base/system_error.hpp>
-#include <segue/base/text.hpp>
 #include <segue/mission/script_process.hpp>
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -30,78 +29,15 @@ constexpr const char* kWorker = "share/segue/script_worker.py";
 /// The number that its end of the socket has in the child.
 constexpr int kChannel = 3;
 
-/// The worker of this build or installation: beside the folder of the program, or of this library
-/// (<prefix>/lib, <prefix>/lib/<architecture>).
+/// The worker of this build or installation.
 Result<fs::path> installed_worker() {
-  std::vector<fs::path> prefixes;
-  std::error_code failed;
-  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
-  if (!failed) prefixes.push_back(self.parent_path().parent_path());
-  Dl_info info{};
-  if (::dladdr(reinterpret_cast<const void*>(&installed_worker), &info) != 0 && info.dli_fname != nullptr) {
-    const fs::path own = fs::absolute(info.dli_fname, failed).parent_path();
-    prefixes.push_back(own.parent_path());
-    prefixes.push_back(own.parent_path().parent_path());
-  }
-  for (const fs::path& prefix : prefixes) {
-    if (fs::is_regular_file(prefix / kWorker, failed)) return prefix / kWorker;
+  std::error_code ignored;
+  for (const fs::path& prefix : install_prefixes()) {
+    if (fs::is_regular_file(prefix / kWorker, ignored)) return prefix / kWorker;
   }
   return fail(ErrorCode::NotFound, std::string("cannot find ") + kWorker +
                                        ", which executes Python scripts, in the folder where Segue is "
                                        "installed; install Segue again");
-}
-
-/// posix_spawn's arguments as values: clean signals, a group of its own, no descriptors but those given.
-class SpawnSettings {
- public:
-  SpawnSettings() {
-    ::posix_spawn_file_actions_init(&actions_);
-    ::posix_spawnattr_init(&attributes_);
-    sigset_t none;
-    sigset_t all;
-    ::sigemptyset(&none);
-    ::sigfillset(&all);
-    ::posix_spawnattr_setsigmask(&attributes_, &none);
-    ::posix_spawnattr_setsigdefault(&attributes_, &all);
-    ::posix_spawnattr_setpgroup(&attributes_, 0);
-    ::posix_spawnattr_setflags(&attributes_,
-                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  }
-  ~SpawnSettings() {
-    ::posix_spawn_file_actions_destroy(&actions_);
-    ::posix_spawnattr_destroy(&attributes_);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-
-  /// Sources must be beyond kChannel, so that none is overwritten before its turn.
-  void hand_over(const Descriptor& source, int number) {
-    ::posix_spawn_file_actions_adddup2(&actions_, source.get(), number);
-  }
-  void close_others() { ::posix_spawn_file_actions_addclosefrom_np(&actions_, kChannel + 1); }
-
-  Result<pid_t> spawn(const std::string& program, std::vector<std::string> words) const {
-    std::vector<char*> arguments;
-    for (std::string& word : words)
-      arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    pid_t pid = 0;
-    const int reason =
-        ::posix_spawnp(&pid, program.c_str(), &actions_, &attributes_, arguments.data(), environ);
-    if (reason == 0) return pid;
-    Error error = system_error("cannot start the Python interpreter " + quote(program), reason);
-    error.message += "; install python3, or name another interpreter";
-    return error;
-  }
-
- private:
-  posix_spawn_file_actions_t actions_{};
-  posix_spawnattr_t attributes_{};
-};
-
-Descriptor moved_up(int descriptor) {
-  const Descriptor original(descriptor);
-  return Descriptor(::fcntl(original.get(), F_DUPFD_CLOEXEC, kChannel + 1));
 }
 
 ScriptProcess::Read read_some(ssize_t count, std::span<char> buffer, std::string_view& text) {
@@ -112,6 +48,22 @@ ScriptProcess::Read read_some(ssize_t count, std::span<char> buffer, std::string
   }
   text = {buffer.data(), static_cast<std::size_t>(count)};
   return ScriptProcess::Read::Some;
+}
+
+Result<pid_t> start_python(const ScriptOptions& options, const fs::path& worker, const Descriptor& channel,
+                           const Descriptor& output) {
+  ChildProcess python(kChannel + 1);
+  const std::pair<const Descriptor*, int> handed[] = {
+      {&output, STDOUT_FILENO}, {&output, STDERR_FILENO}, {&channel, kChannel}};
+  if (auto opened = python.open_null(STDIN_FILENO); !opened) return opened.error();
+  for (const auto& [source, number] : handed) {
+    if (auto done = python.hand_over(source->get(), number); !done) return done.error();
+  }
+  auto pid =
+      python.start(options.python, {options.python, worker.string(), std::to_string(options.largest_message)},
+                   "the Python interpreter ");
+  if (!pid) pid.error().message += "; install python3, or name another interpreter";
+  return pid;
 }
 
 }  // namespace
@@ -125,23 +77,12 @@ Result<ScriptProcess> ScriptProcess::start(const ScriptOptions& options) {
     return system_error("cannot make a socket for Python", errno);
   ScriptProcess process;
   process.messages_ = Descriptor(socket[0]);
-  const Descriptor channel = moved_up(socket[1]);
+  const Descriptor channel(socket[1]);
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return system_error("cannot make a pipe for Python", errno);
   process.output_ = Descriptor(pipe[0]);
-  const Descriptor output = moved_up(pipe[1]);
-  const Descriptor null = moved_up(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  if (!channel.valid() || !output.valid() || !null.valid())
-    return system_error("cannot make descriptors for Python", errno);
+  const Descriptor output(pipe[1]);
   ::fcntl(process.output_.get(), F_SETFL, O_NONBLOCK);
-
-  SpawnSettings settings;
-  settings.hand_over(null, STDIN_FILENO);
-  settings.hand_over(output, STDOUT_FILENO);
-  settings.hand_over(output, STDERR_FILENO);
-  settings.hand_over(channel, kChannel);
-  settings.close_others();
-  auto pid = settings.spawn(options.python,
-                            {options.python, worker->string(), std::to_string(options.largest_message)});
+  auto pid = start_python(options, *worker, channel, output);
   if (!pid) return pid.error();
   process.pid_ = Pid(*pid);
   process.ended_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, *pid, 0)));

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/child_process.hpp>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+
+namespace segue {
+namespace {
+
+/// What a shell's command writes to descriptor 3, the only one that it has beside the first three.
+std::string said(const std::string& command) {
+  std::array<int, 2> ends{};
+  EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+  const Descriptor reader(ends[0]);
+  pid_t pid = 0;
+  {
+    const Descriptor writer(ends[1]);
+    ChildProcess shell(4);
+    for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+      EXPECT_TRUE(shell.open_null(number));
+    EXPECT_TRUE(shell.hand_over(writer.get(), 3));
+    shell.set_environment({{"SEGUE_TEST", "given"}});
+    const auto started = shell.start("sh", {"sh", "-c", command});
+    EXPECT_TRUE(started) << to_string(started.error());
+    pid = *started;
+  }
+  std::string text;
+  std::array<char, 256> some{};
+  for (ssize_t count = 0; (count = ::read(reader.get(), some.data(), some.size())) > 0;)
+    text.append(some.data(), static_cast<std::size_t>(count));
+  EXPECT_EQ(::waitpid(pid, nullptr, 0), pid);
+  return text;
+}
+
+TEST(ChildProcess, HasTheDescriptorsAndTheEnvironmentThatItIsGiven) {
+  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+  const Descriptor own(::fcntl(null.get(), F_DUPFD, 50));  // nobody would close it
+  const std::string number = std::to_string(own.get());
+  EXPECT_EQ(said("echo $SEGUE_TEST $HOME >&3; [ -e /proc/$$/fd/" + number + " ] || echo closed >&3"),
+            "given " + std::string(std::getenv("HOME") == nullptr ? "" : std::getenv("HOME")) + "\nclosed\n");
+}
+
+TEST(ChildProcess, LeadsAGroupOfItsOwnWithCleanSignals) {
+  EXPECT_EQ(said("cut -d' ' -f5 /proc/$$/stat | grep -qx $$ && echo leads >&3"), "leads\n");
+  sigset_t blocked;
+  sigset_t before;
+  ::sigemptyset(&blocked);
+  ::sigaddset(&blocked, SIGTERM);
+  ::sigprocmask(SIG_BLOCK, &blocked, &before);
+  EXPECT_EQ(said("kill -TERM $$; echo still here >&3"), "");
+  ::sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+TEST(ChildProcess, TellsWhatCannotBeStarted) {
+  const auto started = ChildProcess(3).start("/nowhere/program", {"program"}, "the program ");
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().message,
+            "cannot start the program '/nowhere/program': No such file or directory");
+}
+
+}  // namespace
+}  // namespace segue
