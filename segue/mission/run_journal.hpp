@@ -26,7 +26,7 @@ namespace segue::mission {
 ///
 /// A potentially irreversible action is in the file, and the file on the disk, before it begins. Where the
 /// file cannot be written any more the run goes on, `warn` is told once, and the file is emptied: it would
-/// tell of less than was done.
+/// tell of less than was done. NaN and infinities, which JSON lacks, become null.
 class RunJournal {
  public:
   /// What a run begins with.
