@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
+#include <thread>
+
 namespace segue::convert {
 namespace {
 
@@ -54,6 +57,61 @@ TEST(ConcurrentMission, WhatReadsRealityNeverRunsOnWhatIsOnlyPredicted) {
   EXPECT_EQ(start_of(*ran(after_driving("sensing: true, pure: true, " + arrived)), "look"), 8);
   EXPECT_EQ(start_of(*ran(after_driving("sensing: true, pure: true")), "look"), 8)
       << "it may rely on anything";
+}
+
+TEST(ConcurrentMission, ARoutineThatGoesOnForEverInVirtualTimeCanBeStopped) {
+  Diagnostics diagnostics;
+  auto mission = mission::read_mission(R"x(
+mission: m
+actions:
+  again: {run: {callback: again}}
+  wait: {run: {simulated: {duration: 1h}}}
+kind: preemptive
+states:
+  loop:
+    on: {success: return success}
+    start: turn
+    states:
+      turn: {action: again, on: {success: turn}}
+  wait: {on: {success: return success}}
+)x",
+                                       "mission.yaml", diagnostics);
+  ASSERT_TRUE(mission) << to_string(diagnostics);
+  std::promise<void> goes_on;
+  int turns = 0;
+  mission::Runners runners;
+  runners.add("again", [&](mission::Call&) {
+    if (++turns == 100) goes_on.set_value();
+    return mission::Ending{};
+  });
+  RunOptions options;
+  options.clock = cdtn::ClockKind::Virtual;
+  const auto run =
+      Run::create(mission::Program::compile(std::move(*mission)).value(), runners, {}, options).value();
+  std::jthread stopper([&] {
+    goes_on.get_future().wait();
+    run->stop();
+  });
+  EXPECT_EQ(run->run().outcome, mission::kPreempted);
+}
+
+TEST(ConcurrentMission, APlanRefusesWhatDoesNotFit) {
+  Diagnostics diagnostics;
+  auto mission = mission::read_mission(
+      "mission: m\ninputs: {n: int}\nstart: return success\nstates: {}\nkind: hierarchy\n", "mission.yaml",
+      diagnostics);
+  ASSERT_TRUE(mission) << to_string(diagnostics);
+  const auto program = mission::Program::compile(std::move(*mission)).value();
+  const auto refused = [&](std::vector<type::Value> inputs, std::vector<mission::Fact> facts) {
+    const auto plan = Plan::create(program, std::move(inputs), facts);
+    return plan ? ErrorCode::Internal : plan.error().code;
+  };
+  EXPECT_TRUE(Plan::create(program, {type::Value(3)}));
+  EXPECT_TRUE(Plan::create(program, {type::Value()})) << "null is its default";
+  EXPECT_EQ(refused({type::Value("three")}, {}), ErrorCode::TypeMismatch);
+  EXPECT_EQ(refused({type::Value(3), type::Value(4)}, {}), ErrorCode::InvalidArgument);
+  EXPECT_EQ(refused({}, {{true, "at", {"a,b"}, {}}}), ErrorCode::InvalidArgument);
+  EXPECT_EQ(refused({}, {{true, "at", {"{place}"}, {}}}), ErrorCode::InvalidArgument);
 }
 
 }  // namespace
