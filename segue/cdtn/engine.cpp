@@ -71,18 +71,12 @@ void Engine::Implementation::adopt_node(NodeId node) {
   if (state.gate == 0 || (!irreversible(node) && state.ahead == 0)) work_.push_back(node);
 }
 
-/// Whether running ahead waits for it too: reality must be as it is meant to be, and nothing is known of what
-/// an opaque node will do.
+/// Whether running ahead waits for the passage too: reality must be as it is meant to be, and nothing is
+/// known of what an opaque node will do.
 bool Engine::Implementation::ahead_matters(const Dependency& dependency) const {
-  const NodeClass kind = network_[dependency.to].kind;
-  switch (dependency.reason()) {
-    case Reason::Fact:
-      return kind == NodeClass::Sensing;
-    case Reason::Place:
-      return kind != NodeClass::Irreversible;
-    default:
-      return false;
-  }
+  const Reason reason = dependency.reason();
+  return !irreversible(dependency.to) && (reason == Reason::Fact || reason == Reason::Place) &&
+         holds_start(network_, dependency);
 }
 
 /// Always, but for planted faults.

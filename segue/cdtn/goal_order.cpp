@@ -5,7 +5,8 @@
 
 namespace segue::cdtn {
 
-GoalOrder::GoalOrder(const Network& network, Order& order) : network_(network), builder_(network, order) {
+GoalOrder::GoalOrder(const Network& network, Order& order, std::vector<Dependency>* further)
+    : network_(network), builder_(network, order, further) {
   for (std::uint32_t i = 0; i < network.size(); ++i)
     opaque_ = opaque_ || network[NodeId{i}].opaque;
   collect_facts();
@@ -125,13 +126,13 @@ void GoalOrder::derive() {
   }
 }
 
-Order derive_order(const Network& network, OrderRule rule) {
+Order derive_order(const Network& network, OrderRule rule, std::vector<Dependency>* further) {
   Order order;
   order.reserve(network.size(), std::size_t{network.access_count()} * 2);
   if (rule == OrderRule::Goal)
-    GoalOrder(network, order).derive();
+    GoalOrder(network, order, further).derive();
   else
-    OrderBuilder(network, order).extend();
+    OrderBuilder(network, order, further).extend();
   return order;
 }
 

@@ -12,8 +12,8 @@ namespace segue::cdtn {
 /// derive_order.
 class GoalOrder {
  public:
-  /// Both must outlive this.
-  GoalOrder(const Network& network, Order& order);
+  /// All must outlive this. `further`: as for derive_order.
+  GoalOrder(const Network& network, Order& order, std::vector<Dependency>* further);
   void derive();
 
  private:

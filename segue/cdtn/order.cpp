@@ -31,12 +31,21 @@ void Order::open_node() {
   first_out_.push_back(kNone);
 }
 
+namespace {
+
+Dependency dependency(NodeId from, NodeId to, Reason reason, std::uint32_t subject) {
+  Dependency made;
+  made.from = from;
+  made.to = to;
+  made.subject = subject & ((1U << 29) - 1);
+  made.reason_bits = static_cast<std::uint32_t>(reason) & 7U;
+  return made;
+}
+
+}  // namespace
+
 void Order::add(NodeId from, Reason reason, std::uint32_t subject) {
-  Dependency& added = dependencies_.emplace_back();
-  added.from = from;
-  added.to = NodeId{size() - 1};
-  added.subject = subject & ((1U << 29) - 1);
-  added.reason_bits = static_cast<std::uint32_t>(reason) & 7U;
+  Dependency& added = dependencies_.emplace_back(dependency(from, NodeId{size() - 1}, reason, subject));
   added.next_out = first_out_[index(from)];
   first_out_[index(from)] = static_cast<std::uint32_t>(dependencies_.size()) - 1;
 }
@@ -91,9 +100,12 @@ void OrderBuilder::add_data_and_conditions(NodeId node) {
 /// One dependency for two nodes is enough, whatever the number of facts.
 void OrderBuilder::add(NodeId from, Reason reason, std::uint32_t subject) {
   const std::uint32_t to = order_.size() - 1;
-  if (waited_for_[index(from)] == to) return;
-  waited_for_[index(from)] = to;
-  order_.add(from, reason, subject);
+  if (waited_for_[index(from)] != to) {
+    waited_for_[index(from)] = to;
+    order_.add(from, reason, subject);
+  } else if (further_ != nullptr) {
+    further_->push_back(dependency(from, NodeId{to}, reason, subject));
+  }
 }
 
 void OrderBuilder::touch(std::uint32_t& list, NodeId node) {

@@ -66,8 +66,20 @@ class Order {
 /// whole network, and resources that are only blocked keep no order.
 enum class OrderRule : std::uint8_t { Epoch, Goal };
 
-/// The order of a whole network.
-Order derive_order(const Network& network, OrderRule rule = OrderRule::Epoch);
+/// The order of a whole network. The order keeps one reason for two nodes that come after one another because
+/// of facts or places; `further`, where it is given, gets all others, in program order of `to`.
+Order derive_order(const Network& network, OrderRule rule = OrderRule::Epoch,
+                   std::vector<Dependency>* further = nullptr);
+
+/// Whether the node does not even run ahead, its result kept back, of this dependency; of Data: before there
+/// are outputs, if only such. Pure nodes run ahead on what facts will be, sensing ones on nothing but
+/// reality, and neither ahead of who may touch anything.
+[[nodiscard]] inline bool holds_start(const Network& network, const Dependency& dependency) {
+  const NodeClass kind = network[dependency.to].kind;
+  if (kind == NodeClass::Irreversible) return true;
+  if (dependency.reason() == Reason::Fact) return kind == NodeClass::Sensing;
+  return dependency.reason() != Reason::Condition;
+}
 
 /// "arm_at(home)", "process:planner" ...: what a dependency is about.
 std::string subject_text(const Network& network, const Dependency& dependency);
@@ -78,8 +90,9 @@ std::string subject_text(const Network& network, const Dependency& dependency);
 /// the same two.
 class OrderBuilder {
  public:
-  /// Both must outlive the builder.
-  OrderBuilder(const Network& network, Order& order) : network_(network), order_(order) {}
+  /// All must outlive the builder. `further`: as for derive_order.
+  OrderBuilder(const Network& network, Order& order, std::vector<Dependency>* further = nullptr)
+      : network_(network), order_(order), further_(further) {}
   /// Takes in all nodes that were appended since.
   void extend();
 
@@ -110,6 +123,7 @@ class OrderBuilder {
 
   const Network& network_;
   Order& order_;
+  std::vector<Dependency>* further_;
   std::vector<FactState> states_;  ///< by fact
   std::vector<Toucher> touchers_;
   std::vector<NodeId> last_claim_;         ///< by resource

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "implied.hpp"
+
+#include <bitset>
+
+namespace segue::cdtn {
+
+namespace {
+
+/// Nodes before one: bit k is the k-th before it.
+using Window = std::bitset<kImpliedWithin>;
+
+class ImpliedFinder {
+ public:
+  ImpliedFinder(const Network& network, const Order& order)
+      : network_(network), order_(order), passed_(kImpliedWithin), conditions_(kImpliedWithin) {}
+
+  std::vector<bool> find() {
+    std::vector<bool> implied(order_.dependency_count());
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      const auto before = order_.before(NodeId{i});
+      look_back(i);
+      for (const Dependency& dependency : before)
+        implied[place(dependency)] = is_implied(dependency);
+    }
+    return implied;
+  }
+
+ private:
+  [[nodiscard]] std::size_t place(const Dependency& dependency) const {
+    return static_cast<std::size_t>(&dependency - &order_[0]);
+  }
+  static std::uint32_t distance(const Dependency& dependency) {
+    return index(dependency.to) - index(dependency.from);
+  }
+  /// Resource tells of a start only, whoever comes behind must not count on the end.
+  static bool tells_of_the_end(const Dependency& dependency) {
+    return dependency.reason() != Reason::Resource;
+  }
+  /// Whether the node runs only once the other has passed.
+  [[nodiscard]] bool holds_until_the_end(const Dependency& dependency) const {
+    if (!tells_of_the_end(dependency)) return false;
+    const bool irreversible = network_[dependency.to].kind == NodeClass::Irreversible;
+    return irreversible || (dependency.reason() != Reason::Data && holds_start(network_, dependency));
+  }
+
+  void look_back(std::uint32_t node) {
+    Window direct;
+    Window direct_conditions;
+    behind_.reset();
+    behind_held_.reset();
+    behind_conditions_.reset();
+    for (const Dependency& dependency : order_.before(NodeId{node})) {
+      const std::uint32_t away = distance(dependency);
+      if (away >= kImpliedWithin || !tells_of_the_end(dependency)) continue;
+      const std::size_t row = index(dependency.from) % kImpliedWithin;
+      const Window further = passed_[row] << away;
+      behind_ |= further;
+      if (holds_until_the_end(dependency)) behind_held_ |= further;
+      direct.set(away);
+      if (dependency.reason() != Reason::Condition) continue;
+      behind_conditions_ |= conditions_[row] << away;
+      direct_conditions.set(away);
+    }
+    passed_[node % kImpliedWithin] = behind_ | direct;
+    conditions_[node % kImpliedWithin] = behind_conditions_ | direct_conditions;
+  }
+
+  [[nodiscard]] bool is_implied(const Dependency& dependency) const {
+    const std::uint32_t away = distance(dependency);
+    if (away >= kImpliedWithin || dependency.reason() == Reason::Data) return false;
+    if (dependency.reason() == Reason::Condition) return behind_conditions_[away];
+    return holds_start(network_, dependency) ? behind_held_[away] : behind_[away];
+  }
+
+  const Network& network_;
+  const Order& order_;
+  std::vector<Window> passed_;      ///< of the last nodes: who has passed when they pass
+  std::vector<Window> conditions_;  ///< likewise: whose outcomes decide whether they are on the path
+  Window behind_;                   ///< of the node at hand: who lies behind those that it comes after
+  Window behind_held_;              ///< likewise, behind those that hold its start
+  Window behind_conditions_;
+};
+
+}  // namespace
+
+std::vector<bool> implied_dependencies(const Network& network, const Order& order) {
+  if (order.dependency_count() == 0) return {};
+  return ImpliedFinder(network, order).find();
+}
+
+}  // namespace segue::cdtn
