@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "mission_concurrent.hpp"
+#include "mission_convert.hpp"
 #include "mission_load.hpp"
 #include "mission_network.hpp"
 #include "mission_run.hpp"
@@ -163,6 +164,37 @@ void add_gantt(CLI::App& parent, Context& context) {
   add_network_options(*verb, *network);
 }
 
+void add_convert(CLI::App& parent, Context& context) {
+  const auto options = std::make_shared<ConvertOptions>();
+  CLI::App* verb =
+      add_verb(parent, context, "convert", "a plan as the task network that runs concurrently, and why",
+               "  segue mission convert fetch.yaml\n"
+               "  segue mission convert fetch.yaml --svg -o fetch.svg\n"
+               "  segue mission convert loops.yaml --assume-expected --horizon 200",
+               [options, &context] { return convert_plan(*options, context); });
+  verb->add_option("FILE", options->mission.file,
+                   "a mission file, a RAFCON machine's folder or a task network")
+      ->required()
+      ->type_name("");
+  auto* dot = verb->add_flag("--dot", options->dot, "a graph for Graphviz");
+  verb->add_flag("--svg", options->svg, "a drawing: what comes after what from left to right, and why")
+      ->excludes(dot);
+  verb->add_option("-o,--output", options->output, "a file instead of standard output")->type_name("FILE");
+  verb->add_option("--horizon", options->horizon,
+                   "nodes of a mission that are planned; default: 1000, as in a run")
+      ->type_name("N")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}).description(""));
+  verb->add_flag("--assume-expected", options->assume_expected,
+                 "where a mission must be decided to go on, go on as is simulated or expected");
+  verb->add_option("--input", options->mission.inputs, "an input of the mission")->type_name("NAME=VALUE");
+  verb->add_option("--order", options->order,
+                   "of a task network: epoch (default) keeps the whole final world, goal only its goal")
+      ->type_name("ORDER")
+      ->check(CLI::IsMember({"epoch", "goal"}).description(""));
+  verb->add_flag("--strict", options->strict, "nothing happens behind a node that may still fail");
+  add_library_option(*verb, options->mission);
+}
+
 }  // namespace
 
 void add_library_option(CLI::App& verb, MissionOptions& options) {
@@ -202,6 +234,7 @@ void add_mission(CLI::App& app, Context& context) {
   importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
   importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
   add_gantt(*verb, context);
+  add_convert(*verb, context);
 }
 
 }  // namespace segue::cli

@@ -42,10 +42,8 @@ Result<std::unique_ptr<convert::Run>> prepare(mission::Mission loaded, const Mis
                                               const NetworkOptions& network) {
   auto program = mission::Program::compile(std::move(loaded));
   if (!program) return program.error();
-  Inputs inputs((*program)->node(0).input_ports->size());
-  for (const std::string& input : options.inputs) {
-    if (auto set = set_input(**program, input, inputs); !set) return set.error();
-  }
+  auto inputs = inputs_of(**program, options);
+  if (!inputs) return inputs.error();
   convert::RunOptions settings;
   auto facts = given_facts(options.facts);
   if (!facts) return facts.error();
@@ -54,7 +52,7 @@ Result<std::unique_ptr<convert::Run>> prepare(mission::Mission loaded, const Mis
   settings.strict = network.strict;
   settings.workers = network.workers;
   settings.warn = [](const std::string& text) { print_note(text); };
-  return convert::Run::create(*program, runners_of(options), std::move(inputs), std::move(settings));
+  return convert::Run::create(*program, runners_of(options), std::move(*inputs), std::move(settings));
 }
 
 /// One after the other: as long as all that counted took together.
@@ -67,6 +65,14 @@ Duration time_of_all(const cdtn::RunResult& result) {
 }
 
 }  // namespace
+
+Result<std::vector<type::Value>> inputs_of(const mission::Program& program, const MissionOptions& options) {
+  Inputs inputs(program.node(0).input_ports->size());
+  for (const std::string& input : options.inputs) {
+    if (auto set = set_input(program, input, inputs); !set) return set.error();
+  }
+  return inputs;
+}
 
 int run_mission_concurrently(const MissionOptions& options, const NetworkOptions& network,
                              const Context& context) {

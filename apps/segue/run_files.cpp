@@ -22,9 +22,7 @@ namespace segue::cli {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-Result<void> check_path(const std::string& file) {
+Result<void> check_writable(const std::string& file) {
   const fs::path path(file);
   struct stat entry {};
   if (::stat(path.c_str(), &entry) == 0 && !S_ISREG(entry.st_mode))
@@ -37,8 +35,6 @@ Result<void> check_path(const std::string& file) {
   const ErrorCode code = reason == ENOENT ? ErrorCode::NotFound : ErrorCode::PermissionDenied;
   return fail(code, "cannot write " + quote(file) + ": " + std::strerror(reason));
 }
-
-}  // namespace
 
 void add_run_files(CLI::App& verb, RunFiles& files) {
   verb.add_option("--svg", files.svg, "also write a drawing of the run")->type_name("FILE");
@@ -55,7 +51,7 @@ Result<void> check(const RunFiles& files) {
   std::vector<std::string> seen;
   for (const std::string* file : {&files.svg, &files.html, &files.trace}) {
     if (file->empty()) continue;
-    if (auto fits = *file == "-" ? Result<void>{} : check_path(*file); !fits) return fits;
+    if (auto fits = *file == "-" ? Result<void>{} : check_writable(*file); !fits) return fits;
     if (std::ranges::find(seen, *file) != seen.end())
       return fail(ErrorCode::InvalidArgument, quote(*file) + " cannot hold two things");
     seen.push_back(*file);

@@ -24,8 +24,10 @@ void add_run_files(CLI::App& verb, RunFiles& files);
 /// The last two.
 void add_page_and_trace(CLI::App& verb, RunFiles& files);
 
-/// Before a run: whether they can be written as far as that can be known. IoError, NotFound,
-/// PermissionDenied, InvalidArgument where two are the same.
+/// Whether the file can be written as far as that can be known. NotFound, PermissionDenied, InvalidArgument
+/// where it is no file.
+Result<void> check_writable(const std::string& file);
+/// Likewise all of a run, before it. InvalidArgument also where two are the same.
 Result<void> check(const RunFiles& files);
 /// After it. Blocks.
 Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt);

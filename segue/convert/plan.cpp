@@ -62,6 +62,7 @@ void Plan::expand(cdtn::Network& network, std::size_t wanted) {
   waits_for_.clear();
   while (network.size() < limit && unroller_->step()) {
   }
+  if (network.size() >= limit) waits_for_.clear();
 }
 
 void Plan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
@@ -70,6 +71,10 @@ void Plan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
 
 bool Plan::finished() const {
   return unroller_->finished();
+}
+
+RoutineReason Plan::routine_reason(mission::StateIndex state) const {
+  return unroller_->routine_reason(state);
 }
 
 mission::Outcome Plan::outcome(NodeId node, OutcomeId outcome) const {

@@ -64,6 +64,18 @@ inline constexpr std::string_view kErrorOutput = "#error";      ///< only where 
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kValueOutput = "value";
 
+/// Why a state is a Routine.
+struct RoutineReason {
+  enum class Kind : std::uint8_t {
+    None,
+    Preemptive,         ///< a preemptive container
+    HandlesPreemption,  ///< `state`, in it, has a transition for its preemption
+    OpaqueBeside        ///< a barrier, and `state`, in it, may touch anything
+  };
+  Kind kind = Kind::None;
+  mission::StateIndex state = mission::kNoState;
+};
+
 class Unroller;
 
 /// A mission on its way to be a task network. Grows while it runs: loops are unrolled ahead of what is
@@ -90,6 +102,7 @@ class Plan final : public cdtn::Expansion {
   [[nodiscard]] const PlannedNode& operator[](cdtn::NodeId node) const { return nodes_[index(node)]; }
   /// Why it could not go on when it last tried: "" where it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
+  [[nodiscard]] RoutineReason routine_reason(mission::StateIndex state) const;
   /// The number of an outcome of that node's state.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 

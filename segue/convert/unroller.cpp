@@ -2,6 +2,8 @@
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/index.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace segue::convert {
@@ -41,7 +43,11 @@ void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs)
 bool Unroller::step(Track& track) {
   take_alternatives(track);
   if (track.pending) return enter_pending(track);
-  if (track.frames.empty()) return false;
+  if (track.frames.empty()) {
+    if (!track.alternatives.empty())
+      wait_for_loop(track.alternatives.back().back(), ", which is not expected");
+    return false;
+  }
   const StateKind kind = node(track.frames.back().activation->entry.state).kind;
   return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
 }
@@ -130,8 +136,15 @@ bool Unroller::end_of_loop(Track& track) {
     loop.open.push_back(std::move(edges));
     return again();
   }
-  plan_.waits_for_ = "whether the loop at " + activation.entry.path + " goes on";
+  wait_for_loop(frame, "");
   return false;
+}
+
+void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
+  const Activation& activation = *frame.activation;
+  const auto place = activation.order->vertices[frame.loops.back().head];
+  const StateIndex head = node(activation.entry.state).children[place];
+  plan_.waits_for_ = fmt::format("whether the loop at {} goes on{}", path_of(activation, head), addition);
 }
 
 /// Whether there is a way to something behind a loop.
@@ -153,6 +166,11 @@ std::vector<Arrival> Unroller::live_arrivals(std::vector<Arrival>& arrivals) {
     return !live;
   });
   return arrivals;
+}
+
+std::string Unroller::path_of(const Activation& around, StateIndex child) const {
+  const std::string& id = plan_.program().state(child).id.str();
+  return around.entry.path.empty() ? id : around.entry.path + "/" + id;
 }
 
 /// Enters the state at the frame's place, where anything leads to it.
@@ -177,9 +195,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
     auto& candidates = entry.inputs[*port].candidates;
     candidates.insert(candidates.end(), entry.errors.begin(), entry.errors.end());
   }
-  entry.path = activation.entry.path.empty()
-                   ? plan_.program().state(state).id.str()
-                   : activation.entry.path + "/" + plan_.program().state(state).id.str();
+  entry.path = path_of(activation, state);
   entry.aborts_handled = activation.entry.aborts_handled || node(state).next[1].kind != Step::Kind::Nowhere;
   waiting.clear();
   ++frame.place;
@@ -202,7 +218,7 @@ bool Unroller::enter_pending(Track& track) {
 void Unroller::enter(Track& track, Entry entry) {
   const StateIndex state = entry.state;
   const StateKind kind = node(state).kind;
-  if (routine_[state]) return finish(track, state, add_routine(entry));
+  if (routines_[state].kind != RoutineReason::Kind::None) return finish(track, state, add_routine(entry));
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
   if (!naming_values(entry)) {
@@ -250,8 +266,7 @@ void Unroller::enter_container(Track& track, Entry entry) {
     branch.state = child;
     branch.when = when;
     branch.inputs = inputs_of(*activation, child, when);
-    branch.path = activation->entry.path + (activation->entry.path.empty() ? "" : "/") +
-                  plan_.program().state(child).id.str();
+    branch.path = path_of(*activation, child);
     branch.aborts_handled = true;
     auto beside = std::make_shared<Track>();
     track.frames.back().tracks.push_back(beside);
@@ -353,8 +368,7 @@ void Unroller::join_barrier(Track& track) {
   entry.state = barrier.decider;
   entry.when = activation.entry.when;
   entry.inputs = inputs_of(activation, barrier.decider, entry.when);
-  entry.path = activation.entry.path + (activation.entry.path.empty() ? "" : "/") +
-               plan_.program().state(barrier.decider).id.str();
+  entry.path = path_of(activation, barrier.decider);
   entry.aborts_handled =
       activation.entry.aborts_handled || node(barrier.decider).next[1].kind != Step::Kind::Nowhere;
   enter(track, std::move(entry));

@@ -87,6 +87,9 @@ class Unroller {
   [[nodiscard]] bool finished() const { return main_.settled(); }
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
+  [[nodiscard]] const RoutineReason& routine_reason(mission::StateIndex state) const {
+    return routines_[state];
+  }
   /// Once that is known for certain.
   [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
 
@@ -97,6 +100,7 @@ class Unroller {
   bool step_barrier(Track& track);
   bool end_of_loop(Track& track);
   void take_alternatives(Track& track);
+  void wait_for_loop(const Frame& frame, std::string_view addition);
   bool visit(Track& track, mission::StateIndex state);
   bool enter_pending(Track& track);
   void enter(Track& track, Entry entry);
@@ -108,9 +112,13 @@ class Unroller {
   void join_barrier(Track& track);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   [[nodiscard]] std::vector<Arrival> live_arrivals(std::vector<Arrival>& arrivals);
+  [[nodiscard]] std::string path_of(const Activation& around, mission::StateIndex child) const;
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
   void find_routines();
+  [[nodiscard]] mission::StateIndex opaque_within(mission::StateIndex state,
+                                                  const std::vector<mission::StateIndex>& opaque) const;
+  [[nodiscard]] RoutineReason routine_reason(mission::StateIndex state, mission::StateIndex opaque) const;
 
   // Nodes (unroller_nodes.cpp)
   StateEnd add_action(const Entry& entry, const std::vector<StateEnd>* branches);
@@ -141,7 +149,7 @@ class Unroller {
   std::vector<type::Value> given_;
   PathConditions paths_;
   Track main_;
-  std::vector<bool> routine_;                                ///< by state
+  std::vector<RoutineReason> routines_;                      ///< by state
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

@@ -15,6 +15,7 @@ using cdtn::NodeId;
 using cdtn::NodeSpec;
 using cdtn::OutcomeId;
 using mission::Action;
+using mission::kNoState;
 using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
@@ -63,34 +64,49 @@ std::string numbered(const std::string& name, std::size_t number) {
 /// States that run sequentially: preemptive ones, hierarchies where a preemption is handled, and barriers
 /// with an action that does not say what it touches, since those would otherwise wait for each other.
 void Unroller::find_routines() {
-  const auto& program = plan_.program();
-  const std::size_t count = program.nodes().size();
-  routine_.assign(count, false);
-  std::vector<bool> opaque(count, false);
+  const std::size_t count = plan_.program().nodes().size();
+  routines_.assign(count, {});
+  std::vector<StateIndex> opaque(count, kNoState);  // by state: what in it may touch anything
   for (bool changed = true; changed;) {
     changed = false;
     for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;) {
-      const mission::Node& state = node(i);
-      bool inside = false;
-      bool handles_preemption = false;
-      std::size_t beside = 0;
-      for (const StateIndex child : state.children) {
-        if (child == state.decider) continue;
-        ++beside;
-        inside = inside || opaque[child];
-        handles_preemption = handles_preemption || node(child).next[0].kind != Step::Kind::Nowhere;
-      }
-      if (state.kind == StateKind::Library) inside = opaque[state.library];
-      const bool routine = state.kind == StateKind::Preemptive ||
-                           (state.kind == StateKind::Hierarchy && handles_preemption) ||
-                           (state.kind == StateKind::Barrier && inside && beside > 1);
-      const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
-      const bool unknown = leaf ? is_opaque(action(i)) : routine || inside;
-      changed = changed || routine != routine_[i] || unknown != opaque[i];
-      routine_[i] = routine;
+      const StateKind kind = node(i).kind;
+      const bool leaf = kind == StateKind::Execution || kind == StateKind::Decider;
+      const StateIndex inside = opaque_within(i, opaque);
+      const RoutineReason reason = routine_reason(i, inside);
+      StateIndex unknown = inside;
+      if (leaf ? is_opaque(action(i)) : reason.kind != RoutineReason::Kind::None && inside == kNoState)
+        unknown = i;
+      changed =
+          changed || reason.kind != routines_[i].kind || (unknown == kNoState) != (opaque[i] == kNoState);
+      routines_[i] = reason;
       opaque[i] = unknown;
     }
   }
+}
+
+StateIndex Unroller::opaque_within(StateIndex state, const std::vector<StateIndex>& opaque) const {
+  if (node(state).kind == StateKind::Library) return opaque[node(state).library];
+  for (const StateIndex child : node(state).children) {
+    if (child != node(state).decider && opaque[child] != kNoState) return opaque[child];
+  }
+  return kNoState;
+}
+
+/// `opaque`: what in it may touch anything, if something may.
+RoutineReason Unroller::routine_reason(StateIndex state, StateIndex opaque) const {
+  const mission::Node& entry = node(state);
+  if (entry.kind == StateKind::Preemptive) return {RoutineReason::Kind::Preemptive, state};
+  if (entry.kind == StateKind::Hierarchy) {
+    const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
+      return child != entry.decider && node(child).next[0].kind != Step::Kind::Nowhere;
+    });
+    if (handler != entry.children.end()) return {RoutineReason::Kind::HandlesPreemption, *handler};
+  }
+  const bool beside = entry.children.size() > (entry.decider == kNoState ? 1U : 2U);
+  if (entry.kind == StateKind::Barrier && beside && opaque != kNoState)
+    return {RoutineReason::Kind::OpaqueBeside, opaque};
+  return {};
 }
 
 NodeId Unroller::append(NodeSpec spec, PlannedNode node) {
