@@ -187,6 +187,9 @@ void add_convert(CLI::App& parent, Context& context) {
   verb->add_flag("--assume-expected", options->assume_expected,
                  "where a mission must be decided to go on, go on as is simulated or expected");
   verb->add_option("--input", options->mission.inputs, "an input of the mission")->type_name("NAME=VALUE");
+  verb->add_option("--fact", options->mission.facts,
+                   "a fact that holds at the beginning, or with '!' does not")
+      ->type_name("FACT");
   verb->add_option("--order", options->order,
                    "of a task network: epoch (default) keeps the whole final world, goal only its goal")
       ->type_name("ORDER")

@@ -38,7 +38,9 @@ Result<Diagram> of_mission(mission::Mission loaded, const ConvertOptions& option
   if (!program) return program.error();
   auto inputs = inputs_of(**program, options.mission);
   if (!inputs) return inputs.error();
-  auto plan = convert::Plan::create(*program, std::move(*inputs));
+  const auto facts = given_facts(options.mission);
+  if (!facts) return facts.error();
+  auto plan = convert::Plan::create(*program, std::move(*inputs), *facts);
   if (!plan) return plan.error();
   MissionOptions simulated = options.mission;
   simulated.simulate = true;
@@ -88,6 +90,10 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
   Diagnostics diagnostics;
   std::optional<Diagram> diagram;
   if (is_task_network(options.mission.file)) {
+    if (!options.mission.inputs.empty() || !options.mission.facts.empty()) {
+      return failed(context, fail(ErrorCode::Unsupported,
+                                  "--input and --fact are for missions, not for task networks"));
+    }
     diagram = of_network(options, diagnostics);
     if (!diagram) return report_failure(context, diagnostics);
     print_diagnostics(diagnostics);

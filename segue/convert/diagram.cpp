@@ -100,6 +100,7 @@ Diagram diagram_of(const Plan& plan) {
     Diagram::Node& node = diagram.nodes[i];
     node.role = role_of(planned.role, node.role);
     if (planned.role != Role::Action) node.note = note_of(plan, planned);
+    if (!planned.refused.empty()) node.note = "will not begin: " + planned.refused;
     if (const auto slash = planned.path.rfind('/'); slash != std::string::npos)
       node.container = planned.path.substr(0, slash);
     name_causes(node, plan, planned);

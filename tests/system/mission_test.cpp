@@ -310,6 +310,8 @@ TEST_F(Converted, WhatIsWrongIsToldWithItsPlace) {
   const auto input = segue({"mission", "convert", "m.yaml", "--input", "x=1"});
   EXPECT_EQ(input.status, 1);
   EXPECT_THAT(input.errors, HasSubstr("no input 'x'"));
+  EXPECT_EQ(segue({"mission", "convert", "m.yaml", "--fact", "(("}).status, 1);
+  EXPECT_EQ(segue({"mission", "convert", "n.json", "--fact", "p()"}).status, 1);
 }
 
 TEST_F(Converted, WhereItCannotBeWrittenNothingIsLeft) {
