@@ -3,50 +3,72 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <vector>
 
 namespace segue::cdtn {
 
-/// Names as dense numbers, in the order they came. Not thread safe; reading is, while nobody adds.
+/// Names as dense numbers, in the order they came. A name stays where it is. Not thread safe; reading is,
+/// while nobody adds.
 class NameTable {
  public:
-  NameTable() = default;
-  NameTable(const NameTable& other) { *this = other; }
-  NameTable(NameTable&&) = default;
-  NameTable& operator=(NameTable&&) = default;
-  NameTable& operator=(const NameTable& other) {
-    if (this == &other) return *this;
-    names_.clear();
-    numbers_.clear();
-    for (const std::string& name : other.names_)
-      intern(name);
-    return *this;
-  }
-  ~NameTable() = default;
-
   /// The number of `name`, a new one if it has none.
   std::uint32_t intern(std::string_view name) {
-    const auto found = numbers_.find(name);
-    if (found != numbers_.end()) return found->second;
-    const auto number = static_cast<std::uint32_t>(names_.size());
-    numbers_.emplace(names_.emplace_back(name), number);
-    return number;
+    if (4 * (names_.size() + 1) > 3 * places_.size()) grow();
+    Place& place = places_[find_place(name, hash_of(name))];
+    if (place.number == kFree) {
+      place = {hash_of(name), static_cast<std::uint32_t>(names_.size())};
+      names_.emplace_back(name);
+    }
+    return place.number;
   }
   [[nodiscard]] std::optional<std::uint32_t> find(std::string_view name) const {
-    const auto found = numbers_.find(name);
-    if (found == numbers_.end()) return std::nullopt;
-    return found->second;
+    if (places_.empty()) return std::nullopt;
+    const Place& place = places_[find_place(name, hash_of(name))];
+    if (place.number == kFree) return std::nullopt;
+    return place.number;
   }
   /// Requires number < size().
   [[nodiscard]] const std::string& name(std::uint32_t number) const { return names_[number]; }
   [[nodiscard]] std::size_t size() const { return names_.size(); }
 
  private:
-  std::deque<std::string> names_;  // elements stay where they are, so the map may view them
-  std::unordered_map<std::string_view, std::uint32_t> numbers_;
+  static constexpr std::uint32_t kFree = static_cast<std::uint32_t>(-1);
+  struct Place {
+    std::uint32_t hash = 0;
+    std::uint32_t number = kFree;
+  };
+  static std::uint32_t hash_of(std::string_view name) {
+    return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
+  }
+
+  /// Where the name is, or would be: behind others of its hash.
+  [[nodiscard]] std::size_t find_place(std::string_view name, std::uint32_t hash) const {
+    const std::size_t mask = places_.size() - 1;
+    std::size_t at = hash & mask;
+    while (places_[at].number != kFree && (places_[at].hash != hash || names_[places_[at].number] != name))
+      at = (at + 1) & mask;
+    return at;
+  }
+
+  void grow() {
+    std::vector<Place> old(places_.empty() ? 16 : 2 * places_.size());
+    old.swap(places_);
+    const std::size_t mask = places_.size() - 1;
+    for (const Place& place : old) {
+      if (place.number == kFree) continue;
+      std::size_t at = place.hash & mask;
+      while (places_[at].number != kFree)
+        at = (at + 1) & mask;
+      places_[at] = place;
+    }
+  }
+
+  std::deque<std::string> names_;
+  std::vector<Place> places_;  ///< a power of two, a quarter free at least
 };
 
 }  // namespace segue::cdtn

@@ -23,11 +23,11 @@ std::uint32_t Network::add_group(ResourceId resource, std::uint32_t count) {
   return static_cast<std::uint32_t>(groups_.size()) - 1;
 }
 
-NodeId Network::append(const NodeSpec& spec) {
+NodeId Network::append(const NodeSpec& spec, std::uint32_t called) {
   const NodeId node{size()};
   Node& entry = nodes_.back();
   entry.duration = spec.duration;
-  entry.name = names.intern(spec.name);
+  entry.name = called;
   entry.iteration = spec.iteration;
   entry.expected = spec.expected;
   entry.kind = spec.kind;
@@ -42,8 +42,10 @@ NodeId Network::append(const NodeSpec& spec) {
   append_claims(spec);
   if (entry.reads_world && entry.kind != NodeClass::Pure) entry.opaque = true;
   inputs_.insert(inputs_.end(), spec.inputs.begin(), spec.inputs.end());
-  std::stable_sort(inputs_.begin() + entry.first_input, inputs_.end(),
-                   [](const DataInput& a, const DataInput& b) { return a.producer < b.producer; });
+  const auto by_producer = [](const DataInput& a, const DataInput& b) { return a.producer < b.producer; };
+  const auto inputs = inputs_.begin() + entry.first_input;
+  if (!std::is_sorted(inputs, inputs_.end(), by_producer))
+    std::stable_sort(inputs, inputs_.end(), by_producer);
   conditions_.insert(conditions_.end(), spec.conditions.begin(), spec.conditions.end());
   const auto conditions = conditions_.begin() + entry.first_condition;
   std::sort(conditions, conditions_.end());

@@ -104,7 +104,9 @@ class Network {
   std::vector<Literal> goal;  ///< what matters in the end, for the order `goal`; empty: the whole world
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
-  NodeId append(const NodeSpec& spec);
+  NodeId append(const NodeSpec& spec) { return append(spec, names.intern(spec.name)); }
+  /// Likewise, by a name that is known, in place of the spec's.
+  NodeId append(const NodeSpec& spec, std::uint32_t called);
   /// A lock that members name in their claims (Claim::group).
   std::uint32_t add_group(ResourceId resource, std::uint32_t count = 1);
   OutcomeId outcome(std::string_view text) { return OutcomeId(outcomes.intern(text)); }

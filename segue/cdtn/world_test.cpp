@@ -133,5 +133,23 @@ TEST(World, SnapshotsAreReadOnOtherThreadsWhileTheWorldChanges) {
     reader.join();
 }
 
+TEST(NameTable, NumbersNamesInTheOrderTheyComeAndFindsThemAgain) {
+  NameTable names;
+  EXPECT_FALSE(names.find("n0"));
+  for (std::uint32_t i = 0; i < 5000; ++i)
+    ASSERT_EQ(names.intern("n" + std::to_string(i)), i);
+  const NameTable copy = names;
+  const std::string* where = &names.name(0);
+  EXPECT_EQ(names.intern(""), 5000U) << "an empty name is one, too";
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    ASSERT_EQ(names.intern("n" + std::to_string(i)), i);
+    ASSERT_EQ(copy.find("n" + std::to_string(i)), i);
+  }
+  EXPECT_EQ(&names.name(0), where);
+  EXPECT_EQ(names.size(), 5001U);
+  EXPECT_EQ(copy.size(), 5000U);
+  EXPECT_FALSE(copy.find(""));
+}
+
 }  // namespace
 }  // namespace segue::cdtn

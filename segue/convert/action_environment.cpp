@@ -79,7 +79,7 @@ class ActionEnvironment::NodeCall final : public mission::Call {
 
   [[nodiscard]] mission::StateIndex state() const override { return planned_.state; }
   [[nodiscard]] const mission::Program& program() const override { return environment_.plan_.program(); }
-  [[nodiscard]] std::string path() const override { return planned_.path; }
+  [[nodiscard]] std::string path() const override { return std::string(planned_.path); }
   [[nodiscard]] std::span<const Value> inputs() const override { return inputs_; }
   [[nodiscard]] std::span<Value> outputs() override { return outputs_; }
   [[nodiscard]] mission::Globals& globals() const override { return environment_.globals; }
@@ -311,7 +311,8 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   options.history = false;
   options.preemption_grace = options_.preemption_grace;
   const auto slash = planned.path.rfind('/');
-  const std::string around = slash == std::string::npos ? std::string() : planned.path.substr(0, slash);
+  const std::string around =
+      slash == std::string::npos ? std::string() : std::string(planned.path.substr(0, slash));
   const Value error = value(launch, planned.error_before);
   const auto texts = launch.world().texts(plan_.network().facts);
   const mission::World::Facts world(texts.begin(), texts.end());

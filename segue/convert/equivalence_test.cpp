@@ -234,11 +234,13 @@ Ran concurrent(const std::shared_ptr<const mission::Program>& program, RunOption
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     const cdtn::NodeId node{i};
     const auto status = result.nodes[i].status;
-    if (run->plan()[node].role == Role::Routine) ran.routines.push_back(run->plan()[node].path + "/");
+    if (run->plan()[node].role == Role::Routine)
+      ran.routines.push_back(std::string(run->plan()[node].path) + "/");
     if (run->plan()[node].role != Role::Action) continue;
     if (status != cdtn::NodeStatus::Done && status != cdtn::NodeStatus::Failed) continue;
     const auto outcome = run->plan().outcome(node, result.nodes[i].outcome);
-    ran.happened[run->plan()[node].path].push_back(program->outcome_name(run->plan()[node].state, outcome));
+    ran.happened[std::string(run->plan()[node].path)].push_back(
+        program->outcome_name(run->plan()[node].state, outcome));
   }
   return ran;
 }

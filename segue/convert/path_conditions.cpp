@@ -47,9 +47,10 @@ void PathConditions::decide(NodeId node, OutcomeId outcome) {
   branches_[by_node_[index(node)]].decided = outcome;
 }
 
-std::optional<Edge> PathConditions::live(Edge edge) {
+std::optional<Edge> PathConditions::live_within(Edge edge) {
   // Outwards to what is certain; then back, so that every branch on the way knows what is around it.
-  std::vector<std::uint32_t> way;
+  std::vector<std::uint32_t>& way = way_;
+  way.clear();
   for (Edge at = edge; !at.always(); at = branches_[at.branch].around) {
     const Branch& branch = branches_[at.branch];
     if (branch.dead || (branch.decided && *branch.decided != at.outcome)) {
@@ -95,15 +96,12 @@ bool PathConditions::expected(Edge edge, Edge outer) {
   return true;
 }
 
-Edge PathConditions::common(std::span<const Edge> edges) {
-  Edge result = edges.front();
-  for (Edge other : edges.subspan(1)) {
-    while (result != other) {
-      Edge& deeper = depth(result) >= depth(other) ? result : other;
-      deeper = branches_[deeper.branch].around;
-    }
+Edge PathConditions::common(Edge a, Edge b) {
+  while (a != b) {
+    Edge& deeper = depth(a) >= depth(b) ? a : b;
+    deeper = branches_[deeper.branch].around;
   }
-  return result;
+  return a;
 }
 
 /// Edges within others go, and all edges of one branch become the edge around it. False where nothing was to
@@ -148,6 +146,7 @@ bool PathConditions::expand(std::vector<Edge>& edges) {
 }
 
 std::optional<Edge> PathConditions::merged(std::vector<Edge> edges) {
+  if (edges.size() == 1) return edges.front();
   for (;;) {
     if (edges.size() > kMostEdges) return std::nullopt;
     while (reduce(edges)) {

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace segue::convert {
@@ -34,7 +33,7 @@ class PathConditions {
 
   [[nodiscard]] cdtn::NodeId node(Edge edge) const { return branches_[edge.branch].node; }
   /// The edge without what is decided; nothing where it is off the path.
-  std::optional<Edge> live(Edge edge);
+  std::optional<Edge> live(Edge edge) { return edge.always() ? edge : live_within(edge); }
   /// Whether `outer` is on the path whenever `inner` is, as far as the tree tells.
   bool implies(Edge inner, Edge outer);
   /// Whether they cannot both be on the path, as far as the tree tells.
@@ -42,8 +41,8 @@ class PathConditions {
   /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
   /// Requires that they are live.
   std::optional<Edge> merged(std::vector<Edge> edges);
-  /// The innermost edge that all of these imply. Requires one at least.
-  Edge common(std::span<const Edge> edges);
+  /// The innermost edge that both imply.
+  Edge common(Edge a, Edge b);
   /// Whether nothing between `outer` and `edge` is against what is expected.
   bool expected(Edge edge, Edge outer);
   /// The innermost conditions of the edge, for a node that lies on it.
@@ -63,11 +62,13 @@ class PathConditions {
   [[nodiscard]] std::uint32_t depth(Edge edge) const {
     return edge.always() ? 0 : branches_[edge.branch].depth;
   }
+  std::optional<Edge> live_within(Edge edge);
   bool reduce(std::vector<Edge>& edges);
   bool expand(std::vector<Edge>& edges);
 
   std::vector<Branch> branches_;
   std::vector<std::uint32_t> by_node_;
+  std::vector<std::uint32_t> way_;  ///< of live()
 };
 
 }  // namespace segue::convert

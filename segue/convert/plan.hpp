@@ -7,8 +7,10 @@
 #include <segue/mission/program.hpp>
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -47,8 +49,8 @@ struct PlannedNode {
   Role role = Role::Action;
   mission::StateIndex state = mission::kNoState;
   std::uint32_t iteration = 0;  ///< how often it stands in the plan before
-  std::string path;
-  std::vector<Source> inputs;  ///< by port; of a Copy or Global: one, what it hands on
+  std::string_view path;        ///< in Network::names; empty: the mission itself, or no state
+  std::vector<Source> inputs;   ///< by port; of a Copy or Global: one, what it hands on
   Source error_before;
   Source begun;  ///< how often the state has begun, where its action asks for that
   bool counts = false;
@@ -116,7 +118,7 @@ class Plan final : public cdtn::Expansion {
 
   std::shared_ptr<const mission::Program> program_;
   cdtn::Network network_;
-  std::vector<PlannedNode> nodes_;
+  std::deque<PlannedNode> nodes_;
   std::string waits_for_;
   std::unique_ptr<Unroller> unroller_;
 };

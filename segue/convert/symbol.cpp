@@ -12,9 +12,11 @@ Defaults with(const Defaults& defaults, Default more) {
   if (certain) return defaults;
   const bool nothing = index(more.reader) == cdtn::kNone && more.value.is_null();
   if (nothing && defaults) return defaults;
+  static const Defaults kNothing = std::make_shared<const std::vector<Default>>();
+  if (nothing) return kNothing;
   auto extended =
       defaults ? std::make_shared<std::vector<Default>>(*defaults) : std::make_shared<std::vector<Default>>();
-  if (!nothing) extended->push_back(std::move(more));
+  extended->push_back(std::move(more));
   return extended;
 }
 
@@ -30,30 +32,39 @@ void Slots::write(std::uint32_t slot, Edge when, Symbol value, PathConditions& p
   writes.push_back({++turn_, when, std::move(value)});
 }
 
+/// Takes in a write, the newest first; false where nothing older counts.
+bool Slots::Reader::take(const Write& write) {
+  const auto when = paths.live(write.when);
+  if (!when || paths.exclude(*when, at)) return true;
+  const auto& candidates = write.value.candidates;
+  for (auto candidate = candidates.rbegin(); candidate != candidates.rend(); ++candidate) {
+    const auto live = paths.live(candidate->when);
+    if (!live || paths.exclude(*live, at)) continue;
+    result.candidates.push_back({candidate->node, candidate->output, *live, candidate->defaults});
+  }
+  if (!paths.implies(at, *when)) return true;
+  result.rest = write.value.rest;
+  return false;
+}
+
 Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditions& paths) const {
-  std::vector<std::pair<std::uint64_t, const Write*>> found;
-  for (const std::uint32_t slot : slots) {
-    for (const Write& write : slots_[slot])
-      found.emplace_back(write.turn, &write);
-  }
-  std::ranges::sort(found, std::greater<>{});
-  Symbol result;
-  std::vector<Candidate> newest_first;
-  for (const auto& [turn, write] : found) {
-    const auto when = paths.live(write->when);
-    if (!when || paths.exclude(*when, at)) continue;
-    const auto& candidates = write->value.candidates;
-    for (auto candidate = candidates.rbegin(); candidate != candidates.rend(); ++candidate) {
-      const auto live = paths.live(candidate->when);
-      if (!live || paths.exclude(*live, at)) continue;
-      newest_first.push_back({candidate->node, candidate->output, *live, candidate->defaults});
+  Reader reader{at, paths, {}};
+  if (slots.size() == 1) {
+    const auto& writes = slots_[slots.front()];  // in the order of their turns
+    for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
+      ++write;
+  } else {
+    std::vector<std::pair<std::uint64_t, const Write*>> found;
+    for (const std::uint32_t slot : slots) {
+      for (const Write& write : slots_[slot])
+        found.emplace_back(write.turn, &write);
     }
-    if (!paths.implies(at, *when)) continue;
-    result.rest = write->value.rest;
-    break;
+    std::ranges::sort(found, std::greater<>{});
+    for (auto write = found.begin(); write != found.end() && reader.take(*write->second);)
+      ++write;
   }
-  result.candidates.assign(newest_first.rbegin(), newest_first.rend());
-  return result;
+  std::ranges::reverse(reader.result.candidates);
+  return std::move(reader.result);
 }
 
 }  // namespace segue::convert

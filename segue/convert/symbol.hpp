@@ -55,6 +55,12 @@ class Slots {
     Edge when;
     Symbol value;
   };
+  struct Reader {
+    Edge at;
+    PathConditions& paths;
+    Symbol result;  ///< the newest candidate first
+    bool take(const Write& write);
+  };
   std::vector<std::vector<Write>> slots_;
   std::uint64_t turn_ = 0;
 };

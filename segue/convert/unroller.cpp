@@ -16,7 +16,8 @@ using mission::StateIndex;
 using mission::StateKind;
 using mission::Step;
 
-Unroller::Unroller(Plan& plan, std::vector<type::Value> inputs) : plan_(plan), given_(std::move(inputs)) {
+Unroller::Unroller(Plan& plan, std::vector<type::Value> inputs)
+    : plan_(plan), given_(std::move(inputs)), touches_(plan.program().mission().actions.size()) {
   find_routines();
 }
 
@@ -58,7 +59,7 @@ void Unroller::take_alternatives(Track& track) {
     Frame& frame = track.alternatives[i].back();
     Activation& activation = *frame.activation;
     const auto head = activation.order->vertices[frame.loops.back().head];
-    const auto arrivals = live_arrivals(activation.arrivals[head]);
+    const auto& arrivals = live_arrivals(activation.arrivals[head]);
     const auto base = paths_.live(activation.entry.when);
     if (arrivals.empty() || !base) {
       track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
@@ -104,7 +105,7 @@ bool Unroller::end_of_loop(Track& track) {
     ++loop.iterations;
     return true;
   };
-  const auto arrivals = live_arrivals(activation.arrivals[activation.order->vertices[loop.head]]);
+  const auto& arrivals = live_arrivals(activation.arrivals[activation.order->vertices[loop.head]]);
   if (arrivals.empty()) {
     frame.loops.pop_back();
     return true;
@@ -159,7 +160,7 @@ bool Unroller::leads_on(Frame& frame, std::uint32_t from) {
   return false;
 }
 
-std::vector<Arrival> Unroller::live_arrivals(std::vector<Arrival>& arrivals) {
+const std::vector<Arrival>& Unroller::live_arrivals(std::vector<Arrival>& arrivals) {
   std::erase_if(arrivals, [&](Arrival& arrival) {
     const auto live = paths_.live(arrival.when);
     if (live) arrival.when = *live;
@@ -178,7 +179,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
   Frame& frame = track.frames.back();
   Activation& activation = *frame.activation;
   auto& waiting = activation.arrivals[node(state).position];
-  const auto arrivals = live_arrivals(waiting);
+  const auto& arrivals = live_arrivals(waiting);
   if (arrivals.empty()) {
     ++frame.place;
     return true;
@@ -197,7 +198,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
   }
   entry.path = path_of(activation, state);
   entry.aborts_handled = activation.entry.aborts_handled || node(state).next[1].kind != Step::Kind::Nowhere;
-  waiting.clear();
+  waiting = {};  // nothing comes to it any more, unless it is in a loop
   ++frame.place;
   enter(track, std::move(entry));
   return !track.pending;
@@ -321,10 +322,10 @@ void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end)
   });
   if (end.exits.empty()) return;  // it has turned out to be off the path
   // It is written whichever way the child ends; where it is entered is where all its ends lie.
-  std::vector<Edge> edges;
+  Edge entered = end.exits.front().arrival.when;
   for (const Exit& exit : end.exits)
-    edges.push_back(exit.arrival.when);
-  take_outputs(activation, state, paths_.common(edges), end.outputs);
+    entered = paths_.common(entered, exit.arrival.when);
+  take_outputs(activation, state, entered, std::move(end.outputs));
   for (Exit& exit : end.exits) {
     const Step& step = child.next[static_cast<std::size_t>(exit.outcome + 2)];
     exit.arrival.aborted = exit.outcome == kAborted;

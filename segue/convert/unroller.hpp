@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -74,6 +75,15 @@ struct Track {
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 
+/// What an action touches, once that is known.
+struct Touch {
+  std::optional<std::vector<std::size_t>> named_by{};  ///< inputs that tell, by port
+  bool known = false;                                  ///< for all its nodes: no input tells
+  std::vector<cdtn::Literal> preconditions{};
+  std::vector<cdtn::Literal> effects{};
+  std::vector<cdtn::Claim> claims{};
+};
+
 /// Walks through a mission as the reference engine would, in all ways at once. States of a hierarchy are
 /// taken in a weak topological order, so that every way to a state is known before it becomes a node, and
 /// each state stands in the plan once for each iteration of the loops around it.
@@ -111,7 +121,7 @@ class Unroller {
   void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
   void join_barrier(Track& track);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
-  [[nodiscard]] std::vector<Arrival> live_arrivals(std::vector<Arrival>& arrivals);
+  const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const Activation& around, mission::StateIndex child) const;
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
@@ -127,17 +137,19 @@ class Unroller {
   StateEnd add_routine(const Entry& entry);
   Edge meet(const std::vector<Arrival>& arrivals);
   Symbol copied(Symbol value, Edge when);
-  cdtn::NodeId append(cdtn::NodeSpec spec, PlannedNode node);
-  Source connect(cdtn::NodeSpec& spec, const Symbol& symbol, const std::string& name);
+  cdtn::NodeSpec& blank();
+  cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
+  Source connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
   StateEnd ends_of(const Entry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
   void count(cdtn::NodeSpec& spec, PlannedNode& node, const Entry& entry);
   void store(Activation& activation, std::uint32_t slot, Edge when, Symbol value);
   void take_outputs(Activation& activation, mission::StateIndex child, Edge when,
-                    const std::vector<Symbol>& outputs);
+                    std::vector<Symbol> outputs);
   std::vector<Symbol> inputs_of(Activation& activation, mission::StateIndex child, Edge at);
   Default fallback(const mission::Supply& supply, Edge at);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const Entry& entry);
   void declare(const Entry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
+  [[nodiscard]] std::optional<std::string> look_up(const Entry& entry, Touch& touch);
   [[nodiscard]] const mission::Node& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }
@@ -153,7 +165,9 @@ class Unroller {
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;
-  std::unordered_map<std::string, std::uint32_t> copies_;  ///< by path
+  std::vector<std::uint32_t> copies_;  ///< by name, of Network::names
+  std::vector<Touch> touches_;         ///< by action
+  cdtn::NodeSpec spec_;                ///< of the node at hand
 };
 
 }  // namespace segue::convert

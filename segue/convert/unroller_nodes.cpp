@@ -55,8 +55,8 @@ bool counts_executions(const Action& action) {
   return simulated != nullptr && simulated->outcomes.size() > 1;
 }
 
-std::string numbered(const std::string& name, std::size_t number) {
-  return number == 0 ? name : name + "~" + std::to_string(number);
+std::string numbered(std::string_view name, std::size_t number) {
+  return number == 0 ? std::string(name) : fmt::format("{}~{}", name, number);
 }
 
 }  // namespace
@@ -109,21 +109,44 @@ RoutineReason Unroller::routine_reason(StateIndex state, StateIndex opaque) cons
   return {};
 }
 
-NodeId Unroller::append(NodeSpec spec, PlannedNode node) {
-  if (spec.name.empty()) spec.name = plan_.program().mission().name;
-  node.iteration = spec.iteration = copies_[spec.name]++;
-  const NodeId id = plan_.network_.append(spec);
+/// An empty one, with room from the last.
+NodeSpec& Unroller::blank() {
+  NodeSpec fresh;
+  const auto keep_room = [](auto& from, auto& to) {
+    from.clear();
+    to.swap(from);
+  };
+  keep_room(spec_.preconditions, fresh.preconditions);
+  keep_room(spec_.effects, fresh.effects);
+  keep_room(spec_.claims, fresh.claims);
+  keep_room(spec_.inputs, fresh.inputs);
+  keep_room(spec_.conditions, fresh.conditions);
+  spec_ = std::move(fresh);
+  return spec_;
+}
+
+/// As the state is called, or else by that name.
+NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name) {
+  auto& names = plan_.network_.names;
+  const bool is_state = !node.path.empty();
+  const std::uint32_t number = names.intern(is_state ? node.path : name);
+  if (number >= copies_.size()) copies_.resize(std::max<std::size_t>(number + 1, 2 * copies_.size()));
+  node.iteration = spec.iteration = copies_[number]++;
+  if (is_state) node.path = names.name(number);
+  const NodeId id = plan_.network_.append(spec, number);
   plan_.nodes_.push_back(std::move(node));
   return id;
 }
 
 /// Every candidate becomes an input of its own, since what stands for a null may differ.
-Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, const std::string& name) {
+Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view name) {
+  auto& names = plan_.network_.names;
   Source source;
   source.rest = symbol.rest;
   for (std::size_t i = symbol.candidates.size(); i-- > 0;) {
     const Candidate& candidate = symbol.candidates[i];
-    const auto input = plan_.network_.names.intern(numbered(name, source.feeds.size()));
+    const std::size_t number = source.feeds.size();
+    const auto input = number == 0 ? names.intern(name) : names.intern(numbered(name, number));
     spec.inputs.push_back({candidate.node, candidate.output, input});
     source.feeds.push_back({input, candidate.defaults});
   }
@@ -144,15 +167,14 @@ Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, const std::string
 /// A default from the mission; a global variable is read by a node of its own, where it has its turn.
 Default Unroller::fallback(const mission::Supply& supply, Edge at) {
   if (supply.global.empty()) return {supply.fallback};
-  NodeSpec spec;
-  spec.name = "$" + supply.global;
+  NodeSpec& spec = blank();
   spec.opaque = true;
   spec.cannot_fail = true;
   spec.conditions = paths_.conditions(at);
   PlannedNode planned;
   planned.role = Role::Global;
   planned.global = supply.global;
-  return {Value(), append(std::move(spec), std::move(planned))};
+  return {Value(), append(spec, std::move(planned), "$" + supply.global)};
 }
 
 std::vector<Symbol> Unroller::inputs_of(Activation& activation, StateIndex child, Edge at) {
@@ -169,10 +191,10 @@ std::vector<Symbol> Unroller::inputs_of(Activation& activation, StateIndex child
 }
 
 void Unroller::take_outputs(Activation& activation, StateIndex child, Edge when,
-                            const std::vector<Symbol>& outputs) {
+                            std::vector<Symbol> outputs) {
   const mission::Node& state = node(child);
   for (std::uint32_t i = 0; i < outputs.size(); ++i)
-    store(activation, state.first_output + i, when, outputs[i]);
+    store(activation, state.first_output + i, when, std::move(outputs[i]));
   for (const mission::Copy& copy : state.into_variables)
     store(activation, copy.to, when, activation.slots.read({copy.from}, when, paths_));
 }
@@ -195,15 +217,14 @@ void Unroller::store(Activation& activation, std::uint32_t slot, Edge when, Symb
 }
 
 Symbol Unroller::copied(Symbol value, Edge when) {
-  NodeSpec spec;
-  spec.name = "copy";
+  NodeSpec& spec = blank();
   spec.kind = NodeClass::Pure;
   spec.cannot_fail = true;
   spec.conditions = paths_.conditions(when);
   PlannedNode planned;
   planned.role = Role::Copy;
-  planned.inputs.push_back(connect(spec, value, std::string(kValueOutput)));
-  const NodeId id = append(std::move(spec), std::move(planned));
+  planned.inputs.push_back(connect(spec, value, kValueOutput));
+  const NodeId id = append(spec, std::move(planned), "copy");
   Symbol result;
   result.candidates.push_back({id, plan_.network_.names.intern(kValueOutput), when, {}});
   return result;
@@ -211,13 +232,15 @@ Symbol Unroller::copied(Symbol value, Edge when) {
 
 /// Where several ways lead to one state: the edge that stands for all of them.
 Edge Unroller::meet(const std::vector<Arrival>& arrivals) {
+  if (arrivals.size() == 1) return arrivals.front().when;
   std::vector<Edge> edges;
   for (const Arrival& arrival : arrivals)
     edges.push_back(arrival.when);
   if (const auto one = paths_.merged(edges)) return *one;
-  const Edge around = paths_.common(edges);
-  NodeSpec spec;
-  spec.name = "join";
+  Edge around = edges.front();
+  for (const Edge edge : edges)
+    around = paths_.common(around, edge);
+  NodeSpec& spec = blank();
   spec.kind = NodeClass::Pure;
   spec.cannot_fail = true;
   spec.branches = true;
@@ -233,7 +256,7 @@ Edge Unroller::meet(const std::vector<Arrival>& arrivals) {
     spec.inputs.push_back({paths_.node(edge), output, input});
     planned.joined.emplace_back(input, edge.outcome);
   }
-  const NodeId id = append(std::move(spec), std::move(planned));
+  const NodeId id = append(spec, std::move(planned), "join");
   return paths_.add_join(id, around, std::move(edges), reached, missed);
 }
 
@@ -266,8 +289,11 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
 /// The inputs that name facts and resources, by port; nothing where one is not known yet.
 std::optional<std::vector<Value>> Unroller::naming_values(const Entry& entry) {
   const Action& what = action(entry.state);
+  Touch& touch = touches_[node(entry.state).action];
+  if (!touch.named_by) touch.named_by = mission::naming_inputs(what);
+  if (touch.known) return std::vector<Value>();
   std::vector<Value> values(what.inputs.size());
-  for (const std::size_t port : mission::naming_inputs(what)) {
+  for (const std::size_t port : *touch.named_by) {
     const std::string& name = what.inputs[port].name;
     auto value = value_of(entry.inputs[port]);
     if (!value) {
@@ -282,34 +308,49 @@ std::optional<std::vector<Value>> Unroller::naming_values(const Entry& entry) {
 
 /// What it touches; where a name cannot be formed, that it will not begin.
 void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned) {
+  Touch& touch = touches_[node(entry.state).action];
+  if (!touch.known) {
+    if (auto refused = look_up(entry, touch)) {
+      planned.refused = std::move(*refused);
+      return;
+    }
+    touch.known = touch.named_by->empty();
+  }
+  spec.preconditions = touch.preconditions;
+  spec.effects = touch.effects;
+  spec.claims = touch.claims;
+}
+
+/// Why a name cannot be formed, if that is so.
+std::optional<std::string> Unroller::look_up(const Entry& entry, Touch& touch) {
   const Action& what = action(entry.state);
   const auto values = naming_values(entry);
   assert(values);
   const auto touched = mission::footprint(plan_.program().mission(), what, *values, entry.path);
-  if (!touched) {
-    planned.refused = touched.error().message;
-    return;
-  }
+  if (!touched) return touched.error().message;
   const auto literals = [&](const std::vector<mission::GroundFact>& facts, std::vector<cdtn::Literal>& into) {
+    into.clear();
     for (const mission::GroundFact& fact : facts) {
       if (const auto id = plan_.network_.facts.intern_named(fact.text)) into.push_back({*id, fact.holds});
     }
   };
-  literals(touched->preconditions, spec.preconditions);
-  literals(touched->effects, spec.effects);
+  literals(touched->preconditions, touch.preconditions);
+  literals(touched->effects, touch.effects);
+  touch.claims.clear();
   for (std::size_t i = 0; i < what.resources.size(); ++i) {
     const auto resource = plan_.network_.resources.intern(touched->resources[i]);
     const mission::ResourceUse& use = what.resources[i];
-    spec.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
-                           static_cast<std::uint32_t>(use.count), cdtn::kNone});
+    touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
+                            static_cast<std::uint32_t>(use.count), cdtn::kNone});
   }
+  return std::nullopt;
 }
 
 /// How often the state has begun is a value like others, so that runs ahead know it too.
 void Unroller::count(NodeSpec& spec, PlannedNode& planned, const Entry& entry) {
   if (!counts_executions(action(entry.state))) return;
   auto& begun = begun_.try_emplace(entry.state, 1).first->second;
-  planned.begun = connect(spec, begun.read({0}, entry.when, paths_), std::string(kCountOutput));
+  planned.begun = connect(spec, begun.read({0}, entry.when, paths_), kCountOutput);
   planned.counts = true;
 }
 
@@ -372,9 +413,9 @@ std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const Entry
 
 StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* branches) {
   const Action& what = action(entry.state);
-  NodeSpec spec;
+  NodeSpec& spec = blank();
   PlannedNode planned;
-  spec.name = planned.path = entry.path;
+  planned.path = entry.path;
   planned.state = entry.state;
   spec.kind = class_of(what);
   spec.duration = expected_duration(what);
@@ -390,11 +431,11 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
   spec.conditions = paths_.conditions(entry.when);
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
-  planned.error_before = connect(spec, {entry.errors, {}}, std::string(kErrorOutput));
+  planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
   count(spec, planned, entry);
   if (branches != nullptr) planned.branches = connect_branches(spec, entry, *branches);
   const bool counts = planned.counts;
-  const NodeId id = append(spec, std::move(planned));
+  const NodeId id = append(spec, std::move(planned), plan_.network_.name);
   if (counts) {
     Symbol more;
     more.candidates.push_back({id, plan_.network_.names.intern(kCountOutput), entry.when, {}});
@@ -405,10 +446,10 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
 
 StateEnd Unroller::add_routine(const Entry& entry) {
   const mission::Node& state = node(entry.state);
-  NodeSpec spec;
+  NodeSpec& spec = blank();
   PlannedNode planned;
   planned.role = Role::Routine;
-  spec.name = planned.path = entry.path;
+  planned.path = entry.path;
   planned.state = entry.state;
   spec.routine = true;
   spec.opaque = true;
@@ -419,8 +460,8 @@ StateEnd Unroller::add_routine(const Entry& entry) {
   spec.conditions = paths_.conditions(entry.when);
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], (*state.input_ports)[i].name));
-  planned.error_before = connect(spec, {entry.errors, {}}, std::string(kErrorOutput));
-  const NodeId id = append(spec, std::move(planned));
+  planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
+  const NodeId id = append(spec, std::move(planned), plan_.network_.name);
   return ends_of(entry, id, spec);
 }
 
