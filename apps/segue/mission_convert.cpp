@@ -38,7 +38,7 @@ Result<Diagram> of_mission(mission::Mission loaded, const ConvertOptions& option
   if (!program) return program.error();
   auto inputs = inputs_of(**program, options.mission);
   if (!inputs) return inputs.error();
-  const auto facts = given_facts(options.mission);
+  const auto facts = given_facts(options.mission.facts);
   if (!facts) return facts.error();
   auto plan = convert::Plan::create(*program, std::move(*inputs), *facts);
   if (!plan) return plan.error();
