@@ -125,6 +125,12 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
                           std::to_string(there) + " at the beginning, and no action creates more",
                       use.where);
   }
+  if (use.operation == ResourceOperation::Release) {
+    diagnostics.warning("ignored-release",
+                        what + "it releases " + quote(use.resource) +
+                            ", which means nothing: what an action blocks it has until it ends",
+                        use.where);
+  }
   for (const auto& [key, parameter] : use.parameters.as_map()) {
     const type::Value* own = declared == nullptr ? nullptr : declared->parameters.find(key);
     if (own == nullptr) {
