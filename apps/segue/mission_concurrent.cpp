@@ -64,6 +64,71 @@ Duration time_of_all(const cdtn::RunResult& result) {
   return sum;
 }
 
+/// One run and what is shown of it.
+class ConcurrentRun {
+ public:
+  ConcurrentRun(convert::Run& run, const Context& context) : run_(run), context_(context) {}
+
+  /// Blocks until the mission has ended, or is stopped.
+  void execute(StopSignal& stop) {
+    std::thread watch([&] {
+      stop.wait(std::nullopt);
+      run_.stop();
+    });
+    const double before = thread_seconds();
+    result_ = run_.run();
+    const double used = thread_seconds() - before;
+    stop.request("the mission has ended");
+    watch.join();
+    order_ = cdtn::derive_order(network());
+    summary_.sequential = time_of_all(nodes());
+    summary_.critical_path = cdtn::critical_path(network(), order_, nodes()).length;
+    if (network().size() > 0) summary_.engine_us_per_node = used * 1e6 / network().size();
+  }
+
+  void show() const {
+    if (context_.json()) return print_json(document());
+    show_run(network(), order_, nodes(), summary_, context_);
+    print_line(fmt::format("{}: {}", printable(network().name), printable(result_.outcome_name)));
+    for (const auto& [port, value] : outputs())
+      print_line(fmt::format("{}: {}", printable(port), one_line(value)));
+    if (!result_.error.empty()) print_note(printable(result_.error));
+  }
+
+  [[nodiscard]] cdtn::Gantt gantt() const { return cdtn::gantt_of(network(), order_, nodes(), summary_); }
+  [[nodiscard]] mission::Outcome outcome() const { return result_.outcome; }
+
+ private:
+  [[nodiscard]] const cdtn::Network& network() const { return run_.plan().network(); }
+  [[nodiscard]] const cdtn::RunResult& nodes() const { return run_.network_result(); }
+
+  [[nodiscard]] type::ValueMap outputs() const {
+    type::ValueMap map;
+    const auto& ports = *run_.plan().program().node(0).output_ports;
+    for (std::size_t i = 0; i < ports.size() && result_.outcome >= 0; ++i)
+      map.append(ports[i].name, result_.outputs[i]);
+    return map;
+  }
+
+  /// That of the network, with what the mission adds.
+  [[nodiscard]] type::Value document() const {
+    type::Value document = cdtn::to_value(network(), order_, nodes(), summary_);
+    type::ValueMap& map = document.as_map();
+    map.set("outcome", result_.outcome_name);
+    map.erase("error");
+    if (!result_.error.empty()) map.set("error", result_.error);
+    map.set("outputs", outputs());
+    map.set("globals", run_.globals().snapshot());
+    return document;
+  }
+
+  convert::Run& run_;
+  const Context& context_;
+  mission::MissionResult result_;
+  cdtn::Order order_;
+  cdtn::RunSummary summary_;
+};
+
 }  // namespace
 
 Result<std::vector<type::Value>> inputs_of(const mission::Program& program, const MissionOptions& options) {
@@ -76,12 +141,9 @@ Result<std::vector<type::Value>> inputs_of(const mission::Program& program, cons
 
 int run_mission_concurrently(const MissionOptions& options, const NetworkOptions& network,
                              const Context& context) {
-  if (!options.start_at.empty()) {
-    return failed(context, fail(ErrorCode::Unsupported,
-                                "--start-at begins in the middle, which only a sequential run can"));
-  }
-  if (!options.journal.empty()) {
-    return failed(context, fail(ErrorCode::Unsupported, "--journal is for sequential runs"));
+  if (!options.start_at.empty() || !options.journal.empty()) {
+    return failed(context,
+                  fail(ErrorCode::Unsupported, "--start-at and --journal are for runs as they are written"));
   }
   if (const auto fits = check(options.files); !fits) return failed(context, fits.error());
   Diagnostics diagnostics;
@@ -89,41 +151,16 @@ int run_mission_concurrently(const MissionOptions& options, const NetworkOptions
   if (!loaded) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   StopSignal stop;  // until what came of the run is shown
-  auto run = prepare(std::move(*loaded), options, network);
-  if (!run) return failed(context, run.error());
-  std::thread watch([&] {
-    stop.wait(std::nullopt);
-    (*run)->stop();
-  });
-  const double before = thread_seconds();
-  const mission::MissionResult& result = (*run)->run();
-  const double used = thread_seconds() - before;
-  stop.request("the mission has ended");
-  watch.join();
-
-  const cdtn::Network& plan = (*run)->plan().network();
-  const cdtn::RunResult& nodes = (*run)->network_result();
-  const cdtn::Order order = cdtn::derive_order(plan);
-  cdtn::RunSummary summary;
-  summary.sequential = time_of_all(nodes);
-  summary.critical_path = cdtn::critical_path(plan, order, nodes).length;
-  if (plan.size() > 0) summary.engine_us_per_node = used * 1e6 / plan.size();
-  if (options.show) {
-    show_run(plan, order, nodes, summary, context);
-    if (!context.json()) {
-      const auto& program = (*run)->plan().program();
-      print_line(fmt::format("{}: {}", printable(plan.name), printable(result.outcome_name)));
-      const auto& ports = *program.node(0).output_ports;
-      for (std::size_t i = 0; i < ports.size() && result.outcome >= 0; ++i)
-        print_line(fmt::format("{}: {}", printable(ports[i].name), one_line(result.outputs[i])));
-      if (!result.error.empty()) print_note(printable(result.error));
-    }
-  }
+  auto prepared = prepare(std::move(*loaded), options, network);
+  if (!prepared) return failed(context, prepared.error());
+  ConcurrentRun run(**prepared, context);
+  run.execute(stop);
+  if (options.show) run.show();
   if (options.files.any()) {
-    const auto written = write(options.files, cdtn::gantt_of(plan, order, nodes, summary));
-    if (!written) return failed(Context{}, written.error());
+    if (const auto written = write(options.files, run.gantt()); !written)
+      return failed(Context{}, written.error());
   }
-  return result.outcome < 0 ? kFailed : kDone;
+  return run.outcome() < 0 ? kFailed : kDone;
 }
 
 }  // namespace segue::cli

@@ -219,7 +219,8 @@ class MissionRun {
                              {"iteration", static_cast<std::uint64_t>(item.iteration)},
                              {"start_s", since_begin(item.began)},
                              {"end_s", since_begin(item.end)},
-                             {"status", outcome(item)},
+                             {"status", std::string(cdtn::to_string(shown.status))},
+                             {"outcome", outcome(item)},
                              {"pia", !action.pure},
                              {"resources", std::move(resources)},
                              {"waited_for", waited_for(shown)}});

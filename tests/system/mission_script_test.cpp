@@ -66,7 +66,8 @@ TEST_F(MissionScripts, AnImportedMachineRunsSideBySideAndDecides) {
   const auto run = json({"mission", "run", "m.yaml"});
   EXPECT_EQ(run.find("outcome")->as_string(), "success");
   const auto& right = run.find("nodes")->as_list()[1];
-  EXPECT_EQ(right.find("status")->as_string(), "aborted");
+  EXPECT_EQ(right.find("status")->as_string(), "failed");
+  EXPECT_EQ(right.find("outcome")->as_string(), "aborted");
   EXPECT_EQ(right.find("error")->as_string(), "barrier/right:3: RuntimeError: right fails");
 }
 

@@ -75,6 +75,14 @@ states:
   const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual", "--mode", "concurrent"});
   EXPECT_EQ(run.find("makespan_s")->as_double(), 5);
   EXPECT_EQ(run.find("sequential_s")->as_double(), 8);
+  const auto as_written = json({"mission", "run", "m.yaml", "--clock", "virtual"});
+  for (const auto* one : {&run, &as_written}) {
+    EXPECT_EQ(one->find("outcome")->as_string(), "success") << "the mission's own, in either mode";
+    EXPECT_EQ(*one->find("outputs")->find("pose"), type::Value(7));
+    EXPECT_EQ(one->find("nodes")->as_list().at(0).find("status")->as_string(), "done");
+    EXPECT_EQ(one->find("nodes")->as_list().at(0).find("outcome")->as_string(), "success");
+    EXPECT_NE(one->find("globals"), nullptr);
+  }
   const auto text = segue({"mission", "run", "m.yaml", "--mode", "concurrent", "--clock", "virtual"});
   EXPECT_THAT(text.output, HasSubstr("m: success\npose: 7\n"));
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--mode", "concurrent", "--start-at", "look"}).status, 1);
