@@ -100,8 +100,11 @@ class Drawing {
       text(x + 28, 58, "start", to_string(kind), "");
       x += 46 + 6.2 * static_cast<double>(to_string(kind).size());
     }
+    std::string told;
     if (std::ranges::any_of(dependencies_, [](const auto* one) { return !one->holds_start; }))
-      text(x, 58, "start", "dashed: it may run ahead, its result waits", "fill='#555555'");
+      told = "dashed: it may run ahead, its result waits; ";
+    if (std::ranges::any_of(lines_, &LayoutLine::cut)) told += "dot: from the node of that number; ";
+    if (!told.empty()) text(x, 58, "start", told.substr(0, told.size() - 2), "fill='#555555'");
   }
 
   void stroke(double x1, double y1, double x2, double y2, std::string_view colour, bool firm) {
@@ -129,7 +132,7 @@ class Drawing {
       before = ", ";
       --left;
     }
-    if (left > 0) fmt::format_to(out(), "<tspan fill='#555555'>\u00a0+{}</tspan>", left);
+    if (left > 0) fmt::format_to(out(), "<tspan fill='#555555'>, +{}</tspan>", left);
     text_ += "</text>\n";
   }
 
@@ -147,7 +150,7 @@ class Drawing {
       curve(line, end, colour, dependency.holds_start);
     }
     arrow(end, y, colour);
-    label(end - 8, y - 2, dependency, prefix);
+    label(end - 8, y - 3, dependency, prefix);
     text_ += "</g>\n";
   }
 

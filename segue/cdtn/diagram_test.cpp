@@ -215,6 +215,22 @@ TEST(Diagram, ShowsTheOrderThatTheEngineUsesAndLeavesNothingOutThatMatters) {
   }
 }
 
+TEST(Diagram, LinesThatWouldBeTooLongAreCut) {
+  Network network;
+  NodeSpec spec;
+  spec.effects.resize(1);
+  const std::uint32_t port = network.names.intern("value");
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    spec.name = "step " + std::to_string(i);
+    spec.effects[0] = {*network.facts.intern("p()"), i % 2 == 0};
+    spec.inputs.clear();
+    if (i == 19) spec.inputs.push_back({NodeId{0}, port, port});
+    network.append(spec);
+  }
+  EXPECT_THAT(to_svg(diagram_of(network)),
+              AllOf(HasSubstr(">0: value</tspan>"), HasSubstr("dot: from the node of that number")));
+}
+
 TEST(Diagram, HostileNamesStayText) {
   const std::string name = R"(a\"b</text><script>\n\\N&)";
   const auto flat = read(R"j({"name": ")j" + name + R"j(", "pia": true, "effects": ["+p()"]})j");
