@@ -60,6 +60,8 @@ void Engine::Implementation::adopt() {
   versions_.resize(network_.input_count());
   pool_.grow();
   pool_.take_groups(network_.groups());
+  lent_.resize(network_.resources.size());
+  returning_.resize(network_.resources.size());
   for (std::uint32_t i = first; i < size; ++i)
     adopt_node(NodeId{i});
 }
@@ -130,6 +132,7 @@ void Engine::Implementation::work_off() {
   for (;;) {
     take_granted();
     take_waiting();
+    recall_for_waiting();
     if (work_.empty()) return;
     batch_.swap(work_);
     if (batch_.size() > 1) std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });

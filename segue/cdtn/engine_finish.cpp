@@ -29,14 +29,17 @@ void Engine::Implementation::end_run(EventQueue::End end) {
   running_.pop_back();
   log(node, LogKind::End);
   environment_.ended(node, end.attempt);
-  if (const auto claims = network_.claims(node); !claims.empty())
+  note_lent(node, false);
+  if (state.cancelled) note_returning(node, false);
+  if (const auto claims = network_.claims(node);
+      !claims.empty() && !(state.cancelled && planted(Fault::KeepsRecalledUnits)))
     pool_.release(claims, succeeded(network_, node, end.report));
   if (end.report) learn_effects(*end.report);
   if (irreversible(node)) {
     reports_[index(node)] = std::move(end.report);
     return commit(node);
   }
-  if (!state.cancelled) return park(node, std::move(end.report));
+  if (!state.cancelled || planted(Fault::CountsRecalled)) return park(node, std::move(end.report));
   discard(node);
   if (state.phase == Phase::Skipped) return;
   state.phase = Phase::Waiting;
@@ -59,7 +62,7 @@ void Engine::Implementation::learn_effects(Report& report) {
 void Engine::Implementation::discard(NodeId node) {
   const State& state = at(node);
   wasted_.push_back({node, state.started, state.ended});
-  ++statistics_.wasted;
+  if (state.ran_ahead) ++statistics_.wasted;
   log(node, LogKind::Discard);
   return_copy(node);
 }
@@ -231,7 +234,7 @@ void Engine::Implementation::advance_prefix() {
   const auto size = static_cast<std::uint32_t>(states_.size());
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
-  if (prefix_ < size && network_[NodeId{prefix_}].reads_world) work_.push_back(NodeId{prefix_});
+  if (prefix_ < size) work_.push_back(NodeId{prefix_});  // its turn, whatever it may have waited for
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;
   while (!strict_.empty() && *strict_.begin() <= safe_) {

@@ -80,7 +80,9 @@ class Engine::Implementation {
   // Starting (engine_start.cpp).
   void check(NodeId node);
   void try_start(NodeId node);
-  [[nodiscard]] bool may_run_ahead(NodeId node) const;
+  [[nodiscard]] bool settled(NodeId node) const;
+  [[nodiscard]] bool certain(NodeId node) const;
+  [[nodiscard]] bool takes_in_order(NodeId node) const;
   [[nodiscard]] bool must_be_safe(NodeId node) const;
   [[nodiscard]] bool has_effects(NodeId node) const;
   void refuse(NodeId node, const Error& error);
@@ -94,6 +96,14 @@ class Engine::Implementation {
   void note_what_is_read(NodeId node);
   void return_copy(NodeId node);
   void return_copies_of_producers(NodeId node);
+
+  // Giving back what runs ahead have (engine_recall.cpp).
+  void note_lent(NodeId node, bool lent);
+  void note_returning(NodeId node, bool returning);
+  void recall_units(NodeId node);
+  void recall_for_waiting();
+  void recall(NodeId node);
+  [[nodiscard]] bool collect_lenders(NodeId node, const Claim& claim, std::vector<NodeId>& lenders);
 
   // Ending (engine_finish.cpp).
   void end_run(EventQueue::End end);
@@ -160,9 +170,13 @@ class Engine::Implementation {
   std::vector<NodeId> batch_;
   std::vector<NodeId> to_skip_;
   std::vector<NodeId> granted_;
-  std::set<Rank> ready_;
+  std::set<Rank> ready_;        ///< certain to be wanted
+  std::set<Rank> ready_ahead_;  ///< others
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;
+  std::vector<std::set<Rank>> lent_;      ///< by resource: who runs ahead with units of it, or is about to
+  std::vector<std::uint64_t> returning_;  ///< by resource: units of runs that were cancelled and go on
+  std::uint32_t returning_workers_ = 0;   ///< likewise
   std::uint32_t passed_count_ = 0;
   std::uint32_t prefix_ = 0;        ///< everything before has passed
   std::uint32_t safe_ = 0;          ///< nothing before may fail any more

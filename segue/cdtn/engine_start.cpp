@@ -53,17 +53,36 @@ void Engine::Implementation::check(NodeId node) {
     copying_.erase(rank(node));
     state.phase = Phase::Waiting;
   }
+  if (state.phase == Phase::Running && open && !world_is_valid(node)) return invalidate(node);
+  if (state.phase == Phase::Queued && false_precondition(node) != nullptr) {
+    abandon(node);  // it changed meanwhile
+    state.phase = Phase::Waiting;
+  }
+  if (state.phase == Phase::Queued && certain(node)) return recall_units(node);
+  if (state.phase == Phase::Ready && certain(node) && ready_ahead_.erase(rank(node)) > 0)
+    ready_.insert(rank(node));
   if (state.phase != Phase::Waiting || state.active) return;
-  const bool final = open && (!network_[node].reads_world || prefix_ == index(node));
-  if (irreversible(node) ? open : state.ahead == 0 && (final || may_run_ahead(node))) try_start(node);
+  const bool may_run_ahead = options_.speculate && !takes_in_order(node);
+  if (irreversible(node) ? open : state.ahead == 0 && (settled(node) || may_run_ahead)) try_start(node);
 }
 
-/// Not where units are taken in program order: a node that is repeated would come too late for its own.
-bool Engine::Implementation::may_run_ahead(NodeId node) const {
-  return options_.speculate && std::ranges::none_of(network_.claims(node), [this](const Claim& claim) {
-           const Resource& resource = network_.resources[claim.resource];
-           return resource.varies || resource.grouped;
-         });
+/// Whether all that it relies on has come about.
+bool Engine::Implementation::settled(NodeId node) const {
+  return at(node).gate == 0 && (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
+}
+
+/// Whether a run that begins now counts, as far as the mission means to say: nothing but a failure could make
+/// it vain, in strict mode not even that.
+bool Engine::Implementation::certain(NodeId node) const {
+  return settled(node) && !must_be_safe(node);
+}
+
+/// Whether its units are taken in program order: a run that is repeated would come too late for its own.
+bool Engine::Implementation::takes_in_order(NodeId node) const {
+  return std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
+    const Resource& resource = network_.resources[claim.resource];
+    return resource.varies || resource.grouped;
+  });
 }
 
 /// In strict mode nothing may come about behind a node that may still fail.
@@ -76,7 +95,7 @@ bool Engine::Implementation::has_effects(NodeId node) const {
 }
 
 void Engine::Implementation::try_start(NodeId node) {
-  if (irreversible(node) && must_be_safe(node)) {
+  if (must_be_safe(node) && (irreversible(node) || takes_in_order(node))) {
     strict_.insert(index(node));
     return;
   }
@@ -119,12 +138,14 @@ void Engine::Implementation::claim(NodeId node) {
   const auto claims = network_.claims(node);
   if (claims.empty() || pool_.request(rank(node), claims)) return dispatch(node);
   at(node).phase = Phase::Queued;
+  if (certain(node)) recall_units(node);
 }
 
 void Engine::Implementation::dispatch(NodeId node) {
-  if (options_.workers == 0 || running_.size() < options_.workers) return launch(node);
+  note_lent(node, true);
+  if (options_.workers == 0) return launch(node);
   at(node).phase = Phase::Ready;
-  ready_.insert(rank(node));
+  (certain(node) ? ready_ : ready_ahead_).insert(rank(node));
 }
 
 void Engine::Implementation::take_granted() {
@@ -141,11 +162,13 @@ void Engine::Implementation::take_granted() {
   }
 }
 
-/// Free workers and copies of the world go to the first who wait for them.
+/// Free workers and copies of the world go to the first who wait for them; workers first to those who are
+/// certain to be wanted.
 void Engine::Implementation::take_waiting() {
-  while (!ready_.empty() && running_.size() < options_.workers) {
-    const NodeId node = ready_.begin()->node;
-    ready_.erase(ready_.begin());
+  while (running_.size() < options_.workers && !(ready_.empty() && ready_ahead_.empty())) {
+    std::set<Rank>& from = ready_.empty() ? ready_ahead_ : ready_;
+    const NodeId node = from.begin()->node;
+    from.erase(from.begin());
     launch(node);
   }
   for (std::uint32_t copies = copies_; !copying_.empty() && copies < options_.world_copies; ++copies) {
@@ -183,6 +206,7 @@ void Engine::Implementation::launch(NodeId node) {
   State& state = at(node);
   if (network_[node].kind == NodeClass::Pure &&
       false_precondition(node) != nullptr) {  // it changed meanwhile
+    note_lent(node, false);
     pool_.release(network_.claims(node), false);
     return_copy(node);
     state.phase = Phase::Waiting;
@@ -192,7 +216,7 @@ void Engine::Implementation::launch(NodeId node) {
   state.phase = Phase::Running;
   state.active = true;
   state.cancelled = false;
-  state.ran_ahead = state.gate > 0;
+  state.ran_ahead = !certain(node);
   state.started = events_.now();
   state.run_place = static_cast<std::uint32_t>(running_.size());
   running_.push_back(node);

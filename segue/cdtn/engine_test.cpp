@@ -71,6 +71,57 @@ TEST(Engine, EndsWithTheErrorOfTheLowestNode) {
   EXPECT_EQ(seconds(result.makespan), 9);
 }
 
+// "plan" runs ahead in the world that "use" will leave, and has the arm when "use" could start.
+const char* const kAheadWithTheArm = R"j(
+    {"name": "drive", "duration_s": 5, "pia": true, "effects": ["+there()"]},
+    {"name": "use", "duration_s": 2, "pia": true, "preconditions": ["there()"], "effects": ["+used()"],
+     "resources": [{"name": "system:arm", "op": "block"}]},
+    {"name": "plan", "duration_s": 10, "pia": false, "preconditions": ["used()"], "effects": [],
+     "resources": [{"name": "system:arm", "op": "block"}]})j";
+
+TEST(Engine, WhoRunsAheadGivesBackWhatANodeBeforeItNeeds) {
+  const RunResult result = run(read(kAheadWithTheArm));
+  ASSERT_TRUE(result.done());
+  EXPECT_EQ(seconds(result.nodes[1].started.time_since_epoch()), 5);
+  EXPECT_EQ(seconds(result.makespan), 17) << "as one after the other";
+  ASSERT_EQ(result.wasted.size(), 1U);
+  EXPECT_EQ(seconds(result.wasted[0].ended - result.wasted[0].started), 5);
+  EXPECT_EQ(result.statistics.recalled, 1U);
+  EXPECT_EQ(result.statistics.wasted, 1U);
+}
+
+TEST(Engine, WhoRunsAheadKeepsWhatIsThereTwice) {
+  const auto flat = read(kAheadWithTheArm, R"("resources": {"system:arm": {"count": 2}},)");
+  const RunResult result = run(flat);
+  EXPECT_EQ(seconds(result.makespan), 10);
+  EXPECT_EQ(result.statistics.recalled, 0U);
+}
+
+TEST(Engine, WhoIsCertainToBeWantedKeepsWhatItHas) {
+  const RunResult result = run(read(R"j(
+    {"name": "drive", "duration_s": 5, "pia": true, "effects": ["+there()"]},
+    {"name": "use", "duration_s": 2, "pia": true, "preconditions": ["there()"], "effects": [],
+     "resources": [{"name": "system:arm", "op": "block"}]},
+    {"name": "plan", "duration_s": 10, "pia": false, "effects": [],
+     "resources": [{"name": "system:arm", "op": "block"}]})j"));
+  EXPECT_EQ(seconds(result.makespan), 12);
+  EXPECT_EQ(result.statistics.recalled, 0U);
+}
+
+TEST(Engine, WhoRunsAheadGivesBackItsWorker) {
+  EngineOptions options;
+  options.workers = 2;
+  const RunResult result = run(read(R"j(
+    {"name": "drive", "duration_s": 5, "pia": true, "effects": ["+there()"]},
+    {"name": "look", "duration_s": 1, "pia": true, "preconditions": ["there()"], "effects": ["+seen()"]},
+    {"name": "listen", "duration_s": 1, "pia": true, "preconditions": ["there()"], "effects": []},
+    {"name": "plan", "duration_s": 10, "pia": false, "preconditions": ["seen()"], "effects": []})j"),
+                               options);
+  EXPECT_EQ(seconds(result.nodes[2].started.time_since_epoch()), 5);
+  EXPECT_EQ(seconds(result.makespan), 16);
+  EXPECT_EQ(result.statistics.recalled, 1U);
+}
+
 TEST(Engine, AnEffectThatIsNotDeclaredNamesItsNode) {
   const RunResult result =
       run(read(R"j({"name": "push", "pia": true, "effects": ["+at(a)"], "uncertain": false,

@@ -49,6 +49,8 @@ void Engine::Implementation::abandon(NodeId node) {
       break;
     case Phase::Ready:
       ready_.erase(rank(node));
+      ready_ahead_.erase(rank(node));
+      note_lent(node, false);
       pool_.release(network_.claims(node), false);
       return_copy(node);
       break;
@@ -67,6 +69,8 @@ void Engine::Implementation::cancel_run(NodeId node) {
   State& state = at(node);
   if (!state.active || state.cancelled) return;
   state.cancelled = true;
+  note_lent(node, false);
+  note_returning(node, true);
   log(node, LogKind::Cancel);
   environment_.cancel(node, state.attempt, events_);
 }
@@ -119,7 +123,8 @@ void Engine::Implementation::facts_changed(std::uint32_t place) {
     if (access.reads && network_[access.node].kind == NodeClass::Pure) {
       const bool read = state.phase == Phase::Running || state.phase == Phase::Parked;
       if (read && projected(access) != (reads_[i] == 3)) invalidate(access.node);
-      if (state.phase == Phase::Waiting && state.ahead == 0) work_.push_back(access.node);
+      const bool waits = state.phase == Phase::Waiting || state.phase == Phase::Queued;
+      if (waits && state.ahead == 0) work_.push_back(access.node);
     }
     const Node& node = network_[access.node];
     const bool certain = !node.uncertain && !node.branches && network_.conditions(access.node).empty();

@@ -22,7 +22,11 @@ enum class Fault : std::uint8_t {
   StrictIsNot,           ///< strict mode does not wait
   AppliesEffectsTwice,   ///< a repeated node's old effects are applied too
   LeavesGroupEarly,      ///< a group lock is given back by the first member that ends
-  CommitsSpeculation     ///< a speculative result counts at once
+  CommitsSpeculation,    ///< a speculative result counts at once
+  NeverRecalls,          ///< who runs ahead keeps what nodes before it need
+  RecallsWhatCounts,     ///< runs that are certain to be wanted are recalled too
+  KeepsRecalledUnits,    ///< what is recalled is not given back
+  CountsRecalled         ///< the end of a run that was cancelled counts
 };
 
 #ifdef SEGUE_CDTN_FAULTS

@@ -86,6 +86,7 @@ Value to_value(const Network& network, const Order& order, const RunResult& resu
   const RunStatistics& statistics = result.statistics;
   root.set("speculation", Value::map({{"ahead", statistics.ahead},
                                       {"wasted", statistics.wasted},
+                                      {"recalled", statistics.recalled},
                                       {"repeated", statistics.repeated}}));
   root.set("engine_us_per_node", summary.engine_us_per_node);
   return root;

@@ -29,25 +29,38 @@ std::uint32_t ResourcePool::need(const Claim& claim) const {
   return claim.op == ResourceOp::Exists || claim.op == ResourceOp::Release ? 0 : claim.count;
 }
 
-bool ResourcePool::fits(const Claim& claim) const {
+/// What all claims need of one resource; members of a group take its units but once.
+std::uint64_t ResourcePool::need(std::span<const Claim> claims, ResourceId id) const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < claims.size(); ++i) {
+    if (claims[i].resource != id) continue;
+    const auto before = claims.first(i);
+    const bool known =
+        claims[i].group != kNone && std::ranges::find(before, claims[i].group, &Claim::group) != before.end();
+    if (!known) sum += need(claims[i]);
+  }
+  return sum;
+}
+
+bool ResourcePool::fits_but_for_units(const Claim& claim) const {
   const Units& units = units_[index(claim.resource)];
-  if (need(claim) > units.free) return false;
   if (claim.group != kNone)
     return claim.op != ResourceOp::Block || groups_[claim.group].inside >= claim.count;
   switch (claim.op) {
     case ResourceOp::Exists:
-      return units.total >= claim.count;
+      return units.total >= claim.count + units.leaving;
     case ResourceOp::Consume:
     case ResourceOp::Delete:
-      return units.total - claim.count >= units.pinned;
+      return units.total >= claim.count + units.pinned;
     default:
       return true;
   }
 }
 
-bool ResourcePool::turn(const Claim& claim, const Rank& rank) const {
-  const Units& units = units_[index(claim.resource)];
-  const std::uint64_t own = need(claim);
+/// Whether enough is free for it, and for all who wait before it.
+bool ResourcePool::turn(const Rank& rank, std::uint64_t own, ResourceId id) const {
+  const Units& units = units_[index(id)];
+  if (own > units.free) return false;
   if (own == 0 || units.wanted + own <= units.free) return true;
   std::uint64_t ahead = own;
   for (const Waiting& waiting : units.queue) {
@@ -59,13 +72,36 @@ bool ResourcePool::turn(const Claim& claim, const Rank& rank) const {
 }
 
 bool ResourcePool::grantable(const Rank& rank, std::span<const Claim> claims) const {
-  return std::ranges::all_of(claims, [&](const Claim& claim) { return fits(claim); }) &&
-         std::ranges::all_of(claims, [&](const Claim& claim) { return turn(claim, rank); });
+  return std::ranges::all_of(claims, [&](const Claim& claim) {
+    return fits_but_for_units(claim) && turn(rank, need(claims, claim.resource), claim.resource);
+  });
 }
 
 const Claim* ResourcePool::obstacle(std::span<const Claim> claims) const {
-  const auto found = std::ranges::find_if(claims, [&](const Claim& claim) { return !fits(claim); });
+  const auto found = std::ranges::find_if(claims, [&](const Claim& claim) {
+    return !fits_but_for_units(claim) || need(claims, claim.resource) > free(claim.resource);
+  });
   return found == claims.end() ? nullptr : &*found;
+}
+
+std::optional<std::uint64_t> ResourcePool::missing(const Rank& rank, const Claim& claim) const {
+  if (!fits_but_for_units(claim)) return std::nullopt;
+  const Units& units = units_[index(claim.resource)];
+  if (!can_wait(claim)) return 0;
+  const auto own = units.queue.find({rank, nullptr, 0});
+  if (own == units.queue.end()) return std::nullopt;  // it has just been granted
+  std::uint64_t wanted = own->need;
+  if (wanted == 0) return 0;
+  for (const Waiting& waiting : units.queue) {
+    if (!(waiting.rank < rank)) break;
+    wanted += waiting.need;
+  }
+  return wanted <= units.free ? 0 : wanted - units.free;
+}
+
+void ResourcePool::still_waiting(std::vector<NodeId>& nodes) {
+  nodes.clear();
+  nodes.swap(still_waiting_);
 }
 
 void ResourcePool::take(const Claim& claim) {
@@ -77,6 +113,7 @@ void ResourcePool::take(const Claim& claim) {
     return;
   }
   if (claim.op == ResourceOp::Consume) units.total -= claim.count;
+  if (claim.op == ResourceOp::Delete) units.leaving += claim.count;
   if (claim.op == ResourceOp::Exists) {
     ++units.pins;
     units.pinned = std::max(units.pinned, claim.count);
@@ -97,6 +134,7 @@ void ResourcePool::give_back(const Claim& claim, bool done) {
       }
       break;
     case ResourceOp::Delete:
+      units.leaving -= claim.count;
       if (done)
         units.total -= claim.count;
       else
@@ -128,10 +166,8 @@ void ResourcePool::enqueue(const Rank& rank, std::span<const Claim> claims) {
   for (const Claim& claim : claims) {
     if (!can_wait(claim)) continue;
     Units& units = units_[index(claim.resource)];
-    const auto place = units.queue.insert({rank, own, 0}).first;
-    const std::uint32_t more = need(claim);
-    place->need += more;
-    units.wanted += more;
+    const std::uint64_t needed = need(claims, claim.resource);
+    if (units.queue.insert({rank, own, needed}).second) units.wanted += needed;
   }
 }
 
@@ -194,6 +230,7 @@ void ResourcePool::look(ResourceId id) {
       ahead += waiting.need;
     }
   }
+  if (!units.queue.empty()) still_waiting_.push_back(units.queue.begin()->rank.node);
 }
 
 void ResourcePool::granted(std::vector<NodeId>& nodes) {

@@ -7,6 +7,7 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <vector>
@@ -49,6 +50,12 @@ class ResourcePool {
 
   [[nodiscard]] std::uint32_t total(ResourceId id) const { return units_[index(id)].total; }
   [[nodiscard]] std::uint32_t free(ResourceId id) const { return units_[index(id)].free; }
+  /// How many units more must come free before it is this claim's turn; nothing where it is not for want of
+  /// free units that it waits.
+  [[nodiscard]] std::optional<std::uint64_t> missing(const Rank& rank, const Claim& claim) const;
+  /// Who waits first for units of a resource of which some came free since the last call, and has to go on
+  /// waiting; moves them out.
+  void still_waiting(std::vector<NodeId>& nodes);
   /// Whether it could be granted if nobody waited; the claim that stands in the way otherwise.
   [[nodiscard]] const Claim* obstacle(std::span<const Claim> claims) const;
 
@@ -56,13 +63,14 @@ class ResourcePool {
   struct Waiting {
     Rank rank;
     std::shared_ptr<const std::vector<Claim>> claims;  ///< a copy: networks move theirs when they grow
-    mutable std::uint32_t need = 0;                    ///< free units of this queue's resource
+    std::uint64_t need = 0;                            ///< free units of this queue's resource
     friend bool operator<(const Waiting& a, const Waiting& b) { return a.rank < b.rank; }
   };
   struct Units {
     std::uint32_t total = 0;
     std::uint32_t free = 0;
-    std::uint32_t pinned = 0;  ///< units that an `exists` relies on, the most of all
+    std::uint32_t leaving = 0;  ///< held by who deletes them when it ends
+    std::uint32_t pinned = 0;   ///< units that an `exists` relies on, the most of all
     std::uint32_t pins = 0;
     std::uint64_t wanted = 0;  ///< by all who wait
     std::set<Waiting> queue;
@@ -75,9 +83,10 @@ class ResourcePool {
   };
 
   [[nodiscard]] std::uint32_t need(const Claim& claim) const;
-  [[nodiscard]] bool fits(const Claim& claim) const;
+  [[nodiscard]] std::uint64_t need(std::span<const Claim> claims, ResourceId id) const;
+  [[nodiscard]] bool fits_but_for_units(const Claim& claim) const;
   [[nodiscard]] bool can_wait(const Claim& claim) const;
-  [[nodiscard]] bool turn(const Claim& claim, const Rank& rank) const;
+  [[nodiscard]] bool turn(const Rank& rank, std::uint64_t own, ResourceId id) const;
   [[nodiscard]] bool grantable(const Rank& rank, std::span<const Claim> claims) const;
   void take(const Claim& claim);
   void give_back(const Claim& claim, bool done);
@@ -89,6 +98,7 @@ class ResourcePool {
   std::vector<Units> units_;
   std::vector<Group> groups_;
   std::vector<NodeId> granted_;
+  std::vector<NodeId> still_waiting_;
 };
 
 }  // namespace segue::cdtn

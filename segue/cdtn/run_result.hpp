@@ -37,6 +37,7 @@ struct RunStatistics {
   std::uint64_t starts = 0;
   std::uint64_t ahead = 0;     ///< runs that began before it was certain that they are wanted
   std::uint64_t wasted = 0;    ///< of those, thrown away
+  std::uint64_t recalled = 0;  ///< of those, for nodes that came before them and needed what they held
   std::uint64_t repeated = 0;  ///< runs of nodes that had run before
 };
 

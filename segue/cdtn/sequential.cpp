@@ -121,7 +121,18 @@ class SequentialRun {
       result_.world.set(literal);
   }
 
-  /// Units that a claim takes now. Those of a group are taken by its first member, for all.
+  /// Units that a node's claims take now of one resource. Those of a group are taken by its first member, for
+  /// all.
+  [[nodiscard]] std::uint64_t wanted(std::span<const Claim> claims, ResourceId resource) const {
+    std::uint64_t sum = 0;
+    std::set<std::uint32_t> known;
+    for (const Claim& claim : claims) {
+      if (claim.resource != resource || claim.op == ResourceOp::Exists) continue;
+      if (claim.group == kNone || known.insert(claim.group).second) sum += wanted(claim);
+    }
+    return sum;
+  }
+
   [[nodiscard]] std::uint32_t wanted(const Claim& claim) const {
     if (claim.group != kNone)
       return groups_held_.contains(claim.group) ? 0 : network_.groups()[claim.group].count;
@@ -132,7 +143,9 @@ class SequentialRun {
     for (const Claim& claim : network_.claims(node)) {
       const std::uint32_t place = index(claim.resource);
       const bool exists = claim.group == kNone && claim.op == ResourceOp::Exists;
-      if (wanted(claim) > result_.units[place] - (exists ? 0 : held_[place])) {
+      const std::uint64_t units =
+          exists ? claim.count : wanted(network_.claims(node), claim.resource) + held_[place];
+      if (units > result_.units[place]) {
         return fail(
             ErrorCode::ResourceExhausted,
             fmt::format("there are not {} of '{}'", claim.count, network_.resources.name(claim.resource)),

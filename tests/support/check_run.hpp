@@ -29,16 +29,32 @@ class RunCheck {
     return {};
   }
 
+  /// Whether it took longer than one node after the other, or "". Requires that each node takes the same time
+  /// in both, that who is cancelled ends at once, and that program order says who comes first. Not
+  /// where it failed unless strict: what acts behind a node that fails takes time that it takes nobody
+  /// before.
+  std::string slower() {
+    if (lacking() || (sequential_.failed && !strict_) || concurrent_.makespan <= sequential_.makespan)
+      return {};
+    const auto seconds = [](Duration time) { return time / std::chrono::seconds(1); };
+    return fmt::format("took {} s instead of {} s", seconds(concurrent_.makespan),
+                       seconds(sequential_.makespan));
+  }
+
  private:
+  /// It cannot go on for want of a resource, which the engine tells when nothing else can go on either.
+  [[nodiscard]] bool lacking() const {
+    return sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
+  }
+
   static std::string failure_text(const RunResult& result) {
     return result.failed ? fmt::format("n{}: {}", index(*result.failed), to_string(*result.error)) : "none";
   }
 
   std::string end() {
-    const bool lacking = sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
     const bool same =
         sequential_.failed == concurrent_.failed &&
-        (!sequential_.error || lacking || sequential_.error->message == concurrent_.error->message);
+        (!sequential_.error || lacking() || sequential_.error->message == concurrent_.error->message);
     if (same) return {};
     return fmt::format("failure {} instead of {}", failure_text(concurrent_), failure_text(sequential_));
   }
@@ -67,8 +83,7 @@ class RunCheck {
 
   /// After a failure, later nodes may have acted already; not where irreversible ones waited.
   std::string world() {
-    const bool lacking = sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
-    if (sequential_.failed && (!strict_ || lacking)) return {};
+    if (sequential_.failed && (!strict_ || lacking())) return {};
     if (!(sequential_.world == concurrent_.world)) {
       return fmt::format("world {} instead of {}", fmt::join(concurrent_.world.texts(network_.facts), " "),
                          fmt::join(sequential_.world.texts(network_.facts), " "));

@@ -107,6 +107,7 @@ class RandomNetwork {
       const ResourceId id{i};
       if (!chance(25) || (group_ != kNone && id == group_resource_)) continue;
       add_claim(spec, id);
+      if (chance(10)) add_claim(spec, id);
     }
     if (group_left_ == 0) group_ = kNone;
     if (group_ == kNone && spec.claims.empty() && chance(10)) {
@@ -145,20 +146,26 @@ class RandomNetwork {
   ResourceId group_resource_{};
 };
 
+/// How long things take. Unsteady: each run of a node its own time, and who is cancelled need not care.
+/// Steady: each node its time, and who is cancelled ends at once.
+enum class Pace : std::uint8_t { Unsteady, Steady };
+
 /// Answers are a function of the node and of the values that it reads; how long anything takes is not.
 class RandomEnvironment final : public Environment {
  public:
-  RandomEnvironment(const Network& network, std::uint64_t answers, Variety variety, std::uint64_t schedule)
-      : network_(network), answers_(answers), variety_(variety), schedule_(schedule) {}
+  RandomEnvironment(const Network& network, std::uint64_t answers, Variety variety, std::uint64_t schedule,
+                    Pace pace = Pace::Unsteady)
+      : network_(network), answers_(answers), variety_(variety), schedule_(schedule), pace_(pace) {}
 
   void start(Launch& launch, Completions& completions) override {
-    const std::uint64_t when = mix(mix(schedule_, index(launch.node())), launch.attempt());
+    const std::uint64_t run = pace_ == Pace::Steady ? 1 : launch.attempt();
+    const std::uint64_t when = mix(mix(schedule_, index(launch.node())), run);
     const TimePoint end = completions.now() + std::chrono::seconds(when % 3 == 0 ? 0 : when / 3 % 20);
     completions.finish_at(end, launch.node(), launch.attempt(), report(launch));
   }
 
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
-    const std::uint64_t how = mix(mix(schedule_, attempt), index(node) + 1000);
+    const std::uint64_t how = pace_ == Pace::Steady ? 1 : mix(mix(schedule_, attempt), index(node) + 1000);
     if (how % 4 == 0) return;  // it does not care
     auto report = std::make_unique<Report>();
     report->outcome = kPreempted;
@@ -223,6 +230,7 @@ class RandomEnvironment final : public Environment {
   std::uint64_t answers_;
   Variety variety_;
   std::uint64_t schedule_;
+  Pace pace_;
 };
 
 }  // namespace segue::cdtn
