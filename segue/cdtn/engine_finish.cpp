@@ -202,7 +202,16 @@ void Engine::Implementation::meet(const Dependency& dependency) {
   if (dependency.reason() != Reason::Condition || planted(Fault::SkippedStillActs)) return;
   const State& from = at(dependency.from);
   if (from.phase == Phase::Skipped || static_cast<std::uint32_t>(from.outcome) != dependency.subject)
-    skip(dependency.to);
+    return skip(dependency.to);
+  if (from.outcome != network_[dependency.from].expected) assumptions_changed(dependency.to);
+}
+
+/// The node was not taken to be on the path, and may be: whoever relied on that its effects stay out.
+void Engine::Implementation::assumptions_changed(NodeId node) {
+  const auto accesses = network_.accesses(node);
+  for (std::uint32_t i = 0; i < accesses.size(); ++i) {
+    if (accesses[i].writes) facts_changed(network_[node].first_access + i);
+  }
 }
 
 /// There are outputs, if only speculative ones.

@@ -132,6 +132,7 @@ class Engine::Implementation {
   void truncate(NodeId node);
   void outputs_changed(NodeId node);
   void facts_changed(std::uint32_t access);
+  void assumptions_changed(NodeId node);
 
   // What is true where (projection.cpp).
   [[nodiscard]] bool projected(const Access& access) const;

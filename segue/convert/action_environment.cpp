@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/action_environment.hpp>
+#include <segue/convert/fault.hpp>
 #include <segue/mission/index.hpp>
 
 #include <atomic>
@@ -29,10 +30,10 @@ struct ActionEnvironment::Reporter {
   [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) const {
     Outcome outcome = ending.outcome;
     std::string error = ending.error;
-    if (cancelled) {
+    if (cancelled && !planted(Fault::CountsCancelled)) {
       outcome = kPreempted;
     } else if (outcome < kPreempted || outcome >= static_cast<Outcome>(outcomes.size())) {
-      outcome = kAborted;
+      outcome = planted(Fault::AcceptsAnyOutcome) ? 0 : kAborted;
       error = "its action ended with an outcome that it does not have";
     }
     auto report = std::make_unique<cdtn::Report>();
@@ -47,7 +48,7 @@ struct ActionEnvironment::Reporter {
     }
     map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
     if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
-    if (counts) map.append(std::string(kCountOutput), count + 1);
+    if (counts) map.append(std::string(kCountOutput), count + (planted(Fault::CountsTwice) ? 2 : 1));
     report->outputs = std::make_shared<const Value>(std::move(map));
     return report;
   }
@@ -112,6 +113,7 @@ class ActionEnvironment::NodeCall final : public mission::Call {
         if (said == nullptr || !(*said == Value(static_cast<std::uint64_t>(end.reached)))) continue;
       }
       const Value error = environment_.value(launch, end.error);
+      if (planted(Fault::MistakesBranches)) return {branch.state, 0, {}};
       return {branch.state, end.outcome, error.is_string() ? error.as_string() : std::string()};
     }
     return {branch.state, kAborted, {}};
@@ -162,7 +164,7 @@ void ActionEnvironment::close() {
 Value ActionEnvironment::value(Launch& launch, const Source& source) const {
   const auto replaced = [&](const Value* given, const Defaults& defaults) -> Value {
     if (given != nullptr && !given->is_null()) return *given;
-    if (!defaults) return {};
+    if (!defaults || planted(Fault::KeepsNull)) return {};
     for (const Default& one : *defaults) {
       if (index(one.reader) == cdtn::kNone) {
         if (!one.value.is_null()) return one.value;
@@ -249,7 +251,7 @@ void ActionEnvironment::start(Launch& launch, Completions& completions) {
 }
 
 void ActionEnvironment::join(Launch& launch, Completions& completions) {
-  bool reached = false;
+  bool reached = planted(Fault::JoinsAlways);
   for (const auto& [input, outcome] : plan_[launch.node()].joined) {
     const Value* said = launch.input(input);
     reached = reached || (said != nullptr && *said == Value(static_cast<std::uint64_t>(outcome)));
@@ -274,7 +276,7 @@ void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
   try {
     ending = by_action_[plan_.program().node(planned.state).action]->start(call);
   } catch (const std::exception& exception) {
-    ending = Ending{kAborted, exception.what()};
+    ending = Ending{planted(Fault::SwallowsExceptions) ? 0 : kAborted, exception.what()};
   } catch (...) {
     ending = Ending{kAborted, "it threw something that is no exception"};
   }
@@ -311,14 +313,19 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   options.history = false;
   options.preemption_grace = options_.preemption_grace;
   const auto slash = planned.path.rfind('/');
-  const std::string around =
-      slash == std::string::npos ? std::string() : std::string(planned.path.substr(0, slash));
+  std::string around(planned.path);  // a root has no name of its own within what uses it
+  if (plan_.program().node(planned.state).parent != mission::kNoState)
+    around.resize(slash == std::string::npos ? 0 : slash);
   const Value error = value(launch, planned.error_before);
   const auto texts = launch.world().texts(plan_.network().facts);
   const mission::World::Facts world(texts.begin(), texts.end());
-  options.part = mission::MissionPart{
-      planned.state, around,      inputs(launch), error.is_string() ? error.as_string() : "",
-      globals,       iterations_, world};
+  options.part = mission::MissionPart{planned.state,
+                                      around,
+                                      inputs(launch),
+                                      error.is_string() ? error.as_string() : "",
+                                      planted(Fault::ForgetsSharedGlobals) ? mission::Globals() : globals,
+                                      iterations_,
+                                      world};
   auto reports = reporter(launch.node());
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
@@ -359,8 +366,9 @@ void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& 
   if (found == running_.end()) {
     const Role role = plan_[node].role;
     const bool acts = role == Role::Action || role == Role::Routine;
-    auto report = acts ? reporter(node)->report({kPreempted, {}}, {}) : std::make_unique<cdtn::Report>();
-    report->outcome = cdtn::kPreempted;
+    const Outcome outcome = planted(Fault::CountsCancelled) ? 0 : kPreempted;
+    auto report = acts ? reporter(node)->report({outcome, {}}, {}) : std::make_unique<cdtn::Report>();
+    if (!planted(Fault::CountsCancelled)) report->outcome = cdtn::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }
   const Running running = std::move(found->second);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/fault.hpp>
 #include <segue/convert/path_conditions.hpp>
 
 #include <algorithm>
@@ -44,7 +45,8 @@ Edge PathConditions::add_join(NodeId node, Edge around, std::vector<Edge> edges,
 
 void PathConditions::decide(NodeId node, OutcomeId outcome) {
   if (index(node) >= by_node_.size() || by_node_[index(node)] == kNone) return;
-  branches_[by_node_[index(node)]].decided = outcome;
+  Branch& branch = branches_[by_node_[index(node)]];
+  branch.decided = planted(Fault::DecidesAsExpected) ? branch.expected.value_or(outcome) : outcome;
 }
 
 std::optional<Edge> PathConditions::live_within(Edge edge) {
@@ -117,9 +119,11 @@ bool PathConditions::reduce(std::vector<Edge>& edges) {
   for (const Edge edge : edges) {
     if (edge.always()) continue;
     const Branch& branch = branches_[edge.branch];
-    const bool all = std::ranges::all_of(branch.outcomes, [&](OutcomeId outcome) {
-      return std::ranges::find(edges, Edge{edge.branch, outcome}) != edges.end();
-    });
+    const auto ways = std::ranges::count(edges, edge.branch, &Edge::branch);
+    const bool all = (planted(Fault::MergesHalfBranches) && ways > 1) ||
+                     std::ranges::all_of(branch.outcomes, [&](OutcomeId outcome) {
+                       return std::ranges::find(edges, Edge{edge.branch, outcome}) != edges.end();
+                     });
     if (!all) continue;
     const Edge around = live(branch.around).value_or(branch.around);
     std::erase_if(edges, [&](const Edge& other) { return other.branch == edge.branch; });
@@ -158,6 +162,7 @@ std::optional<Edge> PathConditions::merged(std::vector<Edge> edges) {
 
 std::vector<cdtn::Condition> PathConditions::conditions(Edge edge) {
   std::vector<cdtn::Condition> result;
+  if (planted(Fault::IgnoresInnerBranch) && !edge.always()) edge = branches_[edge.branch].around;
   for (; !edge.always() && result.size() < kMostConditions; edge = branches_[edge.branch].around) {
     if (!branches_[edge.branch].decided) result.push_back({branches_[edge.branch].node, edge.outcome});
   }

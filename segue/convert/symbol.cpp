@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/fault.hpp>
 #include <segue/convert/symbol.hpp>
 
 #include <algorithm>
@@ -42,14 +43,15 @@ bool Slots::Reader::take(const Write& write) {
     if (!live || paths.exclude(*live, at)) continue;
     result.candidates.push_back({candidate->node, candidate->output, *live, candidate->defaults});
   }
-  if (!paths.implies(at, *when)) return true;
+  const bool last = planted(Fault::ForgetsOldWrites) && !write.value.candidates.empty();
+  if (!paths.implies(at, *when) && !last) return true;
   result.rest = write.value.rest;
   return false;
 }
 
 Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditions& paths) const {
   Reader reader{at, paths, {}};
-  if (slots.size() == 1) {
+  if (slots.size() == 1 && !planted(Fault::TakesOldestWrite)) {
     const auto& writes = slots_[slots.front()];  // in the order of their turns
     for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
       ++write;
@@ -60,6 +62,7 @@ Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditi
         found.emplace_back(write.turn, &write);
     }
     std::ranges::sort(found, std::greater<>{});
+    if (planted(Fault::TakesOldestWrite)) std::ranges::reverse(found);
     for (auto write = found.begin(); write != found.end() && reader.take(*write->second);)
       ++write;
   }

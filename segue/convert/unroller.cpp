@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/index.hpp>
 
@@ -19,6 +20,7 @@ using mission::Step;
 Unroller::Unroller(Plan& plan, std::vector<type::Value> inputs)
     : plan_(plan), given_(std::move(inputs)), touches_(plan.program().mission().actions.size()) {
   find_routines();
+  find_varying();
 }
 
 Result<void> Unroller::begin() {
@@ -67,7 +69,7 @@ void Unroller::take_alternatives(Track& track) {
     }
     const bool certain = std::ranges::any_of(
         arrivals, [&](const Arrival& arrival) { return paths_.implies(*base, arrival.when); });
-    if (!certain) {
+    if (!certain || planted(Fault::NeverGoesBack)) {
       ++i;
       continue;
     }
@@ -180,6 +182,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
   Activation& activation = *frame.activation;
   auto& waiting = activation.arrivals[node(state).position];
   const auto& arrivals = live_arrivals(waiting);
+  if (planted(Fault::ForgetsArrivals) && waiting.size() > 1) waiting.pop_back();
   if (arrivals.empty()) {
     ++frame.place;
     return true;
@@ -189,7 +192,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
   entry.when = meet(arrivals);
   entry.inputs = inputs_of(activation, state, entry.when);
   for (const Arrival& arrival : arrivals) {
-    if (arrival.aborted)
+    if (arrival.aborted && !planted(Fault::ForgetsAbortedError))
       entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());
   }
   if (const auto port = mission::position(*node(state).input_ports, "error")) {
@@ -301,7 +304,7 @@ void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
   if (around.kind == StateKind::Hierarchy) return finish_in_hierarchy(frame, state, std::move(end));
   if (around.kind != StateKind::Library) return finish_decider(track, state, std::move(end));
   const Entry& entry = frame.activation->entry;
-  for (std::size_t i = 0; i < end.outputs.size(); ++i) {
+  for (std::size_t i = 0; i < end.outputs.size() && !planted(Fault::ForgetsOuterDefaults); ++i) {
     const Default fallback_value = fallback(around.outputs[i], entry.when);
     for (Candidate& candidate : end.outputs[i].candidates)
       candidate.defaults = with(candidate.defaults, fallback_value);

@@ -129,6 +129,7 @@ class Unroller {
   [[nodiscard]] mission::StateIndex opaque_within(mission::StateIndex state,
                                                   const std::vector<mission::StateIndex>& opaque) const;
   [[nodiscard]] RoutineReason routine_reason(mission::StateIndex state, mission::StateIndex opaque) const;
+  void find_varying();
 
   // Nodes (unroller_nodes.cpp)
   StateEnd add_action(const Entry& entry, const std::vector<StateEnd>* branches);
@@ -162,6 +163,7 @@ class Unroller {
   PathConditions paths_;
   Track main_;
   std::vector<RoutineReason> routines_;                      ///< by state
+  std::vector<std::string> varying_;                         ///< resources that come and go, as patterns
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

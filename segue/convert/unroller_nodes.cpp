@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/footprint.hpp>
 
@@ -40,7 +42,8 @@ NodeClass class_of(const Action& action) {
 
 /// What reads reality without saying what of it may rely on anything.
 bool is_opaque(const Action& action) {
-  return class_of(action) != NodeClass::Pure && !declares_footprint(action);
+  return class_of(action) != NodeClass::Pure && !declares_footprint(action) &&
+         !planted(Fault::NothingIsOpaque);
 }
 
 Duration expected_duration(const Action& action) {
@@ -81,6 +84,27 @@ void Unroller::find_routines() {
           changed || reason.kind != routines_[i].kind || (unknown == kNoState) != (opaque[i] == kNoState);
       routines_[i] = reason;
       opaque[i] = unknown;
+    }
+  }
+}
+
+/// Units of these are taken in program order by all who use them, also those that are planned before the
+/// first who makes or removes some.
+void Unroller::find_varying() {
+  for (const Action& each : plan_.program().mission().actions) {
+    for (const mission::ResourceUse& use : each.resources) {
+      const auto operation = use.operation;
+      const bool changes = operation == mission::ResourceOperation::Create ||
+                           operation == mission::ResourceOperation::Consume ||
+                           operation == mission::ResourceOperation::Delete;
+      if (!changes) continue;
+      std::string pattern = use.resource;
+      for (const std::string& name : mission::placeholders(use.resource)) {
+        const std::string key = "{" + name + "}";
+        for (auto at = pattern.find(key); at != std::string::npos; at = pattern.find(key))
+          pattern.replace(at, key.size(), "*");
+      }
+      varying_.push_back(std::move(pattern));
     }
   }
 }
@@ -202,8 +226,8 @@ void Unroller::take_outputs(Activation& activation, StateIndex child, Edge when,
 /// What would count even where `when` is off the path gets a node on it.
 void Unroller::store(Activation& activation, std::uint32_t slot, Edge when, Symbol value) {
   const bool certain = paths_.implies(activation.entry.when, when);
-  bool within = certain;
-  if (!certain) {
+  bool within = certain || planted(Fault::SkipsCopies);
+  if (!within) {
     within = !value.candidates.empty();
     bool one_is_certain = false;
     for (const Candidate& candidate : value.candidates) {
@@ -335,10 +359,15 @@ std::optional<std::string> Unroller::look_up(const Entry& entry, Touch& touch) {
     }
   };
   literals(touched->preconditions, touch.preconditions);
-  literals(touched->effects, touch.effects);
+  if (!planted(Fault::ForgetsEffects)) literals(touched->effects, touch.effects);
   touch.claims.clear();
-  for (std::size_t i = 0; i < what.resources.size(); ++i) {
+  const auto varies = [&](const std::string& name) {
+    return std::ranges::any_of(varying_, [&](const auto& pattern) { return matches_glob(pattern, name); });
+  };
+  for (std::size_t i = 0; i < what.resources.size() && !planted(Fault::ForgetsResources); ++i) {
     const auto resource = plan_.network_.resources.intern(touched->resources[i]);
+    cdtn::Resource& known = plan_.network_.resources[resource];
+    known.varies = known.varies || varies(touched->resources[i]);
     const mission::ResourceUse& use = what.resources[i];
     touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
                             static_cast<std::uint32_t>(use.count), cdtn::kNone});

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/order.hpp>
+#include <support/check_run.hpp>
+#include <support/mission_runs.hpp>
+
+/// Whether a mission that ran by itself did what it does as written: for tests only.
+namespace segue::convert {
+
+class MissionCheck {
+ public:
+  MissionCheck(const Ran& written, const ConcurrentRun& run, bool strict)
+      : written_(written), run_(run), ran_(run.ran), strict_(strict) {}
+
+  /// The first difference, or "".
+  std::string difference() {
+    for (const auto check : {&MissionCheck::end, &MissionCheck::world, &MissionCheck::happened,
+                             &MissionCheck::outputs, &MissionCheck::log, &MissionCheck::units}) {
+      if (std::string text = (this->*check)(); !text.empty()) return text;
+    }
+    return {};
+  }
+
+  /// Whether it took longer than one action after the other, or "".
+  std::string slower() {
+    if (failed() && !strict_) return {};  // what acts behind a failing action takes time
+    Duration limit{};
+    for (const cdtn::NodeResult& node : run_.network_result().nodes) {
+      if (node.status != cdtn::NodeStatus::NotReached) limit += node.ended - node.started;
+    }
+    if (ran_.makespan > limit)
+      return fmt::format("took {} s, all nodes together {} s", seconds(ran_.makespan), seconds(limit));
+    return {};
+  }
+
+  /// Likewise than the run as written, whose barriers heed no resources.
+  std::string slower_than_written() {
+    if ((failed() && !strict_) || ran_.makespan <= written_.makespan) return {};
+    return fmt::format("took {} s instead of {} s", seconds(ran_.makespan), seconds(written_.makespan));
+  }
+
+  /// After a stop: what is wrong with what was left, or "".
+  std::string difference_after_stop() {
+    for (const auto check : {&MissionCheck::preempted, &MissionCheck::begun, &MissionCheck::log}) {
+      if (std::string text = (this->*check)(); !text.empty()) return text;
+    }
+    return {};
+  }
+
+ private:
+  [[nodiscard]] bool failed() const { return written_.result.outcome < 0; }
+  static std::int64_t seconds(Duration time) { return time / std::chrono::seconds(1); }
+
+  std::string end() {
+    const mission::MissionResult& a = written_.result;
+    const mission::MissionResult& b = ran_.result;
+    if (a.outcome_name == b.outcome_name && (a.error == b.error || a.outcome >= 0)) return {};
+    return fmt::format("outcome {} ({}) instead of {} ({})", b.outcome_name, b.error, a.outcome_name,
+                       a.error);
+  }
+
+  /// Where it fails, what comes later may have come about already, but for strict runs.
+  std::string world() {
+    if (failed() && !strict_) return {};
+    if (ran_.world != written_.world)
+      return fmt::format("world {} instead of {}", fmt::join(ran_.world, " "),
+                         fmt::join(written_.world, " "));
+    if (ran_.globals == written_.globals) return {};
+    return fmt::format("globals {} instead of {}", type::describe(ran_.globals),
+                       type::describe(written_.globals));
+  }
+
+  std::string happened() {
+    if (failed()) return {};
+    auto expected = written_.happened;
+    std::erase_if(expected, [&](const auto& entry) { return run_.in_routine(entry.first); });
+    if (expected == ran_.happened) return {};
+    return "what happened:\n" + text_of(ran_.happened) + " instead of\n" + text_of(expected);
+  }
+
+  std::string outputs() {
+    if (failed() || written_.result.outputs == ran_.result.outputs) return {};
+    return fmt::format("outputs {} instead of {}", type::describe(ran_.result.outputs.at(0)),
+                       type::describe(written_.result.outputs.at(0)));
+  }
+
+  static std::string text_of(const std::map<std::string, std::vector<std::string>>& happened) {
+    std::string text;
+    for (const auto& [path, outcomes] : happened)
+      text += fmt::format("  {}: {}\n", path, fmt::join(outcomes, ", "));
+    return text;
+  }
+
+  /// The network's own rules, then what the mission declares: no unit is used twice, and all that were taken
+  /// are given back; conflicting actions follow each other as in the program.
+  std::string log() {
+    const cdtn::RunResult& result = run_.network_result();
+    std::string text = cdtn::RunCheck(run_.plan().network(), result, result, strict_).difference();
+    if (text.empty()) text = grants();
+    if (text.empty()) text = conflicts();
+    return text;
+  }
+
+  [[nodiscard]] const mission::Action* action(cdtn::NodeId node) const {
+    const PlannedNode& planned = run_.plan()[node];
+    if (planned.role != Role::Action) return nullptr;
+    const mission::Program& program = run_.plan().program();
+    return &program.mission().actions[program.node(planned.state).action];
+  }
+
+  static int count_of(const mission::Mission& mission, const std::string& resource) {
+    const auto found = std::ranges::find(mission.resources, resource, &mission::Resource::name);
+    return found == mission.resources.end() ? 1 : found->count;
+  }
+
+  std::string grants() {
+    std::map<std::string, int> used;
+    for (const cdtn::LogEntry& entry : run_.network_result().log) {
+      const bool start = entry.kind == cdtn::LogKind::Start;
+      const mission::Action* what = action(entry.node);
+      if (what == nullptr || (!start && entry.kind != cdtn::LogKind::End)) continue;
+      for (const mission::ResourceUse& use : what->resources) {
+        if (use.operation != mission::ResourceOperation::Block) continue;
+        int& units = used[use.resource] += start ? use.count : -use.count;
+        if (units > count_of(run_.plan().program().mission(), use.resource))
+          return fmt::format("{} got '{}', which others use", run_.plan()[entry.node].path, use.resource);
+      }
+    }
+    for (const auto& [resource, units] : used) {
+      if (units != 0) return fmt::format("{} of '{}' are still held", units, resource);
+    }
+    return {};
+  }
+
+  /// Who comes after another because of facts, or since one of them may touch anything, begins when that is
+  /// done: so there is no cycle of conflicts.
+  std::string conflicts() {
+    const cdtn::Network& network = run_.plan().network();
+    const cdtn::Order order = cdtn::derive_order(network);
+    const auto& nodes = run_.network_result().nodes;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+      const bool acts = network[cdtn::NodeId{i}].kind != cdtn::NodeClass::Pure;
+      if (!acts || nodes[i].attempts == 0 || nodes[i].status == cdtn::NodeStatus::NotReached) continue;
+      for (const cdtn::Dependency& dependency : order.before(cdtn::NodeId{i})) {
+        const cdtn::NodeResult& from = nodes[index(dependency.from)];
+        const bool senses = network[cdtn::NodeId{i}].kind == cdtn::NodeClass::Sensing;
+        const bool guessed = dependency.reason() == cdtn::Reason::Data ||
+                             dependency.reason() == cdtn::Reason::Condition ||
+                             dependency.reason() == cdtn::Reason::Resource;
+        if (from.status == cdtn::NodeStatus::Skipped || (senses && guessed)) continue;
+        const bool begun = dependency.reason() == cdtn::Reason::Resource;
+        const TimePoint there = begun ? from.started : from.committed;
+        const bool done = (begun && from.attempts > 0) || from.status == cdtn::NodeStatus::Done;
+        if (!done || there > nodes[i].started)
+          return fmt::format("{} did not wait for {} ({} {})", network.label(cdtn::NodeId{i}),
+                             network.label(dependency.from), to_string(dependency.reason()),
+                             cdtn::subject_text(network, dependency));
+      }
+    }
+    return {};
+  }
+
+  /// What was made and used up is what the actions that ended as expected declare.
+  std::string units() {
+    if (failed()) return {};
+    const cdtn::Network& network = run_.plan().network();
+    const auto stock = network.resources.find("stock");
+    if (!stock) return {};
+    std::int64_t left = network.resources[*stock].count;
+    run_.for_each_action([&](cdtn::NodeId node, const std::string&) {
+      const cdtn::NodeResult& result = run_.network_result().nodes[index(node)];
+      const bool expected = result.outcome == network[node].expected;
+      for (const mission::ResourceUse& use : action(node)->resources) {
+        if (use.resource != "stock" || result.attempts == 0) continue;
+        if (use.operation == mission::ResourceOperation::Consume) left -= use.count;
+        if (use.operation == mission::ResourceOperation::Create && expected) left += use.count;
+        if (use.operation == mission::ResourceOperation::Delete && expected) left -= use.count;
+      }
+    });
+    const std::int64_t there = run_.network_result().units[index(*stock)];
+    return there == left ? "" : fmt::format("{} units are left instead of {}", there, left);
+  }
+
+  std::string preempted() {
+    const bool ended = ran_.result.outcome_name == written_.result.outcome_name;  // it was over before
+    if (ran_.result.outcome == mission::kPreempted || ended) return {};
+    return "outcome " + ran_.result.outcome_name + " after a stop";
+  }
+
+  /// What has been done is what would have been done as written, and nothing begins later than the stop.
+  std::string begun() {
+    TimePoint stopped = TimePoint::max();
+    std::map<std::string, std::size_t> seen;
+    std::string text;
+    run_.for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
+      const PlannedNode& planned = run_.plan()[node];
+      const std::size_t place = seen[std::string(planned.path)]++;
+      if (!all_before_are_known(node)) return;
+      const auto found = written_.happened.find(std::string(planned.path));
+      const bool there = found != written_.happened.end() && place < found->second.size();
+      const bool same = there ? found->second[place] == outcome : failed();  // it acted behind the failure
+      if (!same) text = fmt::format("{} ended as {}", run_.plan().network().label(node), outcome);
+    });
+    for (const cdtn::LogEntry& entry : run_.network_result().log) {
+      if (entry.kind == cdtn::LogKind::Cancel && run_.network_result().stopped &&
+          run_.network_result().nodes[index(entry.node)].status == cdtn::NodeStatus::Preempted)
+        stopped = std::min(stopped, entry.when);
+      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped)
+        text = run_.plan().network().label(entry.node) + " began after the stop";
+    }
+    return text;
+  }
+
+  /// Whether all of that path that stand before it in the plan have ended or were skipped.
+  [[nodiscard]] bool all_before_are_known(cdtn::NodeId node) const {
+    for (std::uint32_t i = 0; i < index(node); ++i) {
+      const auto status = run_.network_result().nodes[i].status;
+      const bool known = status == cdtn::NodeStatus::Done || status == cdtn::NodeStatus::Skipped;
+      if (!known && run_.plan()[cdtn::NodeId{i}].path == run_.plan()[node].path) return false;
+    }
+    return true;
+  }
+
+  const Ran& written_;
+  const ConcurrentRun& run_;
+  const Ran& ran_;
+  const bool strict_;
+};
+
+}  // namespace segue::convert

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/convert/run.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Missions run by both engines, with actions whose answers depend on nothing but what they read: for tests
+/// only.
+namespace segue::convert {
+
+inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
+  std::uint64_t hash = 1469598103934665603ULL ^ number;
+  for (const char c : text)
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash ^ (hash >> 29);
+}
+
+/// Ends as its state and inputs say: with any outcome, an abort, an exception or something worse, after up to
+/// four seconds. Where it shares, it also reads and writes a global variable for each resource that it has
+/// for itself, or one for all if it may touch anything: whoever comes too early or too late answers
+/// otherwise.
+class Answers final : public mission::ActionRunner {
+ public:
+  enum class Kind : std::uint8_t { Mix, Shared, Later };
+  explicit Answers(Kind kind, std::function<void()> at_start = {})
+      : kind_(kind), at_start_(std::move(at_start)) {}
+
+  std::optional<mission::Ending> start(mission::Call& call) override {
+    if (at_start_) at_start_();
+    const std::uint64_t number = read(call);
+    const bool nothing = (number >> 36) % 8 == 0;
+    call.set_output("y", nothing ? type::Value() : type::Value(static_cast<std::int64_t>(number % 100)));
+    if ((number >> 40) % 40 == 0) throw std::runtime_error(fmt::format("threw {}", number % 100));
+    if ((number >> 40) % 40 == 1) throw number;  // NOLINT(hicpp-exception-baseclass): anything may come
+    mission::Ending ending;
+    ending.outcome = static_cast<mission::Outcome>((number >> 8) % call.action().outcomes.size());
+    if ((number >> 16) % 12 == 0) ending = {mission::kAborted, fmt::format("failed at {}", number % 100)};
+    if ((number >> 48) % 60 == 0) ending.outcome = 77;
+    if (kind_ != Kind::Later) {
+      call.end_after(std::chrono::seconds((number >> 24) % 5), ending);
+      return std::nullopt;
+    }
+    std::vector<type::Value> outputs(call.outputs().begin(), call.outputs().end());
+    const mission::Completer complete = call.defer([] {});
+    if ((number >> 32) % 5 == 0) ending = {mission::kAborted, "its worker died"};
+    complete(ending, outputs);
+    complete({0, {}}, std::move(outputs));  // in vain
+    return std::nullopt;
+  }
+
+ private:
+  std::uint64_t read(mission::Call& call) const {
+    const type::Value& x = call.input("x");
+    std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
+    const type::Value& error = call.input("error");
+    if (error.is_string()) number = digest(error.as_string(), number);
+    if (kind_ != Kind::Shared) return number;
+    for (const std::string& name : own(call.action())) {
+      const auto before = call.globals().get(name);
+      number = digest(name, number ^ (before ? static_cast<std::uint64_t>(before->as_int()) : 0));
+      (void)call.globals().set(name, type::Value(static_cast<std::int64_t>(number >> 2)));
+    }
+    return number;
+  }
+
+  /// What it alone may use while it runs, in program order.
+  static std::vector<std::string> own(const mission::Action& action) {
+    if (action.resources.empty() && action.effects.empty() && action.preconditions.empty()) return {"all"};
+    for (const mission::ResourceUse& use : action.resources) {
+      if (use.operation == mission::ResourceOperation::Block && use.resource == "r0") return {"r0"};
+    }
+    return {};
+  }
+
+  Kind kind_;
+  std::function<void()> at_start_;
+};
+
+inline mission::Runners answering(const std::function<void()>& at_start = {}) {
+  mission::Runners made;
+  made.add("mix", std::make_shared<Answers>(Answers::Kind::Mix, at_start));
+  made.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
+  made.add("later", std::make_shared<Answers>(Answers::Kind::Later, at_start));
+  return made;
+}
+
+/// What became of a mission. The ends of actions by their paths, in program order.
+struct Ran {
+  mission::MissionResult result;
+  std::vector<std::string> world;
+  type::Value globals;
+  std::map<std::string, std::vector<std::string>> happened;
+  Duration makespan{};
+};
+
+inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program) {
+  VirtualClock clock;
+  mission::EngineOptions options;
+  options.clock = &clock;
+  auto engine = mission::Engine::create(program, answering(), options).value();
+  const TimePoint begin = clock.now();
+  engine->run();
+  Ran ran;
+  ran.result = engine->result();
+  ran.makespan = clock.now() - begin;
+  ran.world.assign(engine->world().facts().begin(), engine->world().facts().end());
+  ran.globals = engine->globals().snapshot();
+  const auto& items = engine->history().items();
+  for (std::uint32_t i = 0; i < items.size(); ++i) {
+    const auto kind = program->node(items[i].state).kind;
+    if (kind != mission::StateKind::Execution && kind != mission::StateKind::Decider) continue;
+    ran.happened[engine->history().path(*program, i)].push_back(
+        program->outcome_name(items[i].state, items[i].outcome));
+  }
+  return ran;
+}
+
+/// A run by itself, in virtual time, with all that is left of it. `stop_at`: it is stopped when that many
+/// callbacks have begun.
+class ConcurrentRun {
+ public:
+  ConcurrentRun(const std::shared_ptr<const mission::Program>& program, RunOptions options,
+                std::uint64_t stop_at = 0) {
+    options.clock = cdtn::ClockKind::Virtual;
+    options.log = true;
+    const auto at_start = [this, stop_at] {
+      if (++begun_ == stop_at) run_->stop();
+    };
+    run_ = Run::create(program, answering(at_start), {}, options).value();
+    ran.result = run_->run();
+    ran.makespan = network_result().makespan;
+    ran.world = network_result().world.texts(plan().network().facts);
+    ran.globals = run_->globals().snapshot();
+    for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
+      ran.happened[std::string(plan()[node].path)].push_back(outcome);
+    });
+  }
+
+  [[nodiscard]] const Plan& plan() const { return run_->plan(); }
+  [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
+  [[nodiscard]] std::uint64_t begun() const { return begun_; }
+
+  /// Whether what goes on at that path is not told, since it runs as written.
+  [[nodiscard]] bool in_routine(const std::string& path) const {
+    for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
+      const PlannedNode& node = plan()[cdtn::NodeId{i}];
+      if (node.role != Role::Routine) continue;
+      if (node.path.empty() || path.starts_with(std::string(node.path) + "/")) return true;
+    }
+    return false;
+  }
+
+  /// Calls visit(node, outcome) for all actions that have ended.
+  template <class Visit>
+  void for_each_action(Visit&& visit) const {
+    const cdtn::RunResult& result = network_result();
+    for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+      const cdtn::NodeId node{i};
+      const auto status = result.nodes[i].status;
+      if (plan()[node].role != Role::Action) continue;
+      if (status != cdtn::NodeStatus::Done && status != cdtn::NodeStatus::Failed) continue;
+      const auto outcome = plan().outcome(node, result.nodes[i].outcome);
+      visit(node, plan().program().outcome_name(plan()[node].state, outcome));
+    }
+  }
+
+  Ran ran;
+
+ private:
+  std::unique_ptr<Run> run_;
+  std::uint64_t begun_ = 0;
+};
+
+}  // namespace segue::convert

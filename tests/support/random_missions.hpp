@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Random missions as files: for tests only.
+namespace segue::convert {
+
+/// A mission file out of a number: branches, loops, hierarchies within hierarchies, barriers and preemptive
+/// containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts, and all
+/// operations on resources. Callbacks: `mix`; `shared`, which may use what the action declares to touch, or
+/// anything where it declares nothing; and `later`, which ends from elsewhere.
+class RandomMission {
+ public:
+  explicit RandomMission(std::uint64_t seed) : random_(seed) {}
+
+  std::string text() {
+    const std::string root = hierarchy(0, "", {});
+    const std::string world = chance(50) ? "world: [f0, g(1), g(4)]\n" : "";
+    return "mission: random\n" + world +
+           "resources:\n  r1: {commutes: true}\n  pool: {count: 2}\n  stock: {class: task, count: 100000}\n" +
+           "actions:\n" + actions_ + (libraries_.empty() ? "" : "libraries:\n" + libraries_) +
+           "inputs: {in: {type: int, default: 7}}\n" + root;
+  }
+
+ private:
+  /// Where a state stands. Side by side with others it has a fact of its own, since what one of them does to
+  /// a fact of another is a race, which either run may decide otherwise.
+  struct Where {
+    std::string fact;
+    [[nodiscard]] bool beside() const { return !fact.empty(); }
+  };
+  struct Child {
+    std::string text;  ///< without its id and transitions
+    std::string in = "in";
+    std::string out = "out";
+    std::string on;
+  };
+
+  std::uint64_t under(std::uint64_t limit) { return random_() % limit; }
+  bool chance(int percent) { return under(100) < static_cast<std::uint64_t>(percent); }
+
+  std::string facts(const Where& where) {
+    const auto fact = [&] {
+      if (where.beside()) return where.fact;
+      return chance(40) ? std::string("g({x})") : fmt::format("f{}", under(3));
+    };
+    std::string text = fmt::format("    effects: [\"{}{}\"]\n", chance(60) ? "+" : "-", fact());
+    if (chance(20)) text += fmt::format("    preconditions: [\"{}{}\"]\n", chance(50) ? "!" : "", fact());
+    return text;
+  }
+
+  std::string resources(bool pure) {
+    std::vector<std::string> uses;
+    if (chance(35)) uses.push_back(fmt::format("{{block: r{}}}", under(2)));
+    if (chance(15)) uses.push_back(fmt::format("{{block: pool, count: {}}}", 1 + under(2)));
+    static constexpr std::string_view kOperations[] = {"create", "consume", "delete", "exists", "block"};
+    if (!pure && chance(15))
+      uses.push_back(fmt::format("{{{}: stock, count: {}}}", kOperations[under(5)], 1 + under(3)));
+    if (pure && chance(5)) uses.push_back("{exists: stock}");
+    return uses.empty() ? "" : fmt::format("    resources: [{}]\n", fmt::join(uses, ", "));
+  }
+
+  /// How often a loop goes on is simulated, so that it ends.
+  std::string runs(bool back, bool shared) {
+    if (back) {
+      const std::string first = chance(30) ? "no, no" : chance(30) ? "no, ok, no" : "no";
+      return fmt::format("{{simulated: {{duration: {}s, outcomes: [{}, ok], outputs: {{y: {}}}}}}}", under(4),
+                         first, under(9));
+    }
+    return chance(10) ? "{callback: later}" : shared ? "{callback: shared}" : "{callback: mix}";
+  }
+
+  std::string action(bool back, bool two, const Where& where) {
+    const std::string name = fmt::format("a{}", count_++);
+    std::string text = fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}", name, under(9));
+    text += chance(30) ? ", error: {type: text, default: none}}\n" : "}\n";
+    text += "    outputs: {y: {type: int, default: 0}}\n";
+    text += two ? "    outcomes: [ok, no]\n" : "    outcomes: [ok]\n";
+    const bool pure = chance(45);
+    if (pure) text += "    pure: true\n";
+    const bool sensing = !pure && chance(10);
+    if (sensing) text += "    sensing: true\n";
+    const bool opaque = !pure && chance(where.beside() ? 3 : 15);
+    if (!opaque && (!pure || chance(60))) text += facts(where);
+    if (!opaque) text += resources(pure);
+    if (chance(60))
+      text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12),
+                          two && chance(40) ? "no" : "ok");
+    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.beside()));
+    actions_ += text;
+    return name;
+  }
+
+  /// A state behind the i-th, or out.
+  std::string target(std::size_t i, std::size_t size) {
+    if (i < size) return fmt::format("s{}", i);
+    return chance(70) ? "return done" : "return other";
+  }
+
+  Child child(std::size_t i, std::size_t size, int depth, const std::string& indent, const Where& where) {
+    const std::uint64_t kind = depth < 2 ? under(100) : 100;
+    Child made;
+    if (kind < 24) {
+      made.text = kind < 10   ? hierarchy(depth + 1, indent, where)
+                  : kind < 18 ? barrier(depth + 1, indent)
+                  : kind < 21 ? preemptive(indent)
+                              : library(depth + 1, indent, where);
+      made.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
+    } else {
+      const bool back = chance(25);
+      const bool two = back || chance(40);
+      made.text = fmt::format("{}action: {}\n", indent, action(back, two, where));
+      made.in = "x";
+      made.out = "y";
+      made.on = "ok: " + target(i + 1, size);
+      if (back)
+        made.on += fmt::format(", no: s{}", under(i + 1));
+      else if (two)
+        made.on += ", no: " + target(i + 1 + under(3), size);
+    }
+    if (chance(25)) made.on += ", aborted: " + target(i + 1 + under(2), size);
+    if (chance(2)) made.on += ", preempted: " + target(i + 1 + under(2), size);
+    return made;
+  }
+
+  std::string hierarchy(int depth, const std::string& indent, const Where& where) {
+    const std::size_t size = 2 + under(4);
+    std::vector<Child> children;
+    std::string states;
+    for (std::size_t i = 0; i < size; ++i) {
+      children.push_back(child(i, size, depth, indent + "    ", where));
+      states +=
+          fmt::format("{0}  s{1}:\n{2}{0}    on: {{{3}}}\n", indent, i, children[i].text, children[i].on);
+    }
+    std::string text = ports(depth > 0, indent) + indent + "variables: {v: {type: int, default: 5}}\n";
+    text += indent + "outcomes: [done, other]\n" + indent + "start: s0\n" + indent + "flows:\n";
+    for (std::size_t i = 0; i < size; ++i)
+      text += flows(children, i, indent);
+    return text + indent + "states:\n" + states;
+  }
+
+  std::string ports(bool with_input, const std::string& indent) {
+    const std::string input = with_input ? indent + "inputs: {in: {type: int, default: 3}}\n" : "";
+    return input + indent +
+           (chance(70) ? "outputs: {out: {type: int, default: 1}}\n" : "outputs: {out: int}\n");
+  }
+
+  std::string flows(const std::vector<Child>& children, std::size_t i, const std::string& indent) {
+    std::string text;
+    const auto line = [&](const std::string& from, const std::string& to) {
+      text += fmt::format("{}  - {} -> {}\n", indent, from, to);
+    };
+    const std::string in = fmt::format("s{}.{}", i, children[i].in);
+    const std::string out = fmt::format("s{}.{}", i, children[i].out);
+    if (chance(40)) line(out, "variables.v");
+    if (chance(40)) line("variables.v", in);
+    if (chance(30)) line("inputs.in", in);
+    if (i > 0 && chance(50)) {
+      const std::size_t from = under(i);
+      line(fmt::format("s{}.{}", from, children[from].out), in);
+    }
+    if (i == 0 || chance(30)) line(out, "outputs.out");
+    return text;
+  }
+
+  std::string barrier(int depth, const std::string& indent) {
+    const std::size_t size = 2 + under(2);
+    const std::string inner = indent + "    ";
+    std::vector<bool> leaves;
+    std::string states;
+    std::string lines;
+    for (std::size_t i = 0; i < size; ++i) {
+      const Where where{fmt::format("b{}", count_++)};
+      const std::uint64_t kind = depth < 2 ? under(100) : 100;
+      const bool leaf = kind >= 30;
+      leaves.push_back(leaf);
+      states += fmt::format("{}  s{}:\n", indent, i);
+      states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, chance(40), where))
+                : kind < 20 ? hierarchy(depth + 1, inner, where)
+                            : barrier(depth + 1, inner);
+      if (chance(60)) lines += fmt::format("{}  - inputs.in -> s{}.{}\n", indent, i, leaf ? "x" : "in");
+      if (chance(60)) lines += fmt::format("{}  - s{}.{} -> outputs.out\n", indent, i, leaf ? "y" : "out");
+    }
+    const std::string decider = fmt::format("d{}", count_++);
+    const std::size_t asked = under(size);
+    const std::string_view end = chance(30) ? "aborted" : leaves[asked] ? "ok" : "done";
+    actions_ += fmt::format(
+        "  {}:\n    outcomes: [ok, no]\n    run: {{decide: [{{when: {{s{}: {}}}, outcome: ok}}, "
+        "{{outcome: no}}]}}\n",
+        decider, asked, end);
+    states += fmt::format(
+        "{0}  decider:\n{0}    kind: decider\n{0}    action: {1}\n"
+        "{0}    on: {{ok: return done, no: return other}}\n",
+        indent, decider);
+    return indent + "kind: barrier\n" + ports(true, indent) + indent + "outcomes: [done, other]\n" +
+           (lines.empty() ? "" : indent + "flows:\n" + lines) + indent + "states:\n" + states;
+  }
+
+  std::string preemptive(const std::string& indent) {
+    std::string states;
+    for (std::size_t i = 0, size = 2 + under(2); i < size; ++i) {
+      states +=
+          fmt::format("{0}  s{1}:\n{0}    action: {2}\n{0}    on: {{ok: return {3}}}\n", indent, i,
+                      action(false, false, {fmt::format("b{}", count_++)}), chance(70) ? "done" : "other");
+    }
+    return indent + "kind: preemptive\n" + ports(true, indent) + indent + "outcomes: [done, other]\n" +
+           indent + "flows:\n" + indent + "  - inputs.in -> s0.x\n" + indent + "  - s1.y -> outputs.out\n" +
+           indent + "states:\n" + states;
+  }
+
+  std::string library(int depth, const std::string& indent, const Where& where) {
+    const std::string text = hierarchy(depth, "    ", where);
+    const std::string name = fmt::format("l{}", count_++);
+    libraries_ += fmt::format("  {}:\n{}", name, text);
+    return fmt::format("{}library: {}\n", indent, name) +
+           (chance(30) ? fmt::format("{}inputs: {{in: {}}}\n", indent, under(9)) : "") +
+           (chance(50) ? fmt::format("{}outputs: {{out: {}}}\n", indent, under(9)) : "");
+  }
+
+  std::mt19937_64 random_;
+  std::string actions_;
+  std::string libraries_;
+  int count_ = 0;
+};
+
+}  // namespace segue::convert
