@@ -13,6 +13,10 @@ bool same_outputs(const ReportPtr& a, const ReportPtr& b) {
   return first == second || (first != nullptr && second != nullptr && *first == *second);
 }
 
+bool has_effects(const Network& network, NodeId node) {
+  return std::ranges::any_of(network.accesses(node), [](const Access& access) { return access.writes; });
+}
+
 bool succeeded(const Network& network, NodeId node, const ReportPtr& report) {
   return (report ? report->outcome : kSuccess) == network[node].expected;
 }
@@ -87,7 +91,7 @@ void Engine::Implementation::park(NodeId node, ReportPtr report) {
 
 void Engine::Implementation::try_commit(NodeId node) {
   if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix comes back to it
-  if (must_be_safe(node) && has_effects(node)) {
+  if (must_be_safe(node) && has_effects(network_, node)) {
     strict_.insert(index(node));
     return;
   }

@@ -84,7 +84,6 @@ class Engine::Implementation {
   [[nodiscard]] bool certain(NodeId node) const;
   [[nodiscard]] bool takes_in_order(NodeId node) const;
   [[nodiscard]] bool must_be_safe(NodeId node) const;
-  [[nodiscard]] bool has_effects(NodeId node) const;
   void refuse(NodeId node, const Error& error);
   bool admit(NodeId node);
   void claim(NodeId node);

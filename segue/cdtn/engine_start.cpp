@@ -90,10 +90,6 @@ bool Engine::Implementation::must_be_safe(NodeId node) const {
   return options_.strict && index(node) > safe_ && !planted(Fault::StrictIsNot);
 }
 
-bool Engine::Implementation::has_effects(NodeId node) const {
-  return std::ranges::any_of(network_.accesses(node), [](const Access& access) { return access.writes; });
-}
-
 void Engine::Implementation::try_start(NodeId node) {
   if (must_be_safe(node) && (irreversible(node) || takes_in_order(node))) {
     strict_.insert(index(node));
