@@ -202,11 +202,15 @@ class MissionCheck {
       const bool same = there ? found->second[place] == outcome : failed();  // it acted behind the failure
       if (!same) text = fmt::format("{} ended as {}", run_.plan().network().label(node), outcome);
     });
+    // Who was recalled before may have been under way again when all was stopped: the last is the stop.
     for (const cdtn::LogEntry& entry : run_.network_result().log) {
-      if (entry.kind == cdtn::LogKind::Cancel && run_.network_result().stopped &&
+      if (entry.kind == cdtn::LogKind::Cancel &&
           run_.network_result().nodes[index(entry.node)].status == cdtn::NodeStatus::Preempted)
-        stopped = std::min(stopped, entry.when);
-      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped)
+        stopped = entry.when;
+    }
+    for (const cdtn::LogEntry& entry : run_.network_result().log) {
+      // Before a failure what comes earlier in the program goes on.
+      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped && !failed())
         text = run_.plan().network().label(entry.node) + " began after the stop";
     }
     return text;
