@@ -190,7 +190,6 @@ class MissionCheck {
 
   /// What has been done is what would have been done as written, and nothing begins later than the stop.
   std::string begun() {
-    TimePoint stopped = TimePoint::max();
     std::map<std::string, std::size_t> seen;
     std::string text;
     run_.for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
@@ -202,15 +201,10 @@ class MissionCheck {
       const bool same = there ? found->second[place] == outcome : failed();  // it acted behind the failure
       if (!same) text = fmt::format("{} ended as {}", run_.plan().network().label(node), outcome);
     });
-    // Who was recalled before may have been under way again when all was stopped: the last is the stop.
+    const TimePoint stopped = run_.stopped();
+    if (stopped == TimePoint::max()) return "nobody began who stopped it";
     for (const cdtn::LogEntry& entry : run_.network_result().log) {
-      if (entry.kind == cdtn::LogKind::Cancel &&
-          run_.network_result().nodes[index(entry.node)].status == cdtn::NodeStatus::Preempted)
-        stopped = entry.when;
-    }
-    for (const cdtn::LogEntry& entry : run_.network_result().log) {
-      // Before a failure what comes earlier in the program goes on.
-      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped && !failed())
+      if (entry.kind == cdtn::LogKind::Start && entry.when > stopped)
         text = run_.plan().network().label(entry.node) + " began after the stop";
     }
     return text;

@@ -33,11 +33,11 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
 class Answers final : public mission::ActionRunner {
  public:
   enum class Kind : std::uint8_t { Mix, Shared, Later };
-  explicit Answers(Kind kind, std::function<void()> at_start = {})
-      : kind_(kind), at_start_(std::move(at_start)) {}
+  using AtStart = std::function<void(const mission::Call&)>;
+  explicit Answers(Kind kind, AtStart at_start = {}) : kind_(kind), at_start_(std::move(at_start)) {}
 
   std::optional<mission::Ending> start(mission::Call& call) override {
-    if (at_start_) at_start_();
+    if (at_start_) at_start_(call);
     const std::uint64_t number = read(call);
     const bool nothing = (number >> 36) % 8 == 0;
     call.set_output("y", nothing ? type::Value() : type::Value(static_cast<std::int64_t>(number % 100)));
@@ -84,10 +84,10 @@ class Answers final : public mission::ActionRunner {
   }
 
   Kind kind_;
-  std::function<void()> at_start_;
+  AtStart at_start_;
 };
 
-inline mission::Runners answering(const std::function<void()>& at_start = {}) {
+inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
   mission::Runners made;
   made.add("mix", std::make_shared<Answers>(Answers::Kind::Mix, at_start));
   made.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
@@ -134,8 +134,10 @@ class ConcurrentRun {
                 std::uint64_t stop_at = 0) {
     options.clock = cdtn::ClockKind::Virtual;
     options.log = true;
-    const auto at_start = [this, stop_at] {
-      if (++begun_ == stop_at) run_->stop();
+    const auto at_start = [this, stop_at](const mission::Call& call) {
+      if (++begun_ != stop_at) return;
+      stopped_in_ = call.path();
+      run_->stop();
     };
     run_ = Run::create(program, answering(at_start), {}, options).value();
     ran.result = run_->run();
@@ -150,6 +152,18 @@ class ConcurrentRun {
   [[nodiscard]] const Plan& plan() const { return run_->plan(); }
   [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
   [[nodiscard]] std::uint64_t begun() const { return begun_; }
+
+  /// When it was stopped: as the last execution of the node began that asked for it.
+  [[nodiscard]] TimePoint stopped() const {
+    TimePoint when = TimePoint::max();
+    for (const cdtn::LogEntry& entry : network_result().log) {
+      const std::string around = std::string(plan()[entry.node].path);
+      const bool asked =
+          stopped_in_ && (around.empty() || around == *stopped_in_ || stopped_in_->starts_with(around + "/"));
+      if (entry.kind == cdtn::LogKind::Start && asked) when = entry.when;
+    }
+    return when;
+  }
 
   /// Whether what goes on at that path is not told, since it runs as written.
   [[nodiscard]] bool in_routine(const std::string& path) const {
@@ -180,6 +194,7 @@ class ConcurrentRun {
  private:
   std::unique_ptr<Run> run_;
   std::uint64_t begun_ = 0;
+  std::optional<std::string> stopped_in_;
 };
 
 }  // namespace segue::convert
