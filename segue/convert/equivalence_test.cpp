@@ -119,7 +119,7 @@ TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
 class Planted : public testing::TestWithParam<int> {};
 
 TEST_P(Planted, FaultsOfTheConversionAreFound) {
-  constexpr std::uint64_t kCases = 5000;
+  constexpr std::uint64_t kCases = 10'000;  // as many as are tried without faults
   planted_fault = static_cast<Fault>(GetParam());
   std::uint64_t seed = 1;
   while (seed < kCases && attempt(seed).difference.empty())
