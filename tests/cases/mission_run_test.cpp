@@ -325,7 +325,8 @@ TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
     if (test->find(hand) != nullptr) GTEST_SKIP() << "it is led by hand";
   }
   for (const char* hand : {"callback: stop", "callback: pause", "callback: deaf"}) {
-    if (mission.find(hand) != std::string::npos) GTEST_SKIP() << "an action of it stops the engine, or would not be stopped";
+    if (mission.find(hand) != std::string::npos)
+      GTEST_SKIP() << "an action of it stops the engine, or would not be stopped";
   }
   const auto file =
       std::filesystem::path(::testing::TempDir()) / ("segue_run_" + std::to_string(::getpid()) + ".journal");
