@@ -57,12 +57,21 @@ std::size_t threads_now() {
 }
 
 /// Threads that have ended leave /proc a moment after they are joined.
-std::size_t settled_threads(std::size_t expected) {
+std::size_t settled_threads(std::size_t most) {
   const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
-  while (threads_now() != expected && RealClock::instance().now() < deadline) {
+  while (threads_now() > most && RealClock::instance().now() < deadline) {
     std::this_thread::yield();
   }
   return threads_now();
+}
+
+/// Whoever looks into /proc has a descriptor more for a moment, before as well as after.
+std::size_t settled_descriptors(std::size_t most) {
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
+  while (entries("/proc/self/fd") > most && RealClock::instance().now() < deadline) {
+    std::this_thread::yield();
+  }
+  return entries("/proc/self/fd");
 }
 
 TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) {
@@ -84,8 +93,8 @@ TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) 
     ASSERT_THAT(robot.runtime.observed_differences(), ::testing::IsEmpty()) << round;
   }
   ASSERT_EQ(robot.runtime.switch_to(model::Network{}).outcome, Outcome::Done);
-  EXPECT_EQ(settled_threads(threads), threads);
-  EXPECT_EQ(entries("/proc/self/fd"), descriptors);
+  EXPECT_LE(settled_threads(threads), threads);
+  EXPECT_LE(settled_descriptors(descriptors), descriptors);
 }
 
 TEST(EmbeddedRobotFile, tells_all_problems_of_all_files) {
