@@ -5,9 +5,9 @@
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/routing.hpp>
 #include <segue/deploy/wiring.hpp>
+#include <segue/model/seats.hpp>
 
 #include <algorithm>
-#include <map>
 
 namespace segue::deploy {
 
@@ -34,19 +34,8 @@ void check_hosts(const model::Network& network, const std::vector<model::HostNam
   }
 }
 
-/// The processes of its tasks; those of the runtime's own have none.
-std::map<model::TaskId, model::DeploymentKey> seats_in(const model::Network& network) {
-  std::map<model::TaskId, model::DeploymentKey> seats;
-  for (const auto& deployment : network.deployments) {
-    for (const auto& seat : deployment.tasks) {
-      seats.emplace(seat.task, deployment.key());
-    }
-  }
-  return seats;
-}
-
 void check_links(const model::Network& network, Diagnostics& findings) {
-  const auto seats = seats_in(network);
+  const auto seats = model::seats_of(network);
   const auto seat_of = [&](const model::TaskId& task) {
     const auto seat = seats.find(task);
     return seat == seats.end() ? model::DeploymentKey{} : seat->second;
@@ -133,7 +122,7 @@ void DeployedTaskHost::expect(const model::Network& target) {
 }
 
 void DeployedTaskHost::get_ready(const model::Network& target) {
-  const auto seats = seats_in(target);
+  const auto seats = model::seats_of(target);
   const auto record_of = [&](const model::TaskId& task) {
     const auto seat = seats.find(task);
     return implementation_->fleet->find(seat == seats.end() ? model::DeploymentKey{} : seat->second);

@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
+#include <segue/model/seats.hpp>
 
 #include <algorithm>
 
@@ -122,12 +123,7 @@ namespace {
 
 /// What of a network a process needs to know: its tasks, and connections at them, by plain ids.
 model::Network part_of(const model::Network& network, const model::DeploymentKey& key) {
-  std::map<model::TaskId, model::DeploymentKey> seats;
-  for (const auto& deployment : network.deployments) {
-    for (const auto& seat : deployment.tasks) {
-      seats.emplace(seat.task, deployment.key());
-    }
-  }
+  const auto seats = model::seats_of(network);
   const auto is_here = [&](const model::TaskId& task) {
     const auto seat = seats.find(task);
     return seat == seats.end() ? key.is_runtime() : seat->second == key;

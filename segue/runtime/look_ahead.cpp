@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/look_ahead.hpp>
 
+#include <segue/model/seats.hpp>
 #include <segue/runtime/beside.hpp>
 #include <segue/solve/look_ahead.hpp>
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 namespace segue::runtime::detail {
@@ -88,16 +88,6 @@ Readiness readiness_of(const model::Network& wanted, const model::Network& there
   return readiness;
 }
 
-std::map<model::TaskId, model::DeploymentKey> seats_of(const model::Network& network) {
-  std::map<model::TaskId, model::DeploymentKey> seats;
-  for (const auto& deployment : network.deployments) {
-    for (const auto& seat : deployment.tasks) {
-      seats.emplace(seat.task, deployment.key());
-    }
-  }
-  return seats;
-}
-
 }  // namespace
 
 LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wish>& wishes,
@@ -137,8 +127,8 @@ LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wis
 
 model::Network already_there(const model::Network& beside, const model::Network& current) {
   model::Network kept;
-  const auto seats = seats_of(beside);
-  const auto places = seats_of(current);
+  const auto seats = model::seats_of(beside);
+  const auto places = model::seats_of(current);
   std::set<model::TaskId> ids;
   for (const auto& task : beside.tasks) {
     const model::Task* now = current.find_task(task.id);
