@@ -73,9 +73,9 @@ Result<Message> admit_offer(SharedMemory& memory, int socket) {
 
 }  // namespace
 
-Result<std::shared_ptr<SharedHalf>> connect_writer(SharedMemory& memory, int socket,
-                                                   segue::task::OutputPortBase& port,
-                                                   const segue::Policy& policy) {
+Result<std::shared_ptr<SharedEndpoint>> connect_writer(SharedMemory& memory, int socket,
+                                                       segue::task::OutputPortBase& port,
+                                                       const segue::Policy& policy) {
   const OutputOrigin origin = describe_output(memory, port);
   Message mine;
   mine.sample_size = origin.sample_size;
@@ -93,9 +93,9 @@ Result<std::shared_ptr<SharedHalf>> connect_writer(SharedMemory& memory, int soc
   return attach_output(memory, place, port, policy);
 }
 
-Result<std::shared_ptr<SharedHalf>> connect_reader(SharedMemory& memory, int socket,
-                                                   segue::task::InputPortBase& port,
-                                                   const segue::Policy& policy) {
+Result<std::shared_ptr<SharedEndpoint>> connect_reader(SharedMemory& memory, int socket,
+                                                       segue::task::InputPortBase& port,
+                                                       const segue::Policy& policy) {
   const auto theirs = admit_offer(memory, socket);
   if (!theirs) return theirs.error();
   auto input =
@@ -107,7 +107,7 @@ Result<std::shared_ptr<SharedHalf>> connect_reader(SharedMemory& memory, int soc
   mine.hash = input->place.hash;
   input->place.type.copy(mine.type, sizeof mine.type - 1);
   if (auto done = send_offer(memory, socket, mine); !done) return done.error();
-  return std::move(input->half);
+  return std::move(input->endpoint);
 }
 
 }  // namespace bench

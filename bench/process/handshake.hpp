@@ -7,13 +7,13 @@
 /// itself, without deployments. Trusts the other end.
 namespace bench {
 
-segue::Result<std::shared_ptr<segue::link::SharedHalf>> connect_writer(segue::link::SharedMemory& memory,
-                                                                       int socket,
-                                                                       segue::task::OutputPortBase& port,
-                                                                       const segue::Policy& policy);
-segue::Result<std::shared_ptr<segue::link::SharedHalf>> connect_reader(segue::link::SharedMemory& memory,
-                                                                       int socket,
-                                                                       segue::task::InputPortBase& port,
-                                                                       const segue::Policy& policy);
+segue::Result<std::shared_ptr<segue::link::SharedEndpoint>> connect_writer(segue::link::SharedMemory& memory,
+                                                                           int socket,
+                                                                           segue::task::OutputPortBase& port,
+                                                                           const segue::Policy& policy);
+segue::Result<std::shared_ptr<segue::link::SharedEndpoint>> connect_reader(segue::link::SharedMemory& memory,
+                                                                           int socket,
+                                                                           segue::task::InputPortBase& port,
+                                                                           const segue::Policy& policy);
 
 }  // namespace bench

@@ -62,9 +62,9 @@ class SegueWriter : public Writer {
     memory_ = std::move(*memory);
     source_ = std::make_unique<Source<T>>();
     prime(end.bytes);
-    auto half = connect_writer(*memory_, end.socket, source_->output, policy_for(end.bytes));
-    if (!half) require(std::move(half.error()));
-    half_ = std::move(*half);
+    auto endpoint = connect_writer(*memory_, end.socket, source_->output, policy_for(end.bytes));
+    if (!endpoint) require(std::move(endpoint.error()));
+    endpoint_ = std::move(*endpoint);
     return true;
   }
 
@@ -84,7 +84,7 @@ class SegueWriter : public Writer {
  private:
   std::shared_ptr<link::SharedMemory> memory_;
   std::unique_ptr<Source<T>> source_;
-  std::shared_ptr<link::SharedHalf> half_;
+  std::shared_ptr<link::SharedEndpoint> endpoint_;
 };
 
 template <class T>
@@ -137,8 +137,8 @@ void read_samples(const End& end) {
   Bench bench;
   auto& noter = bench.run<Noter<T>>("noter");
   noter.board = &end.board;
-  auto half = connect_reader(**memory, end.socket, noter.input, policy_for(end.bytes));
-  if (!half) require(std::move(half.error()));
+  auto endpoint = connect_reader(**memory, end.socket, noter.input, policy_for(end.bytes));
+  if (!endpoint) require(std::move(endpoint.error()));
   wait_for([&] { return noter.ended.load(std::memory_order_acquire); });
 }
 

@@ -33,7 +33,7 @@ interface DeploymentProcess {
   describeOutputs @13 (ports :List(Model.PortRef), timeout :Int64) -> (error :Wire.Error, origins :List(OriginOutcome));
   openInputs @14 (inputs :List(OpenInput), timeout :Int64) -> (error :Wire.Error, places :List(PlaceOutcome));
   attachOutputs @15 (outputs :List(AttachOutput), timeout :Int64) -> (error :Wire.Error, outcomes :List(Wire.Outcome));
-  closeHalves @16 (halves :List(CloseHalf), timeout :Int64) -> (error :Wire.Error, outcomes :List(Wire.Outcome));
+  closeEndpoints @16 (endpoints :List(CloseEndpoint), timeout :Int64) -> (error :Wire.Error, outcomes :List(Wire.Outcome));
 
   # Until the connection ends. A client that does not keep up loses the oldest events.
   listen @17 (listener :TaskListener) -> (error :Wire.Error);
@@ -121,7 +121,7 @@ struct ConnectionReport {
   dropped @3 :UInt64;
 }
 
-struct HalfReport {
+struct EndpointReport {
   connection @0 :Model.Connection;
   side @1 :UInt8;
   peer @2 :UInt64;
@@ -144,7 +144,7 @@ struct Snapshot {
   network @0 :Model.Network;
   tasks @1 :List(TaskReport);
   connections @2 :List(ConnectionReport);
-  halves @3 :List(HalfReport);
+  endpoints @3 :List(EndpointReport);
   memory @4 :MemoryUsage;
   hanging @5 :List(Text);
 }
@@ -190,7 +190,7 @@ struct AttachOutput {
   place @1 :Place;
 }
 
-struct CloseHalf {
+struct CloseEndpoint {
   connection @0 :Model.Connection;
   side @1 :UInt8;
   peerClosed @2 :Bool;

@@ -259,11 +259,11 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  std::vector<Result<void>> close_halves(std::span<const deploy::CloseHalf> halves,
-                                         TimePoint deadline) override {
-    return ask_each<void>(halves, deadline, kOutcomes, [](Process::Client process, auto items) {
-      auto request = process.closeHalvesRequest();
-      detail::encode_list(items, request.initHalves(count_of(items)), kEncode);
+  std::vector<Result<void>> close_endpoints(std::span<const deploy::CloseEndpoint> endpoints,
+                                            TimePoint deadline) override {
+    return ask_each<void>(endpoints, deadline, kOutcomes, [](Process::Client process, auto items) {
+      auto request = process.closeEndpointsRequest();
+      detail::encode_list(items, request.initEndpoints(count_of(items)), kEncode);
       return request;
     });
   }

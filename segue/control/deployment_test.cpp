@@ -234,9 +234,9 @@ TEST_F(DeploymentTest, ConnectionsBetweenProcessesAreArranged) {
   ASSERT_TRUE(
       process->attach_outputs(std::vector<deploy::AttachOutput>{{connection, *places[0]}}, soon()).at(0));
   EXPECT_EQ(deployment_.seen()->attached.at(0).place.generation, 3U);
-  const std::vector<deploy::CloseHalf> halves = {{connection, deploy::Side::Input, true, 5},
-                                                 {connection, deploy::Side::Output, false, 6}};
-  EXPECT_EQ(process->close_halves(halves, soon()).size(), 2U);
+  const std::vector<deploy::CloseEndpoint> endpoints = {{connection, deploy::Side::Input, true, 5},
+                                                        {connection, deploy::Side::Output, false, 6}};
+  EXPECT_EQ(process->close_endpoints(endpoints, soon()).size(), 2U);
   EXPECT_TRUE(deployment_.seen()->closed.at(0).peer_closed);
   EXPECT_EQ(deployment_.seen()->closed.at(0).peer, 5U);
   EXPECT_EQ(deployment_.seen()->closed.at(1).peer, 6U);

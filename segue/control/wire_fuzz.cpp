@@ -82,7 +82,7 @@ void read_message(unsigned kind, kj::ArrayPtr<const capnp::word> words) {
     case 7:
       return pass_on<wire::ProcessInfo>(message.getRoot<wire::ProcessInfo>());
     default:
-      return pass_on<wire::CloseHalf>(message.getRoot<wire::CloseHalf>());
+      return pass_on<wire::CloseEndpoint>(message.getRoot<wire::CloseEndpoint>());
   }
 }
 

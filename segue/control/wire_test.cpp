@@ -123,12 +123,12 @@ TEST(WireTest, ReportsOfTasksTravelWithTheirTiming) {
                timing.latency_worst, timing.jitter, timing.cpu));
 }
 
-TEST(WireTest, SnapshotsTravelWithConnectionsHalvesAndMemory) {
+TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
   Random random(11);
   deploy::Snapshot sent;
   sent.network = segue::testing::random_network(random, everything());
   sent.connections.push_back({some_connection(), 1, 2, 3});
-  sent.halves.push_back({some_connection(), deploy::Side::Input, 99, some_place(), {4, 5, 6, 7}});
+  sent.endpoints.push_back({some_connection(), deploy::Side::Input, 99, some_place(), {4, 5, 6, 7}});
   sent.memory = {1, 2, 3, 4, 5};
   sent.hanging = {model::TaskId("h1"), model::TaskId("h2")};
   const auto got = travel<wire::Snapshot>(sent);
@@ -138,14 +138,14 @@ TEST(WireTest, SnapshotsTravelWithConnectionsHalvesAndMemory) {
   const auto& connection = got.connections[0];
   EXPECT_EQ(connection.connection, some_connection());
   EXPECT_EQ(std::tuple(connection.written, connection.read, connection.dropped), std::tuple(1U, 2U, 3U));
-  ASSERT_EQ(got.halves.size(), 1U);
-  const auto& half = got.halves[0];
-  EXPECT_EQ(half.connection, some_connection());
-  EXPECT_EQ(std::tuple(half.side, half.peer), std::tuple(deploy::Side::Input, 99U));
-  expect_same(half.place, some_place());
-  EXPECT_EQ(
-      std::tuple(half.counters.written, half.counters.read, half.counters.dropped, half.counters.overwritten),
-      std::tuple(4U, 5U, 6U, 7U));
+  ASSERT_EQ(got.endpoints.size(), 1U);
+  const auto& endpoint = got.endpoints[0];
+  EXPECT_EQ(endpoint.connection, some_connection());
+  EXPECT_EQ(std::tuple(endpoint.side, endpoint.peer), std::tuple(deploy::Side::Input, 99U));
+  expect_same(endpoint.place, some_place());
+  EXPECT_EQ(std::tuple(endpoint.counters.written, endpoint.counters.read, endpoint.counters.dropped,
+                       endpoint.counters.overwritten),
+            std::tuple(4U, 5U, 6U, 7U));
   const link::MemoryUsage& memory = got.memory;
   EXPECT_EQ(std::tuple(memory.payload_used, memory.payload_touched, memory.control_used, memory.connections,
                        memory.peers),

@@ -113,7 +113,7 @@ struct Process {
     perform({host::testing::apply(task, key.process.str()), on_task(ActionKind::Configure, task.id.str()),
              on_task(ActionKind::Start, task.id.str())});
   }
-  std::vector<HalfReport> halves() { return deployment->snapshot()->halves; }
+  std::vector<EndpointReport> endpoints() { return deployment->snapshot()->endpoints; }
 
   model::DeploymentKey key;
   std::shared_ptr<link::SharedMemory> memory;
@@ -163,15 +163,15 @@ class ConnectedDeployments : public ::testing::Test {
     return attach(connection, *place);
   }
   void close(const model::Connection& connection) {
-    EXPECT_TRUE(
-        p_.deployment
-            ->close_halves(
-                std::vector<CloseHalf>{{connection, Side::Output, false, q_.memory->incarnation()}}, soon())
-            .at(0));
+    EXPECT_TRUE(p_.deployment
+                    ->close_endpoints(std::vector<CloseEndpoint>{{connection, Side::Output, false,
+                                                                  q_.memory->incarnation()}},
+                                      soon())
+                    .at(0));
     EXPECT_TRUE(
         q_.deployment
-            ->close_halves(std::vector<CloseHalf>{{connection, Side::Input, true, p_.memory->incarnation()}},
-                           soon())
+            ->close_endpoints(
+                std::vector<CloseEndpoint>{{connection, Side::Input, true, p_.memory->incarnation()}}, soon())
             .at(0));
   }
   void expect_refused(const Result<void>& done, ErrorCode code, std::string_view words) {
@@ -211,8 +211,8 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   ASSERT_TRUE(connected) << to_string(connected.error());
   EXPECT_TRUE(arrives_after(pair::last + 100));
   EXPECT_EQ(pair::backwards, 0);
-  const auto outputs = p_.halves();
-  const auto inputs = q_.halves();
+  const auto outputs = p_.endpoints();
+  const auto inputs = q_.endpoints();
   ASSERT_EQ(outputs.size(), 1U);
   ASSERT_EQ(inputs.size(), 1U);
   EXPECT_EQ(outputs[0].connection, flow_);
@@ -224,7 +224,8 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   EXPECT_EQ(outputs[0].place.generation, inputs[0].place.generation);
   EXPECT_GT(outputs[0].counters.written, 10U);
   EXPECT_GT(inputs[0].counters.read, 10U);
-  EXPECT_THAT(p_.deployment->snapshot()->network.connections, IsEmpty()) << "it is half a connection only";
+  EXPECT_THAT(p_.deployment->snapshot()->network.connections, IsEmpty())
+      << "only one of its endpoints is there";
   EXPECT_EQ(p_.deployment->snapshot()->memory.connections, 1U);
 }
 
@@ -232,9 +233,9 @@ TEST_F(ConnectedDeployments, refuse_a_connection_that_stands) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   expect_refused(connect(flow_), ErrorCode::AlreadyExists, "source.out -> sink.in");
-  const auto place = q_.halves().at(0).place;
+  const auto place = q_.endpoints().at(0).place;
   expect_refused(attach(flow_, place), ErrorCode::AlreadyExists, "already connected");
-  EXPECT_EQ(q_.halves().size(), 1U);
+  EXPECT_EQ(q_.endpoints().size(), 1U);
   EXPECT_TRUE(arrives_after(10));
 }
 
@@ -249,8 +250,8 @@ TEST_F(ConnectedDeployments, leave_nothing_behind_when_connections_are_closed) {
     close(flow_);
   }
   close(flow_);  // once more is free
-  EXPECT_THAT(p_.halves(), IsEmpty());
-  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_THAT(p_.endpoints(), IsEmpty());
+  EXPECT_THAT(q_.endpoints(), IsEmpty());
   remove_sink();
   EXPECT_EQ(q_.memory->usage().control_used, idle);
   EXPECT_EQ(q_.memory->usage().connections, 0U);
@@ -262,9 +263,9 @@ TEST_F(ConnectedDeployments, keep_a_place_until_its_writer_is_known_to_be_gone) 
   run_both();
   ASSERT_TRUE(connect(flow_));
   const auto used = q_.memory->usage().control_used;
-  const std::vector<CloseHalf> reader{{flow_, Side::Input, false, p_.memory->incarnation()}};
-  EXPECT_TRUE(q_.deployment->close_halves(reader, soon()).at(0));
-  EXPECT_THAT(q_.halves(), IsEmpty());
+  const std::vector<CloseEndpoint> reader{{flow_, Side::Input, false, p_.memory->incarnation()}};
+  EXPECT_TRUE(q_.deployment->close_endpoints(reader, soon()).at(0));
+  EXPECT_THAT(q_.endpoints(), IsEmpty());
   EXPECT_EQ(q_.memory->usage().control_used, used) << "the writer may still write into it";
   close(flow_);
   remove_sink();
@@ -277,7 +278,7 @@ TEST_F(ConnectedDeployments, give_stand_ins_the_ports_that_they_lack) {
   const auto connection = wire("a", "scans", "b", "clouds");
   const auto connected = connect(connection);
   EXPECT_TRUE(connected) << to_string(connected.error());
-  EXPECT_EQ(p_.halves().size(), 1U);
+  EXPECT_EQ(p_.endpoints().size(), 1U);
 }
 
 TEST_F(ConnectedDeployments, explain_what_is_missing) {
@@ -286,8 +287,8 @@ TEST_F(ConnectedDeployments, explain_what_is_missing) {
   expect_refused(connect(wire("source", "ot", "sink", "in")), ErrorCode::NotFound, "did you mean 'out'");
   expect_refused(connect(wire("source", "out", "sink", "im")), ErrorCode::NotFound, "did you mean 'in'");
   expect_refused(connect(wire("source", "out", "drain", "in")), ErrorCode::NotFound, "'drain'");
-  EXPECT_THAT(p_.halves(), IsEmpty());
-  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_THAT(p_.endpoints(), IsEmpty());
+  EXPECT_THAT(q_.endpoints(), IsEmpty());
 }
 
 TEST_F(ConnectedDeployments, refuse_types_that_do_not_fit) {
@@ -318,36 +319,36 @@ TEST_F(ConnectedDeployments, obey_stand_ins_that_refuse_to_be_connected) {
   expect_refused(connect(wire("a", "out", "b", "in")), ErrorCode::HookFailed, "connect");
 }
 
-TEST_F(ConnectedDeployments, halves_at_dynamic_ports_end_with_them) {
+TEST_F(ConnectedDeployments, endpoints_at_dynamic_ports_end_with_them) {
   run_both();
   const auto input = wire("source", "out", "sink", "extra");
   const auto output = wire("source", "extra", "sink", "in");
   ASSERT_TRUE(connect(input));
   ASSERT_TRUE(connect(output));
   q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink")});
-  ASSERT_EQ(q_.halves().size(), 1U);
-  EXPECT_EQ(q_.halves().front().connection, output);
+  ASSERT_EQ(q_.endpoints().size(), 1U);
+  EXPECT_EQ(q_.endpoints().front().connection, output);
   p_.perform({on_task(ActionKind::Stop, "source"), on_task(ActionKind::Cleanup, "source")});
-  ASSERT_EQ(p_.halves().size(), 1U);
-  EXPECT_EQ(p_.halves().front().connection, input);
+  ASSERT_EQ(p_.endpoints().size(), 1U);
+  EXPECT_EQ(p_.endpoints().front().connection, input);
 }
 
 TEST_F(ConnectedDeployments, lay_a_connection_anew_where_the_readers_port_was_gone) {
   run_both();
   const auto connection = wire("source", "out", "sink", "extra");
   ASSERT_TRUE(connect(connection));
-  const auto before = q_.halves().front().place;
+  const auto before = q_.endpoints().front().place;
   q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink"),
               on_task(ActionKind::Configure, "sink"), on_task(ActionKind::Start, "sink")});
   const auto again = connect(connection);
   ASSERT_TRUE(again) << to_string(again.error());
-  ASSERT_EQ(p_.halves().size(), 1U) << "the half to the old place is gone";
-  EXPECT_NE(p_.halves().front().place.generation, before.generation);
+  ASSERT_EQ(p_.endpoints().size(), 1U) << "the endpoint to the old place is gone";
+  EXPECT_NE(p_.endpoints().front().place.generation, before.generation);
   close(connection);
   EXPECT_EQ(q_.memory->usage().connections, 0U);
 }
 
-TEST_F(ConnectedDeployments, keep_halves_when_a_task_gets_another_activity) {
+TEST_F(ConnectedDeployments, keep_endpoints_when_a_task_gets_another_activity) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   ASSERT_TRUE(arrives_after(10));
@@ -355,7 +356,7 @@ TEST_F(ConnectedDeployments, keep_halves_when_a_task_gets_another_activity) {
   sink.activity = Activity{Trigger::Periodic, std::chrono::milliseconds(2), {}, 0, {}, {}, false};
   q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink"), apply(sink, "q"),
               on_task(ActionKind::Configure, "sink"), on_task(ActionKind::Start, "sink")});
-  EXPECT_EQ(q_.halves().size(), 1U);
+  EXPECT_EQ(q_.endpoints().size(), 1U);
   EXPECT_TRUE(arrives_after(pair::last + 10));
   EXPECT_EQ(pair::backwards, 0);
 }
@@ -364,7 +365,7 @@ TEST_F(ConnectedDeployments, end_what_they_had_with_a_peer_that_is_gone) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   EXPECT_TRUE(q_.deployment->forget(p_.memory->incarnation()));
-  EXPECT_THAT(q_.halves(), IsEmpty());
+  EXPECT_THAT(q_.endpoints(), IsEmpty());
   EXPECT_EQ(q_.memory->usage().connections, 0U);
   EXPECT_EQ(q_.memory->usage().peers, 0U);
   const auto origin = describe(flow_);
@@ -384,13 +385,13 @@ TEST_F(ConnectedDeployments, lead_to_two_incarnations_of_a_task_at_once) {
   const auto place = other.deployment->open_inputs(std::vector<OpenInput>{{flow_, *origin}}, soon()).at(0);
   ASSERT_TRUE(place) << to_string(place.error());
   ASSERT_TRUE(attach(flow_, *place));
-  ASSERT_EQ(p_.halves().size(), 2U);
-  EXPECT_NE(p_.halves()[0].peer, p_.halves()[1].peer);
+  ASSERT_EQ(p_.endpoints().size(), 2U);
+  EXPECT_NE(p_.endpoints()[0].peer, p_.endpoints()[1].peer);
   EXPECT_FALSE(attach(flow_, *place)) << "each of them once";
   close(flow_);
-  ASSERT_EQ(p_.halves().size(), 1U) << "the other one stands";
-  EXPECT_EQ(p_.halves().front().peer, other.memory->incarnation());
-  EXPECT_THAT(q_.halves(), IsEmpty());
+  ASSERT_EQ(p_.endpoints().size(), 1U) << "the other one stands";
+  EXPECT_EQ(p_.endpoints().front().peer, other.memory->incarnation());
+  EXPECT_THAT(q_.endpoints(), IsEmpty());
   EXPECT_TRUE(arrives_after(pair::last + 10)) << "what is written arrives there";
 }
 
@@ -409,11 +410,11 @@ TEST_F(ConnectedDeployments, wait_for_hooks_until_the_deadline_only) {
   caller.join();
 }
 
-TEST_F(ConnectedDeployments, close_their_halves_when_they_go_down) {
+TEST_F(ConnectedDeployments, close_their_endpoints_when_they_go_down) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   EXPECT_TRUE(p_.deployment->shut_down(soon()));
-  EXPECT_THAT(p_.halves(), IsEmpty());
+  EXPECT_THAT(p_.endpoints(), IsEmpty());
   EXPECT_EQ(p_.memory->usage().connections, 0U);
   EXPECT_TRUE(q_.deployment->shut_down(soon()));
   EXPECT_EQ(q_.memory->usage().connections, 0U);
@@ -426,7 +427,7 @@ TEST_F(ConnectedDeployments, stand_a_storm_of_connections) {
   std::thread looker([&] {
     while (!over) {
       for (auto* process : {&p_, &q_}) {
-        EXPECT_LE(process->halves().size(), 2U);
+        EXPECT_LE(process->endpoints().size(), 2U);
       }
     }
   });

@@ -21,7 +21,7 @@ struct DeployedOptions {
   /// How long a process may take to be looked at before it counts as one that does not answer. A computer
   /// that is merely busy must not look like one that hangs.
   Duration patience = std::chrono::seconds(2);
-  /// Time between two looks that nobody asked for: they find what hangs, and take off connections' halves
+  /// Time between two looks that nobody asked for: they find what hangs, and take off connections' endpoints
   /// that a dead process left behind.
   Duration watch = std::chrono::seconds(1);
   /// Names of this computer; all others are computers that cannot be reached from here.
@@ -31,11 +31,11 @@ struct DeployedOptions {
 /// One TaskHost over the tasks of the runtime's own process and those of all deployment processes of a robot
 /// on this host.
 ///
-/// What is observed: processes that answer, with their tasks, and connections both of whose halves stand. A
-/// process that ended by itself is not there any more, nor are its tasks and connections; a process that does
-/// not answer is there with its tasks Fatal, as is a task one of whose hooks hangs, so that the next
-/// transition replaces the process; should it answer again before, they are what they were. Whatever happens
-/// to a process is told to the listener.
+/// What is observed: processes that answer, with their tasks, and connections both of whose endpoints are
+/// connected. A process that ended by itself is not there any more, nor are its tasks and connections; a
+/// process that does not answer is there with its tasks Fatal, as is a task one of whose hooks hangs, so that
+/// the next transition replaces the process; should it answer again before, they are what they were. Whatever
+/// happens to a process is told to the listener.
 class DeployedTaskHost final : public host::TaskHost {
  public:
   /// `own` is the runtime's process. `launch` is what every process begins with, its deployment aside. All

@@ -182,7 +182,7 @@ TEST(DeployedTaskHost, SpreadsANetworkOverProcessesAndTakesItBack) {
   ASSERT_EQ(text(robot.switch_to(model::Network{})), "done");
   EXPECT_TRUE(robot.host.observe().empty());
   EXPECT_TRUE(world.running().empty());
-  EXPECT_EQ(world.loose_halves(), 0U);
+  EXPECT_EQ(world.orphaned_endpoints(), 0U);
 }
 
 TEST(DeployedTaskHost, AsksEachTaskWhereItLives) {
@@ -295,7 +295,7 @@ TEST_F(Move, MakesANewIncarnationBesideTheOneThatRuns) {
   EXPECT_TRUE(has(wire("a", "b")));
   EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
   EXPECT_EQ(world_.find("p1")->tasks.size(), 1U);
-  EXPECT_EQ(world_.loose_halves(), 0U);
+  EXPECT_EQ(world_.orphaned_endpoints(), 0U);
   EXPECT_EQ(text(robot_.wrong()), "");
 }
 
@@ -309,7 +309,7 @@ TEST_F(Move, GivenUpLeavesTheOldOneRunningAndTheNewOneToBeRemoved) {
   ASSERT_EQ(text(robot_.switch_to(kOne)), "done");
   EXPECT_TRUE(equivalent(robot_.host.observe(), network_of(kOne)));
   EXPECT_EQ(world_.find("p3"), nullptr);
-  EXPECT_EQ(world_.loose_halves(), 0U);
+  EXPECT_EQ(world_.orphaned_endpoints(), 0U);
   EXPECT_EQ(text(robot_.wrong()), "");
 }
 
@@ -377,7 +377,7 @@ TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
   EXPECT_EQ(world.calls("kill"), 1);
   EXPECT_EQ(world.calls("stop"), 0);
   EXPECT_EQ(world.find("p1"), nullptr);
-  EXPECT_EQ(world.loose_halves(), 0U);
+  EXPECT_EQ(world.orphaned_endpoints(), 0U);
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
@@ -530,7 +530,7 @@ TEST(DeployedTaskHost, AdoptsWhatRuns) {
   Robot robot(world);
   EXPECT_TRUE(robot.told.process("p1", "taken over", false));
   EXPECT_EQ(text(robot.wrong()), "");
-  EXPECT_EQ(world.loose_halves(), 0U) << "halves with the dead runtime are forgotten";
+  EXPECT_EQ(world.orphaned_endpoints(), 0U) << "endpoints with the dead runtime are forgotten";
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_EQ(world.find("p1"), p1) << "nothing was restarted";
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
@@ -685,19 +685,21 @@ TEST(DeployedTaskHost, CarriesOutTheOthersWhereOneFails) {
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
-TEST(DeployedTaskHost, TakesOffHalvesThatADeadProcessLeft) {
+TEST(DeployedTaskHost, TakesOffEndpointsThatADeadProcessLeft) {
   FakeWorld world;
   Robot robot(world, {60s, 10ms});
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
-  // The writer's half of b.out -> c.in is gone, the reader's stands.
+  // The writer's endpoint of b.out -> c.in is gone, the reader's stands.
   const auto p1 = world.find("p1");
-  world.change(
-      [&] { std::erase_if(p1->halves, [](const HalfReport& half) { return half.side == Side::Output; }); });
+  world.change([&] {
+    std::erase_if(p1->endpoints,
+                  [](const EndpointReport& endpoint) { return endpoint.side == Side::Output; });
+  });
   const TimePoint give_up = soon();
-  while (world.loose_halves() > 0 && RealClock::instance().now() < give_up) {
+  while (world.orphaned_endpoints() > 0 && RealClock::instance().now() < give_up) {
     std::this_thread::yield();
   }
-  EXPECT_EQ(world.loose_halves(), 0U);
+  EXPECT_EQ(world.orphaned_endpoints(), 0U);
   EXPECT_EQ(text(robot.wrong()), "");
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));

@@ -31,12 +31,12 @@ struct DeploymentInfo {
 
 enum class Side : std::uint8_t { Output, Input };
 
-/// One half of a connection between processes, as its process sees it.
-struct HalfReport {
+/// One endpoint of a connection between processes, as its process sees it.
+struct EndpointReport {
   model::Connection connection;
   Side side = Side::Output;
   link::Incarnation peer = 0;
-  link::InputPlace place;  ///< what identifies it: both halves of a connection name the same one
+  link::InputPlace place;  ///< what identifies it: both endpoints of a connection name the same one
   link::Counters counters;
 };
 
@@ -45,7 +45,7 @@ struct Snapshot {
   model::Network network;  ///< its tasks with true states, its seats, connections inside
   std::vector<host::TaskReport> tasks;
   std::vector<host::ConnectionReport> connections;  ///< inside
-  std::vector<HalfReport> halves;
+  std::vector<EndpointReport> endpoints;
   link::MemoryUsage memory;
   /// Tasks one of whose hooks has not returned although the deadline of its action has passed.
   std::vector<model::TaskId> hanging;
@@ -60,10 +60,11 @@ struct AttachOutput {
   model::Connection connection;
   link::InputPlace place;
 };
-struct CloseHalf {
+struct CloseEndpoint {
   model::Connection connection;
   Side side = Side::Output;
-  bool peer_closed = false;    ///< Input: the writer's half is gone or never was, so its ring's place is free
+  bool peer_closed =
+      false;  ///< Input: the writer's endpoint is gone or never was, so its ring's place is free
   link::Incarnation peer = 0;  ///< the process at the other end: a connection may lead to two incarnations
 };
 
@@ -106,8 +107,8 @@ class DeploymentService {
   virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                                 std::size_t buffer) = 0;
 
-  /// For connections between processes: first offers are exchanged, then describe, open, attach; halves are
-  /// closed the other way round.
+  /// For connections between processes: first offers are exchanged, then describe, open, attach; endpoints
+  /// are closed the other way round.
   virtual Result<link::MemoryOffer> memory(TimePoint deadline) = 0;
   virtual Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) = 0;
   virtual Result<void> forget(link::Incarnation peer) = 0;
@@ -117,7 +118,8 @@ class DeploymentService {
                                                             TimePoint deadline) = 0;
   virtual std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                                    TimePoint deadline) = 0;
-  virtual std::vector<Result<void>> close_halves(std::span<const CloseHalf> halves, TimePoint deadline) = 0;
+  virtual std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                                    TimePoint deadline) = 0;
 
   /// What happens to tasks by themselves. Called from any thread; must not block nor call back into this. No
   /// call is under way any more when set_listener returns.

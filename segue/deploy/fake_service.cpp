@@ -73,7 +73,7 @@ Result<Snapshot> FakeService::snapshot() {
     for (const auto& connection : process_->connections) {
       snapshot.connections.push_back({connection, 0, 0, 0});
     }
-    snapshot.halves = process_->halves;
+    snapshot.endpoints = process_->endpoints;
     snapshot.hanging.assign(process_->hanging.begin(), process_->hanging.end());
     return snapshot;
   });
@@ -227,7 +227,7 @@ Result<void> FakeService::admit(const link::MemoryOffer& peer, TimePoint /*deadl
 Result<void> FakeService::forget(link::Incarnation peer) {
   return answer<void>("forget", [&]() -> Result<void> {
     process_->admitted.erase(peer);
-    std::erase_if(process_->halves, [&](const HalfReport& half) { return half.peer == peer; });
+    std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) { return endpoint.peer == peer; });
     return {};
   });
 }
@@ -252,18 +252,18 @@ std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const O
         if (!process_->admitted.contains(input.origin.writer)) {
           return fail(ErrorCode::InvalidState, "the writer has not been admitted");
         }
-        for (const auto& half : process_->halves) {
-          if (half.side == Side::Input && half.connection == input.connection &&
-              half.peer == input.origin.writer) {
+        for (const auto& endpoint : process_->endpoints) {
+          if (endpoint.side == Side::Input && endpoint.connection == input.connection &&
+              endpoint.peer == input.origin.writer) {
             return fail(ErrorCode::AlreadyExists, "is already connected");
           }
         }
-        HalfReport half{input.connection, Side::Input, input.origin.writer, {}, {}};
-        half.place.reader = process_->incarnation;
-        half.place.offset = world_.next_place();
-        half.place.generation = 1;
-        process_->halves.push_back(half);
-        return half.place;
+        EndpointReport endpoint{input.connection, Side::Input, input.origin.writer, {}, {}};
+        endpoint.place.reader = process_->incarnation;
+        endpoint.place.offset = world_.next_place();
+        endpoint.place.generation = 1;
+        process_->endpoints.push_back(endpoint);
+        return endpoint.place;
       });
 }
 
@@ -273,24 +273,25 @@ std::vector<Result<void>> FakeService::attach_outputs(std::span<const AttachOutp
     if (!process_->admitted.contains(output.place.reader)) {
       return fail(ErrorCode::InvalidState, "the reader has not been admitted");
     }
-    for (const auto& half : process_->halves) {
-      if (half.side == Side::Output && half.connection == output.connection &&
-          half.peer == output.place.reader) {
+    for (const auto& endpoint : process_->endpoints) {
+      if (endpoint.side == Side::Output && endpoint.connection == output.connection &&
+          endpoint.peer == output.place.reader) {
         return fail(ErrorCode::AlreadyExists, "is already connected");
       }
     }
-    process_->halves.push_back({output.connection, Side::Output, output.place.reader, output.place, {}});
+    process_->endpoints.push_back({output.connection, Side::Output, output.place.reader, output.place, {}});
     return {};
   });
 }
 
-std::vector<Result<void>> FakeService::close_halves(std::span<const CloseHalf> halves,
-                                                    TimePoint /*deadline*/) {
-  return answer_all<void>("close_halves", halves, [&](const CloseHalf& close) -> Result<void> {
-    const auto erased = std::erase_if(process_->halves, [&](const HalfReport& half) {
-      return half.side == close.side && half.connection == close.connection && half.peer == close.peer;
+std::vector<Result<void>> FakeService::close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                                       TimePoint /*deadline*/) {
+  return answer_all<void>("close_endpoints", endpoints, [&](const CloseEndpoint& close) -> Result<void> {
+    const auto erased = std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) {
+      return endpoint.side == close.side && endpoint.connection == close.connection &&
+             endpoint.peer == close.peer;
     });
-    return erased == 0 ? Result<void>(no_such("half")) : Result<void>();
+    return erased == 0 ? Result<void>(no_such("endpoint")) : Result<void>();
   });
 }
 

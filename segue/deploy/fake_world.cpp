@@ -11,7 +11,7 @@ Error injected(ErrorCode code) {
   return fail(code, "injected");
 }
 
-bool same_place(const HalfReport& a, const HalfReport& b) {
+bool same_place(const EndpointReport& a, const EndpointReport& b) {
   return a.place.reader == b.place.reader && a.place.offset == b.place.offset &&
          a.place.generation == b.place.generation;
 }
@@ -112,32 +112,34 @@ model::Network FakeWorld::truth() const {
     for (const auto& connection : process->connections) {
       network.connections.push_back(connection);
     }
-    for (const auto& half : process->halves) {
-      const auto peer = of(half.peer);
-      const bool whole = half.side == Side::Output && peer != nullptr && !peer->hangs &&
-                         std::any_of(peer->halves.begin(), peer->halves.end(), [&](const HalfReport& other) {
-                           return other.side == Side::Input && same_place(half, other);
-                         });
+    for (const auto& endpoint : process->endpoints) {
+      const auto peer = of(endpoint.peer);
+      const bool whole =
+          endpoint.side == Side::Output && peer != nullptr && !peer->hangs &&
+          std::any_of(peer->endpoints.begin(), peer->endpoints.end(), [&](const EndpointReport& other) {
+            return other.side == Side::Input && same_place(endpoint, other);
+          });
       if (whole) {
-        network.connections.push_back(half.connection);
+        network.connections.push_back(endpoint.connection);
       }
     }
   }
   return network;
 }
 
-std::size_t FakeWorld::loose_halves() const {
+std::size_t FakeWorld::orphaned_endpoints() const {
   auto all = running();
   all.push_back(own_);
   const std::lock_guard lock(mutex);
   std::size_t count = 0;
   for (const auto& process : all) {
-    for (const auto& half : process->halves) {
-      const auto peer = of(half.peer);
-      const bool whole = peer != nullptr &&
-                         std::any_of(peer->halves.begin(), peer->halves.end(), [&](const HalfReport& other) {
-                           return other.side != half.side && same_place(half, other);
-                         });
+    for (const auto& endpoint : process->endpoints) {
+      const auto peer = of(endpoint.peer);
+      const bool whole =
+          peer != nullptr &&
+          std::any_of(peer->endpoints.begin(), peer->endpoints.end(), [&](const EndpointReport& other) {
+            return other.side != endpoint.side && same_place(endpoint, other);
+          });
       count += whole ? 0 : 1;
     }
   }

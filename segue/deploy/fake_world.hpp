@@ -35,7 +35,7 @@ struct FakeProcess {
   std::set<model::TaskId> hanging;
   std::map<model::TaskId, task::State> states;  ///< what tasks remember
   std::vector<model::Connection> connections;
-  std::vector<HalfReport> halves;
+  std::vector<EndpointReport> endpoints;
   std::set<link::Incarnation> admitted;
   DeploymentService::Listener listener;
   std::function<void()> gone;
@@ -55,7 +55,7 @@ class FakeWorld {
   [[nodiscard]] int calls(const std::string& what) const;
   /// What truly runs, as TaskHost::observe() has to show it.
   [[nodiscard]] model::Network truth() const;
-  [[nodiscard]] std::size_t loose_halves() const;
+  [[nodiscard]] std::size_t orphaned_endpoints() const;
   [[nodiscard]] FakePtr find(const std::string& process) const;
   FakePtr own() { return own_; }
   /// Ends by itself.
@@ -130,7 +130,8 @@ class FakeService final : public DeploymentService {
                                                     TimePoint deadline) override;
   std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                            TimePoint deadline) override;
-  std::vector<Result<void>> close_halves(std::span<const CloseHalf> halves, TimePoint deadline) override;
+  std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                            TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
  private:

@@ -2,8 +2,8 @@
 #include <segue/deploy/local_deployment.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/deploy/endpoints.hpp>
 #include <segue/deploy/gate.hpp>
-#include <segue/deploy/halves.hpp>
 #include <segue/deploy/shut_down.hpp>
 #include <segue/host/crew.hpp>
 
@@ -34,7 +34,7 @@ std::vector<Outcome> each(const Items& items, Function&& function) {
 struct LocalDeployment::Implementation {
   Implementation(DeploymentInfo information, host::LocalTaskHost& task_host,
                  std::shared_ptr<link::SharedMemory> memory)
-      : info(std::move(information)), host(task_host), halves(task_host, std::move(memory)) {}
+      : info(std::move(information)), host(task_host), endpoints(task_host, std::move(memory)) {}
 
   [[nodiscard]] model::DeploymentKey key() const { return info.deployment.key(); }
   Result<void> perform(const model::Action& action, TimePoint deadline);
@@ -49,7 +49,7 @@ struct LocalDeployment::Implementation {
 
   DeploymentInfo info;
   host::LocalTaskHost& host;
-  detail::Halves halves;
+  detail::Endpoints endpoints;
   detail::Gate gate;  ///< for all that runs hooks; closed when this goes down
   host::Crew crew{
       [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
@@ -129,7 +129,7 @@ LocalDeployment::~LocalDeployment() {
   implementation_->crew.close();
   implementation_->hook_crew.close();
   implementation_->host.set_listener({});
-  implementation_->halves.close_all();
+  implementation_->endpoints.close_all();
 }
 
 bool LocalDeployment::shut_down(TimePoint deadline) {
@@ -138,7 +138,7 @@ bool LocalDeployment::shut_down(TimePoint deadline) {
   implementation_->gate.close(std::min(deadline, now + (deadline - now) / 2));
   const bool stopped = detail::shut_down(implementation_->host, implementation_->last, deadline);
   const bool left = implementation_->gate.close(deadline);
-  implementation_->halves.close_all();
+  implementation_->endpoints.close_all();
   return stopped && left;
 }
 
@@ -152,8 +152,8 @@ Result<Snapshot> LocalDeployment::snapshot() {
   snapshot.network = host.observe();
   snapshot.tasks = host.tasks();
   snapshot.connections = host.connections();
-  snapshot.halves = implementation_->halves.reports();
-  snapshot.memory = implementation_->halves.usage();
+  snapshot.endpoints = implementation_->endpoints.reports();
+  snapshot.memory = implementation_->endpoints.usage();
   snapshot.hanging = host.hanging();
   return snapshot;
 }
@@ -230,39 +230,40 @@ Result<std::unique_ptr<host::PortReader>> LocalDeployment::open_reader(const mod
 }
 
 Result<link::MemoryOffer> LocalDeployment::memory(TimePoint /*deadline*/) {
-  return implementation_->halves.offer();
+  return implementation_->endpoints.offer();
 }
 
 Result<void> LocalDeployment::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
-  return implementation_->halves.admit(peer);
+  return implementation_->endpoints.admit(peer);
 }
 
 Result<void> LocalDeployment::forget(link::Incarnation peer) {
-  return implementation_->halves.forget(peer);
+  return implementation_->endpoints.forget(peer);
 }
 
 std::vector<Result<link::OutputOrigin>> LocalDeployment::describe_outputs(
     std::span<const model::PortRef> ports, TimePoint deadline) {
   return each<Result<link::OutputOrigin>>(
-      ports, [&](const model::PortRef& port) { return implementation_->halves.describe(port, deadline); });
+      ports, [&](const model::PortRef& port) { return implementation_->endpoints.describe(port, deadline); });
 }
 
 std::vector<Result<link::InputPlace>> LocalDeployment::open_inputs(std::span<const OpenInput> inputs,
                                                                    TimePoint deadline) {
   return each<Result<link::InputPlace>>(
-      inputs, [&](const OpenInput& input) { return implementation_->halves.open(input, deadline); });
+      inputs, [&](const OpenInput& input) { return implementation_->endpoints.open(input, deadline); });
 }
 
 std::vector<Result<void>> LocalDeployment::attach_outputs(std::span<const AttachOutput> outputs,
                                                           TimePoint deadline) {
-  return each<Result<void>>(
-      outputs, [&](const AttachOutput& output) { return implementation_->halves.attach(output, deadline); });
+  return each<Result<void>>(outputs, [&](const AttachOutput& output) {
+    return implementation_->endpoints.attach(output, deadline);
+  });
 }
 
-std::vector<Result<void>> LocalDeployment::close_halves(std::span<const CloseHalf> halves,
-                                                        TimePoint /*deadline*/) {
-  return each<Result<void>>(halves,
-                            [&](const CloseHalf& half) { return implementation_->halves.close(half); });
+std::vector<Result<void>> LocalDeployment::close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                                           TimePoint /*deadline*/) {
+  return each<Result<void>>(
+      endpoints, [&](const CloseEndpoint& endpoint) { return implementation_->endpoints.close(endpoint); });
 }
 
 void LocalDeployment::set_listener(Listener listener) {

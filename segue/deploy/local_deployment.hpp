@@ -17,7 +17,7 @@ class LocalDeployment final : public DeploymentService {
   LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory);
   ~LocalDeployment() override;
 
-  /// Stops and cleans up all tasks, consumers last, and closes all halves; actions answer Unavailable from
+  /// Stops and cleans up all tasks, consumers last, and closes all endpoints; actions answer Unavailable from
   /// now on. What hangs is given up at `deadline`: false then. Its thread still runs, so neither this nor the
   /// host may be destroyed: end the process by std::_Exit.
   bool shut_down(TimePoint deadline);
@@ -47,7 +47,8 @@ class LocalDeployment final : public DeploymentService {
                                                     TimePoint deadline) override;
   std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
                                            TimePoint deadline) override;
-  std::vector<Result<void>> close_halves(std::span<const CloseHalf> halves, TimePoint deadline) override;
+  std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                            TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
  private:

@@ -172,9 +172,9 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
   EXPECT_EQ(deployment_.open_inputs(inputs, soon()).at(0).error().code, ErrorCode::Unsupported);
   const std::vector<AttachOutput> outputs{{connection, {}}};
   EXPECT_EQ(deployment_.attach_outputs(outputs, soon()).at(0).error().code, ErrorCode::Unsupported);
-  const std::vector<CloseHalf> halves{{connection, Side::Input, true, 1},
-                                      {connection, Side::Output, false, 2}};
-  for (const auto& closed : deployment_.close_halves(halves, soon())) {
+  const std::vector<CloseEndpoint> endpoints{{connection, Side::Input, true, 1},
+                                             {connection, Side::Output, false, 2}};
+  for (const auto& closed : deployment_.close_endpoints(endpoints, soon())) {
     EXPECT_TRUE(closed) << "what is not there need not be closed";
   }
 }

@@ -12,8 +12,8 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// What both halves of a connection agree on.
-struct HalfKey {
+/// Identifies a connection for both of its endpoints.
+struct EndpointKey {
   link::Incarnation writer = 0;
   link::Incarnation reader = 0;
   std::uint64_t offset = 0;
@@ -22,13 +22,14 @@ struct HalfKey {
   model::PortRef to;
   Policy policy;
 
-  friend auto operator<=>(const HalfKey&, const HalfKey&) = default;
+  friend auto operator<=>(const EndpointKey&, const EndpointKey&) = default;
 };
 
-HalfKey key_of(const HalfReport& half, link::Incarnation own) {
-  const bool output = half.side == Side::Output;
-  return {output ? own : half.peer, output ? half.peer : own, half.place.offset,     half.place.generation,
-          half.connection.from,     half.connection.to,       half.connection.policy};
+EndpointKey key_of(const EndpointReport& endpoint, link::Incarnation own) {
+  const bool output = endpoint.side == Side::Output;
+  return {output ? own : endpoint.peer, output ? endpoint.peer : own, endpoint.place.offset,
+          endpoint.place.generation,    endpoint.connection.from,     endpoint.connection.to,
+          endpoint.connection.policy};
 }
 
 class Merger {
@@ -40,7 +41,7 @@ class Merger {
     for (const ProcessView& process : processes_) {
       add_process(process);
     }
-    add_halves();
+    add_endpoints();
     sort();
     return std::move(merged_);
   }
@@ -143,58 +144,60 @@ class Merger {
               [&](const auto& a, const auto& b) { return identity(a.connection) < identity(b.connection); });
   }
 
-  void add_halves() {
-    std::map<HalfKey, const ProcessView*> inputs;
-    for_each_half([&](const ProcessView& process, const HalfReport& half) {
-      if (half.side == Side::Input) {
-        inputs.emplace(key_of(half, process.incarnation), &process);
+  void add_endpoints() {
+    std::map<EndpointKey, const ProcessView*> inputs;
+    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+      if (endpoint.side == Side::Input) {
+        inputs.emplace(key_of(endpoint, process.incarnation), &process);
       }
     });
-    std::set<HalfKey> whole;
-    for_each_half([&](const ProcessView& process, const HalfReport& half) {
-      const HalfKey key = key_of(half, process.incarnation);
-      const auto input = half.side == Side::Output ? inputs.find(key) : inputs.end();
+    std::set<EndpointKey> whole;
+    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+      const EndpointKey key = key_of(endpoint, process.incarnation);
+      const auto input = endpoint.side == Side::Output ? inputs.find(key) : inputs.end();
       if (input != inputs.end() && whole.insert(key).second) {
-        add_connection(half, called(half.connection, process, *input->second));
+        add_connection(endpoint, called(endpoint.connection, process, *input->second));
       }
     });
-    for_each_half([&](const ProcessView& process, const HalfReport& half) {
-      if (!whole.contains(key_of(half, process.incarnation))) {
-        add_loose(process, half);
+    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
+      if (!whole.contains(key_of(endpoint, process.incarnation))) {
+        add_orphaned(process, endpoint);
       }
     });
   }
 
   template <class See>
-  void for_each_half(See see) const {
+  void for_each_endpoint(See see) const {
     for (const ProcessView& process : processes_) {
       if (!process.answers || process.snapshot == nullptr) {
         continue;
       }
-      for (const HalfReport& half : process.snapshot->halves) {
-        see(process, half);
+      for (const EndpointReport& endpoint : process.snapshot->endpoints) {
+        see(process, endpoint);
       }
     }
   }
 
-  void add_connection(const HalfReport& output, const model::Connection& connection) {
+  void add_connection(const EndpointReport& output, const model::Connection& connection) {
     merged_.network.connections.push_back(connection);
     merged_.connections.push_back(
         {connection, output.counters.written, output.counters.read, output.counters.dropped});
   }
 
-  void add_loose(const ProcessView& process, const HalfReport& half) {
-    const auto peer = std::find_if(processes_.begin(), processes_.end(),
-                                   [&](const ProcessView& other) { return other.incarnation == half.peer; });
+  void add_orphaned(const ProcessView& process, const EndpointReport& endpoint) {
+    const auto peer = std::find_if(processes_.begin(), processes_.end(), [&](const ProcessView& other) {
+      return other.incarnation == endpoint.peer;
+    });
     const bool found = peer != processes_.end();
     if (found && !peer->answers) {
-      return;  // its other half may well stand
+      return;  // the other endpoint may well be connected
     }
     // One that never told its incarnation may be the peer.
     const bool all_known = std::all_of(processes_.begin(), processes_.end(),
                                        [](const ProcessView& other) { return other.incarnation != 0; });
     if (found || all_known) {
-      merged_.loose.push_back({process.deployment.key(), half.connection, half.side, half.peer, !found});
+      merged_.orphaned.push_back(
+          {process.deployment.key(), endpoint.connection, endpoint.side, endpoint.peer, !found});
     }
   }
 

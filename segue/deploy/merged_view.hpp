@@ -21,8 +21,8 @@ struct ProcessView {
   bool answers = true;
 };
 
-/// A half without its other half.
-struct LooseHalf {
+/// An endpoint whose counterpart is missing.
+struct OrphanedEndpoint {
   model::DeploymentKey process;
   model::Connection connection;
   Side side = Side::Output;
@@ -35,7 +35,7 @@ struct MergedView {
   model::Network network;
   std::vector<host::TaskReport> tasks;
   std::vector<host::ConnectionReport> connections;
-  std::vector<LooseHalf> loose;
+  std::vector<OrphanedEndpoint> orphaned;
 };
 
 /// How a process's task is called outside: where two processes have a task, only one has the plain id.

@@ -21,7 +21,7 @@ struct Laying {
   link::OutputOrigin origin;
   link::InputPlace place;
   bool opened = false;
-  bool output_unsure = false;  ///< nobody knows whether its writer's half stands
+  bool output_unsure = false;  ///< nobody knows whether its writer's endpoint stands
 
   [[nodiscard]] bool failed() const { return error.has_value(); }
   [[nodiscard]] bool whole() const { return crossing->writer != nullptr && crossing->reader != nullptr; }
@@ -88,7 +88,7 @@ class Batch {
     return outcomes();
   }
 
-  /// Of a connection whose other end is gone, the half here goes with the process there.
+  /// Of a connection whose other end is gone, the endpoint here goes with the process there.
   std::vector<Result<void>> take_off() {
     close_outputs();
     close_inputs();
@@ -193,8 +193,8 @@ class Batch {
     });
   }
 
-  /// Inputs that were opened in vain are closed; where the writer may have its half after all, that one
-  /// first. What cannot be reached now stays as a loose half, for the next cleaning.
+  /// Inputs that were opened in vain are closed; where the writer may have its endpoint after all, that one
+  /// first. What cannot be reached now stays as an orphaned endpoint, for the next cleaning.
   void undo() {
     Groups outputs;
     for (std::size_t i = 0; i < layings_.size(); ++i) {
@@ -220,15 +220,15 @@ class Batch {
 
   template <class Take>
   void close(const RecordPtr& record, const Indices& indices, Side side, Take take) {
-    ask<CloseHalf>(
+    ask<CloseEndpoint>(
         record, indices,
         [&](std::size_t i) {
           const Crossing& crossing = *layings_[i].crossing;
           const RecordPtr& other = side == Side::Input ? crossing.writer : crossing.reader;
-          return CloseHalf{crossing.connection, side, side == Side::Input, other->incarnation()};
+          return CloseEndpoint{crossing.connection, side, side == Side::Input, other->incarnation()};
         },
-        [&](DeploymentService& service, const std::vector<CloseHalf>& halves) {
-          return service.close_halves(halves, deadline_);
+        [&](DeploymentService& service, const std::vector<CloseEndpoint>& endpoints) {
+          return service.close_endpoints(endpoints, deadline_);
         },
         take);
   }
@@ -236,7 +236,7 @@ class Batch {
   void close_outputs() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
       close(writer, indices, Side::Output, [&](std::size_t i, Result<void> closed) {
-        layings_[i].opened = closed.has_value();  // here: one of its halves stood
+        layings_[i].opened = closed.has_value();  // here: one of its endpoints stood
         if (!closed && closed.error().code != ErrorCode::NotFound && !writer->ended()) {
           refuse(i, std::move(closed.error()));
         }
@@ -277,12 +277,12 @@ class Batch {
   std::vector<Laying> layings_;
 };
 
-bool is_of(const LooseHalf& half, const Crossing& crossing) {
-  const bool output = half.side == Side::Output;
+bool is_of(const OrphanedEndpoint& endpoint, const Crossing& crossing) {
+  const bool output = endpoint.side == Side::Output;
   const RecordPtr& own = output ? crossing.writer : crossing.reader;
   const RecordPtr& other = output ? crossing.reader : crossing.writer;
-  return half.connection == crossing.connection && half.process == own->key() &&
-         half.peer == other->incarnation();
+  return endpoint.connection == crossing.connection && endpoint.process == own->key() &&
+         endpoint.peer == other->incarnation();
 }
 
 Error turn_taken() {
@@ -329,20 +329,20 @@ std::vector<Result<void>> Wiring::connect(std::span<const Crossing> crossings, T
   return outcomes;
 }
 
-/// Half of a connection may be there from before, by a process that died while it was laid.
+/// One endpoint of a connection may be left over from a process that died while it was connected.
 void Wiring::make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
                        TimePoint deadline) {
-  std::vector<LooseHalf> loose;
+  std::vector<OrphanedEndpoint> orphaned;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i] || outcomes[i].error().code != ErrorCode::AlreadyExists) {
       continue;
     }
-    if (loose.empty()) {
-      loose = fleet_.merged_look().loose;
+    if (orphaned.empty()) {
+      orphaned = fleet_.merged_look().orphaned;
     }
-    std::vector<LooseHalf> mine;
-    std::copy_if(loose.begin(), loose.end(), std::back_inserter(mine),
-                 [&](const LooseHalf& half) { return is_of(half, crossings[i]); });
+    std::vector<OrphanedEndpoint> mine;
+    std::copy_if(orphaned.begin(), orphaned.end(), std::back_inserter(mine),
+                 [&](const OrphanedEndpoint& endpoint) { return is_of(endpoint, crossings[i]); });
     clean_now(mine, deadline);
   }
 }
@@ -364,36 +364,36 @@ std::vector<Result<void>> Wiring::disconnect(std::span<const Crossing> crossings
 void Wiring::clean(TimePoint deadline) {
   const Turn turn(*this, deadline);
   if (turn) {
-    clean_now(fleet_.merged_look().loose, deadline);
+    clean_now(fleet_.merged_look().orphaned, deadline);
   }
 }
 
-void Wiring::clean_now(const std::vector<LooseHalf>& loose, TimePoint deadline) {
-  std::map<model::DeploymentKey, std::vector<const LooseHalf*>> by_process;
-  for (const auto& half : loose) {
-    by_process[half.process].push_back(&half);
+void Wiring::clean_now(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline) {
+  std::map<model::DeploymentKey, std::vector<const OrphanedEndpoint*>> by_process;
+  for (const auto& endpoint : orphaned) {
+    by_process[endpoint.process].push_back(&endpoint);
   }
   std::vector<WorkerPool::Job> jobs;
-  for (const auto& [key, halves] : by_process) {
-    jobs.emplace_back([this, deadline, key = key, &halves = halves] {
+  for (const auto& [key, endpoints] : by_process) {
+    jobs.emplace_back([this, deadline, key = key, &endpoints = endpoints] {
       const auto record = fleet_.find(key);
       const auto service = record ? record->service() : nullptr;
       if (service == nullptr) {
         return;
       }
       std::set<link::Incarnation> dead;
-      std::vector<CloseHalf> close;
-      for (const LooseHalf* half : halves) {
-        half->peer_gone
-            ? void(dead.insert(half->peer))
-            : close.push_back({half->connection, half->side, half->side == Side::Input, half->peer});
+      std::vector<CloseEndpoint> close;
+      for (const OrphanedEndpoint* endpoint : endpoints) {
+        endpoint->peer_gone ? void(dead.insert(endpoint->peer))
+                            : close.push_back({endpoint->connection, endpoint->side,
+                                               endpoint->side == Side::Input, endpoint->peer});
       }
       for (const auto incarnation : dead) {
         (void)service->forget(incarnation);
         record->unlearn(incarnation);
       }
       if (!close.empty()) {
-        (void)service->close_halves(close, deadline);  // what fails is seen by the next look
+        (void)service->close_endpoints(close, deadline);  // what fails is seen by the next look
       }
     });
   }

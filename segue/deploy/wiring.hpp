@@ -31,9 +31,9 @@ class Wiring {
   /// Processes that do not know each other yet get to know each other; then three rounds: outputs are
   /// described, inputs opened, outputs attached. An input whose output fails is closed again.
   std::vector<Result<void>> connect(std::span<const Crossing> crossings, TimePoint deadline);
-  /// The writer's halves, then the readers'. NotFound where neither was there.
+  /// The writer's endpoints, then the readers'. NotFound where neither was there.
   std::vector<Result<void>> disconnect(std::span<const Crossing> crossings, TimePoint deadline);
-  /// Takes off halves whose other halves are gone. Does nothing while a batch is under way beyond
+  /// Takes off endpoints whose counterparts are gone. Does nothing while a batch is under way beyond
   /// `deadline`.
   void clean(TimePoint deadline);
 
@@ -52,7 +52,7 @@ class Wiring {
     bool mine_ = false;
   };
 
-  void clean_now(const std::vector<LooseHalf>& loose, TimePoint deadline);
+  void clean_now(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
   void make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
                  TimePoint deadline);
 

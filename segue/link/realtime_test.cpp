@@ -219,9 +219,9 @@ void run_between_memories(const Policy& policy) {
   Made reader = make("reader", {}, done);
   const auto connect_shared = [&](SharedMemory& from, task::OutputPortBase& out, SharedMemory& to,
                                   task::InputPortBase& in) {
-    auto half = open_input(to, describe_output(from, out), in, policy);
-    ASSERT_TRUE(half) << to_string(half.error());
-    auto attached = attach_output(from, half->place, out, policy);
+    auto endpoint = open_input(to, describe_output(from, out), in, policy);
+    ASSERT_TRUE(endpoint) << to_string(endpoint.error());
+    auto attached = attach_output(from, endpoint->place, out, policy);
     ASSERT_TRUE(attached) << to_string(attached.error());
   };
   connect_shared(*first, writer.component->out, *second, reader.component->in);

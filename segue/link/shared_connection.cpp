@@ -72,7 +72,7 @@ Result<std::byte*> find_ring(const PeerMemory& reader, const InputPlace& place, 
   }
   return fail(ErrorCode::InvalidArgument,
               "at the place that " + place.port +
-                  " names there is no connection of this policy; open the reader's half again");
+                  " names there is no connection of this policy; open the reader's endpoint again");
 }
 
 }  // namespace
@@ -82,8 +82,8 @@ OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortB
   return {memory.incarnation(), info == nullptr ? 0 : info->size, form_of(info) == SampleForm::Flat};
 }
 
-Result<InputHalf> open_input(SharedMemory& memory, const OutputOrigin& origin, task::InputPortBase& port,
-                             const Policy& policy) {
+Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origin, task::InputPortBase& port,
+                                 const Policy& policy) {
   if (auto checked = check_shared_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_samples(port); !checked) return std::move(checked.error());
   const auto state = SharedState::of(memory);
@@ -96,18 +96,18 @@ Result<InputHalf> open_input(SharedMemory& memory, const OutputOrigin& origin, t
                     "; give the process a larger control pool, or connect with smaller buffers");
   }
   auto ring = std::make_shared<OwnedRing>(std::move(place), policy, state->next_generation());
-  auto half = std::make_shared<SharedInput>(state, std::move(*writer), std::move(ring), port, policy,
-                                            origin.sample_size == 0);
-  if (auto opened = half->open(); !opened) return std::move(opened.error());
-  return InputHalf{half, half->place()};
+  auto endpoint = std::make_shared<SharedInput>(state, std::move(*writer), std::move(ring), port, policy,
+                                                origin.sample_size == 0);
+  if (auto opened = endpoint->open(); !opened) return std::move(opened.error());
+  return InputEndpoint{endpoint, endpoint->place()};
 }
 
 void release_input(SharedMemory& memory, const InputPlace& place) {
   SharedState::of(memory)->release(place);
 }
 
-Result<std::shared_ptr<SharedHalf>> attach_output(SharedMemory& memory, const InputPlace& place,
-                                                  task::OutputPortBase& port, const Policy& policy) {
+Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, const InputPlace& place,
+                                                      task::OutputPortBase& port, const Policy& policy) {
   if (auto checked = check_shared_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_place_type(place, port); !checked) return std::move(checked.error());
   if (auto checked = check_samples(port); !checked) return std::move(checked.error());
@@ -120,9 +120,9 @@ Result<std::shared_ptr<SharedHalf>> attach_output(SharedMemory& memory, const In
   if (form_of(port.type()) == SampleForm::Raw && !place.any_type) {
     if (auto shared = port.share(state->payload()); !shared) return std::move(shared.error());
   }
-  auto half = std::make_shared<SharedOutput>(state, std::move(*reader), *ring, place, port, policy);
-  if (auto attached = half->attach(); !attached) return std::move(attached.error());
-  return std::shared_ptr<SharedHalf>(std::move(half));
+  auto endpoint = std::make_shared<SharedOutput>(state, std::move(*reader), *ring, place, port, policy);
+  if (auto attached = endpoint->attach(); !attached) return std::move(attached.error());
+  return std::shared_ptr<SharedEndpoint>(std::move(endpoint));
 }
 
 }  // namespace segue::link

@@ -15,8 +15,8 @@
 
 namespace segue::link {
 
-/// The reader's half of a connection between processes.
-class SharedInput final : public RegisteredHalf,
+/// The reader's endpoint of a connection between processes.
+class SharedInput final : public RegisteredEndpoint,
                           public task::ReaderEnd,
                           public std::enable_shared_from_this<SharedInput> {
  public:

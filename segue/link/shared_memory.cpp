@@ -87,7 +87,7 @@ std::shared_ptr<const PeerMemory> SharedState::peer(Incarnation incarnation) con
   return found == peers_.end() ? nullptr : found->second;
 }
 
-SharedState::Halves SharedState::snapshot(const Halves& some) const {
+SharedState::Endpoints SharedState::snapshot(const Endpoints& some) const {
   const std::lock_guard lock(mutex_);
   return some;
 }
@@ -101,9 +101,9 @@ void SharedState::forget(Incarnation incarnation) {
     peer = std::move(found->second);
     peers_.erase(found);
   }
-  for (const Halves* some : {&standing_, &ended_}) {
-    for (const auto& half : snapshot(*some)) {
-      if (half->peer() == incarnation) half->abandon();
+  for (const Endpoints* some : {&standing_, &ended_}) {
+    for (const auto& endpoint : snapshot(*some)) {
+      if (endpoint->peer() == incarnation) endpoint->abandon();
     }
   }
   settle();
@@ -120,20 +120,20 @@ void SharedState::forget_all() {
     forget(incarnation);
 }
 
-Result<void> SharedState::keep(std::shared_ptr<RegisteredHalf> half) {
+Result<void> SharedState::keep(std::shared_ptr<RegisteredEndpoint> endpoint) {
   const std::lock_guard lock(mutex_);
-  if (!peers_.contains(half->peer())) {
+  if (!peers_.contains(endpoint->peer())) {
     return fail(ErrorCode::NotFound,
                 "the memory of the other process was never admitted, or was forgotten meanwhile");
   }
-  standing_.push_back(std::move(half));
+  standing_.push_back(std::move(endpoint));
   return {};
 }
 
-void SharedState::end(const RegisteredHalf& half) {
+void SharedState::end(const RegisteredEndpoint& endpoint) {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(standing_, &half, &std::shared_ptr<RegisteredHalf>::get);
+    const auto found = std::ranges::find(standing_, &endpoint, &std::shared_ptr<RegisteredEndpoint>::get);
     if (found != standing_.end()) {
       ended_.push_back(std::move(*found));
       standing_.erase(found);
@@ -143,27 +143,27 @@ void SharedState::end(const RegisteredHalf& half) {
 }
 
 void SharedState::settle() {
-  for (const auto& half : snapshot(ended_)) {
-    if (!half->settle()) continue;
+  for (const auto& endpoint : snapshot(ended_)) {
+    if (!endpoint->settle()) continue;
     const std::lock_guard lock(mutex_);
-    std::erase(ended_, half);
+    std::erase(ended_, endpoint);
   }
   const std::lock_guard lock(mutex_);
   std::erase_if(sources_, [](const auto& source) { return source.second.expired(); });
 }
 
 void SharedState::release(const InputPlace& place) {
-  for (const Halves* some : {&standing_, &ended_}) {
-    for (const auto& half : snapshot(*some))
-      half->release(place);
+  for (const Endpoints* some : {&standing_, &ended_}) {
+    for (const auto& endpoint : snapshot(*some))
+      endpoint->release(place);
   }
   settle();
 }
 
 std::size_t SharedState::left_out(const task::OutputPortBase& port) const {
   std::size_t count = 0;
-  for (const auto& half : snapshot(ended_))
-    count += half->left_out(port);
+  for (const auto& endpoint : snapshot(ended_))
+    count += endpoint->left_out(port);
   return count;
 }
 

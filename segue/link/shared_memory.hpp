@@ -31,7 +31,7 @@ struct MemoryUsage {
   std::size_t payload_used = 0;  ///< bytes in blocks that are handed out
   std::size_t payload_touched = 0;
   std::size_t control_used = 0;
-  std::size_t connections = 0;  ///< halves that stand
+  std::size_t connections = 0;  ///< endpoints that stand
   std::size_t peers = 0;        ///< processes mapped
 };
 

@@ -16,9 +16,9 @@
 
 namespace segue::link {
 
-/// The writer's half of a connection between processes. What it has given to the reader is written down here,
-/// where the reader cannot spoil it.
-class SharedOutput final : public RegisteredHalf,
+/// The writer's endpoint of a connection between processes. What it has given to the reader is written down
+/// here, where the reader cannot spoil it.
+class SharedOutput final : public RegisteredEndpoint,
                            public task::WriterEnd,
                            public std::enable_shared_from_this<SharedOutput> {
  public:

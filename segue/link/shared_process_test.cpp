@@ -184,11 +184,11 @@ TEST(SharedChild, DISABLED_Reader) {
   auto [task, taker] = running<Taker>("taker", {});
   const OutputOrigin poses{parent.told.incarnation, sizeof(Pose), false};
   const OutputOrigin texts{parent.told.incarnation, sizeof(Text), true};
-  auto pose_half = open_input(*parent.memory, poses, taker->poses, parent.told.policy);
-  auto text_half = open_input(*parent.memory, texts, taker->texts, parent.told.policy);
-  if (!pose_half || !text_half) std::exit(5);
-  put_place(parent.mine, 0, pose_half->place);
-  put_place(parent.mine, 1, text_half->place);
+  auto pose_endpoint = open_input(*parent.memory, poses, taker->poses, parent.told.policy);
+  auto text_endpoint = open_input(*parent.memory, texts, taker->texts, parent.told.policy);
+  if (!pose_endpoint || !text_endpoint) std::exit(5);
+  put_place(parent.mine, 0, pose_endpoint->place);
+  put_place(parent.mine, 1, text_endpoint->place);
   send(kChannel, parent.mine);
   receive(kChannel);  // until the parent goes
 }
@@ -248,7 +248,7 @@ TEST(SharedProcess, WriterMayDieAtAnyMoment) {
     ASSERT_TRUE(eventually([&, reader = taker] { return reader->received > enough; }));
     child.kill();
     // What had been sent whole is still read.
-    EXPECT_EQ(poses->half->corrupt() + texts->half->corrupt(), 0U);
+    EXPECT_EQ(poses->endpoint->corrupt() + texts->endpoint->corrupt(), 0U);
     memory->forget(told.incarnation);
     EXPECT_TRUE(task->stop(soon()));
     EXPECT_EQ(taker->torn, 0U);
@@ -318,11 +318,11 @@ TEST(SharedProcess, SleepingReaderIsWokenForEverySample) {
   const Message told = receive(child.channel());
   ASSERT_NE(told.incarnation, 0U);
   ASSERT_TRUE(memory->admit(child.memory(told)));
-  auto half = attach_output(*memory, place_of(told, 0, likeness<Pose>("poses")), poses.out, {});
-  ASSERT_TRUE(half);
+  auto endpoint = attach_output(*memory, place_of(told, 0, likeness<Pose>("poses")), poses.out, {});
+  ASSERT_TRUE(endpoint);
   for (std::uint64_t i = 1; i <= 2000; ++i) {
     poses.out.write(Pose(static_cast<std::int64_t>(i)));
-    ASSERT_TRUE(eventually([&] { return (*half)->counters().read == i; })) << i;
+    ASSERT_TRUE(eventually([&] { return (*endpoint)->counters().read == i; })) << i;
   }
 }
 

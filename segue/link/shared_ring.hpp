@@ -21,7 +21,7 @@ struct RingHeader {
   std::atomic<std::uint64_t> init{0};
   // Of the reader, at any time.
   alignas(64) std::atomic<std::uint64_t> bell{0};  ///< of BellLine; 0: nobody waits
-  std::atomic<std::uint64_t> closed{0};            ///< 1: the reader's half has ended
+  std::atomic<std::uint64_t> closed{0};            ///< 1: the reader's endpoint has ended
   std::atomic<std::uint64_t> read{0};
   // Of the writer.
   alignas(64) std::atomic<std::uint64_t> head{0};

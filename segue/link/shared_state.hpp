@@ -15,8 +15,8 @@ namespace segue::link {
 
 class PayloadSource;
 
-/// A half as the memory knows it.
-class RegisteredHalf : public SharedHalf {
+/// An endpoint as the memory knows it.
+class RegisteredEndpoint : public SharedEndpoint {
  public:
   /// Ends it; the peer never answers again.
   virtual void abandon() = 0;
@@ -28,8 +28,8 @@ class RegisteredHalf : public SharedHalf {
   virtual void release(const InputPlace& place) = 0;
 };
 
-/// What a SharedMemory and the halves of its connections have in common: lives until the last of them is
-/// gone. Any thread; never calls a half while it holds its mutex.
+/// What a SharedMemory and the endpoints of its connections have in common: lives until the last of them is
+/// gone. Any thread; never calls an endpoint while it holds its mutex.
 class SharedState final {
  public:
   SharedState(Incarnation incarnation, std::shared_ptr<PayloadPool> payload,
@@ -48,22 +48,22 @@ class SharedState final {
   void forget(Incarnation incarnation);
   void forget_all();
 
-  /// Keeps a half until it has ended and settled. NotFound where its peer was forgotten meanwhile.
-  Result<void> keep(std::shared_ptr<RegisteredHalf> half);
-  /// A half has ended.
-  void end(const RegisteredHalf& half);
+  /// Keeps an endpoint until it has ended and settled. NotFound where its peer was forgotten meanwhile.
+  Result<void> keep(std::shared_ptr<RegisteredEndpoint> endpoint);
+  /// An endpoint has ended.
+  void end(const RegisteredEndpoint& endpoint);
   /// Lets go of those that have ended and settled.
   void settle();
   void release(const InputPlace& place);
-  /// Samples of a port that ended halves have not got back yet.
+  /// Samples of a port that ended endpoints have not got back yet.
   [[nodiscard]] std::size_t left_out(const task::OutputPortBase& port) const;
   /// What the shared connections of an output port have in common.
   std::shared_ptr<PayloadSource> source_of(const task::OutputPortBase& port);
   [[nodiscard]] MemoryUsage usage();
 
  private:
-  using Halves = std::vector<std::shared_ptr<RegisteredHalf>>;
-  [[nodiscard]] Halves snapshot(const Halves& some) const;
+  using Endpoints = std::vector<std::shared_ptr<RegisteredEndpoint>>;
+  [[nodiscard]] Endpoints snapshot(const Endpoints& some) const;
 
   const Incarnation incarnation_;
   const std::shared_ptr<PayloadPool> payload_;
@@ -71,8 +71,8 @@ class SharedState final {
   std::atomic<std::uint64_t> generation_{0};
   mutable std::mutex mutex_;  ///< guards what follows
   std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_;
-  Halves standing_;
-  Halves ended_;
+  Endpoints standing_;
+  Endpoints ended_;
   std::map<const task::OutputPortBase*, std::weak_ptr<PayloadSource>> sources_;
 };
 

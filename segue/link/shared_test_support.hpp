@@ -109,8 +109,8 @@ struct Link {
   bool ok = false;
   Error error;
   InputPlace place;
-  std::shared_ptr<SharedHalf> input;
-  std::shared_ptr<SharedHalf> output;
+  std::shared_ptr<SharedEndpoint> input;
+  std::shared_ptr<SharedEndpoint> output;
 };
 
 constexpr SharedMemoryOptions kSmall{std::size_t{1} << 16, std::size_t{1} << 24, std::size_t{1} << 24};
@@ -130,7 +130,7 @@ struct Pair {
       link.error = input.error();
       return link;
     }
-    link.input = input->half;
+    link.input = input->endpoint;
     link.place = input->place;
     auto output = attach_output(*writer, input->place, from, policy);
     if (!output) {

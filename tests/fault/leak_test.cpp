@@ -24,7 +24,7 @@ int number_of_switches() {
   return wanted == nullptr ? kSwitches : std::atoi(wanted);
 }
 
-/// Where a half of a connection lies.
+/// Where an endpoint of a connection lies.
 using Place = std::tuple<link::Incarnation, std::uint64_t, std::uint64_t>;
 
 class Leaks : public DeployedRobotTest {
@@ -62,7 +62,7 @@ class Leaks : public DeployedRobotTest {
         }));
   }
 
-  /// Just the processes, tasks, connections and halves that the network names.
+  /// Just the processes, tasks, connections and endpoints that the network names.
   void expect_just(const model::Network& network) {
     std::set<std::string> running;
     for (const auto& [name, pid] : deployments())
@@ -75,13 +75,13 @@ class Leaks : public DeployedRobotTest {
     std::size_t in_memory = 0;
     for (const auto& snapshot : snapshots()) {
       in_memory += snapshot.memory.connections;
-      for (const auto& half : snapshot.halves) {
-        (half.side == deploy::Side::Output ? outputs : inputs)
-            .emplace(half.place.reader, half.place.offset, half.place.generation);
+      for (const auto& endpoint : snapshot.endpoints) {
+        (endpoint.side == deploy::Side::Output ? outputs : inputs)
+            .emplace(endpoint.place.reader, endpoint.place.offset, endpoint.place.generation);
       }
       EXPECT_LE(snapshot.memory.peers, running.size()) << "of those that run, and the runtime's own";
     }
-    EXPECT_EQ(outputs, inputs) << "each half has its other half";
+    EXPECT_EQ(outputs, inputs) << "each endpoint has its counterpart";
     EXPECT_EQ(outputs.size(), crossings(network));
     EXPECT_EQ(in_memory, 2 * crossings(network));
   }

@@ -91,7 +91,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   link::InputPlace place{};
   std::vector<deploy::OpenInput> opened{};
   std::vector<deploy::AttachOutput> attached{};
-  std::vector<deploy::CloseHalf> closed{};
+  std::vector<deploy::CloseEndpoint> closed{};
   Duration left{0};
 
   Result<deploy::DeploymentInfo> info() override { return who; }
@@ -204,12 +204,12 @@ class FakeDeployment final : public deploy::DeploymentService {
     attached.assign(outputs.begin(), outputs.end());
     return std::vector<Result<void>>(outputs.size());
   }
-  std::vector<Result<void>> close_halves(std::span<const deploy::CloseHalf> halves,
-                                         TimePoint deadline) override {
+  std::vector<Result<void>> close_endpoints(std::span<const deploy::CloseEndpoint> endpoints,
+                                            TimePoint deadline) override {
     note(deadline);
     const std::lock_guard lock(fields_);
-    closed.assign(halves.begin(), halves.end());
-    return std::vector<Result<void>>(halves.size());
+    closed.assign(endpoints.begin(), endpoints.end());
+    return std::vector<Result<void>>(endpoints.size());
   }
   void set_listener(Listener listener) override {
     const std::lock_guard lock(mutex_);

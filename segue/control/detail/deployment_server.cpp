@@ -236,11 +236,12 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
   }
 
-  kj::Promise<void> closeHalves(CloseHalvesContext context) override {
+  kj::Promise<void> closeEndpoints(CloseEndpointsContext context) override {
     const auto params = context.getParams();
-    auto job = [&service = service(), halves = decode_list<deploy::CloseHalf>(params.getHalves(), kDecode),
+    auto job = [&service = service(),
+                endpoints = decode_list<deploy::CloseEndpoint>(params.getEndpoints(), kDecode),
                 deadline = deadline_after(params.getTimeout())] {
-      return all(service.close_halves(halves, deadline));
+      return all(service.close_endpoints(endpoints, deadline));
     };
     return caller_.answer(context, std::move(job), listing<Result<void>>(kInitOutcomes));
   }

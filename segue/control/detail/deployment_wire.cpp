@@ -76,25 +76,25 @@ host::ConnectionReport decode_connection(wire::ConnectionReport::Reader reader) 
   return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped()};
 }
 
-void encode_half(const deploy::HalfReport& half, wire::HalfReport::Builder builder) {
-  encode(half.connection, builder.initConnection());
-  builder.setSide(static_cast<std::uint8_t>(half.side));
-  builder.setPeer(half.peer);
-  encode(half.place, builder.initPlace());
-  builder.setWritten(half.counters.written);
-  builder.setRead(half.counters.read);
-  builder.setDropped(half.counters.dropped);
-  builder.setOverwritten(half.counters.overwritten);
+void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointReport::Builder builder) {
+  encode(endpoint.connection, builder.initConnection());
+  builder.setSide(static_cast<std::uint8_t>(endpoint.side));
+  builder.setPeer(endpoint.peer);
+  encode(endpoint.place, builder.initPlace());
+  builder.setWritten(endpoint.counters.written);
+  builder.setRead(endpoint.counters.read);
+  builder.setDropped(endpoint.counters.dropped);
+  builder.setOverwritten(endpoint.counters.overwritten);
 }
 
-deploy::HalfReport decode_half(wire::HalfReport::Reader reader) {
-  deploy::HalfReport half;
-  half.connection = decode(reader.getConnection());
-  half.side = enum_from(reader.getSide(), deploy::Side::Input);
-  half.peer = reader.getPeer();
-  half.place = decode(reader.getPlace());
-  half.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
-  return half;
+deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
+  deploy::EndpointReport endpoint;
+  endpoint.connection = decode(reader.getConnection());
+  endpoint.side = enum_from(reader.getSide(), deploy::Side::Input);
+  endpoint.peer = reader.getPeer();
+  endpoint.place = decode(reader.getPlace());
+  endpoint.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
+  return endpoint;
 }
 
 void encode_usage(const link::MemoryUsage& usage, wire::MemoryUsage::Builder builder) {
@@ -130,7 +130,7 @@ void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder) {
   encode_list(snapshot.tasks, builder.initTasks(count_of(snapshot.tasks)), encode_report);
   encode_list(snapshot.connections, builder.initConnections(count_of(snapshot.connections)),
               encode_connection);
-  encode_list(snapshot.halves, builder.initHalves(count_of(snapshot.halves)), encode_half);
+  encode_list(snapshot.endpoints, builder.initEndpoints(count_of(snapshot.endpoints)), encode_endpoint);
   encode_usage(snapshot.memory, builder.initMemory());
   auto hanging = builder.initHanging(count_of(snapshot.hanging));
   for (unsigned i = 0; i < snapshot.hanging.size(); ++i)
@@ -142,7 +142,7 @@ deploy::Snapshot decode(wire::Snapshot::Reader reader) {
   snapshot.network = decode(reader.getNetwork());
   snapshot.tasks = decode_list<host::TaskReport>(reader.getTasks(), decode_report);
   snapshot.connections = decode_list<host::ConnectionReport>(reader.getConnections(), decode_connection);
-  snapshot.halves = decode_list<deploy::HalfReport>(reader.getHalves(), decode_half);
+  snapshot.endpoints = decode_list<deploy::EndpointReport>(reader.getEndpoints(), decode_endpoint);
   snapshot.memory = decode_usage(reader.getMemory());
   snapshot.hanging = decode_list<TaskId>(reader.getHanging(),
                                          [](capnp::Text::Reader task) { return TaskId(as_string(task)); });
@@ -221,14 +221,14 @@ deploy::AttachOutput decode(wire::AttachOutput::Reader reader) {
   return {decode(reader.getConnection()), decode(reader.getPlace())};
 }
 
-void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder) {
-  encode(half.connection, builder.initConnection());
-  builder.setSide(static_cast<std::uint8_t>(half.side));
-  builder.setPeerClosed(half.peer_closed);
-  builder.setPeer(half.peer);
+void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder) {
+  encode(endpoint.connection, builder.initConnection());
+  builder.setSide(static_cast<std::uint8_t>(endpoint.side));
+  builder.setPeerClosed(endpoint.peer_closed);
+  builder.setPeer(endpoint.peer);
 }
 
-deploy::CloseHalf decode(wire::CloseHalf::Reader reader) {
+deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader) {
   return {decode(reader.getConnection()), enum_from(reader.getSide(), deploy::Side::Input),
           reader.getPeerClosed(), reader.getPeer()};
 }

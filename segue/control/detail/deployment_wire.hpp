@@ -35,8 +35,8 @@ deploy::OpenInput decode(wire::OpenInput::Reader reader);
 void encode(const deploy::AttachOutput& output, wire::AttachOutput::Builder builder);
 deploy::AttachOutput decode(wire::AttachOutput::Reader reader);
 
-void encode(const deploy::CloseHalf& half, wire::CloseHalf::Builder builder);
-deploy::CloseHalf decode(wire::CloseHalf::Reader reader);
+void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder);
+deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader);
 
 void encode(const task::State& state, wire::State::Builder builder);
 task::State decode(wire::State::Reader reader);

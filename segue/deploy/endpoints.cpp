@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/halves.hpp>
+#include <segue/deploy/endpoints.hpp>
 
 #include <segue/base/text.hpp>
 
@@ -27,15 +27,15 @@ Error about(Error error, const model::Connection& connection) {
 
 }  // namespace
 
-Result<link::MemoryOffer> Halves::offer() const {
+Result<link::MemoryOffer> Endpoints::offer() const {
   return memory_ == nullptr ? no_memory() : memory_->offer();
 }
 
-Result<void> Halves::admit(const link::MemoryOffer& peer) {
+Result<void> Endpoints::admit(const link::MemoryOffer& peer) {
   return memory_ == nullptr ? no_memory() : memory_->admit(peer);
 }
 
-Result<void> Halves::forget(link::Incarnation peer) {
+Result<void> Endpoints::forget(link::Incarnation peer) {
   if (memory_ == nullptr) {
     return {};
   }
@@ -44,7 +44,7 @@ Result<void> Halves::forget(link::Incarnation peer) {
   return {};
 }
 
-Result<link::OutputOrigin> Halves::describe(const model::PortRef& port, TimePoint deadline) {
+Result<link::OutputOrigin> Endpoints::describe(const model::PortRef& port, TimePoint deadline) {
   if (memory_ == nullptr) {
     return no_memory();
   }
@@ -59,7 +59,7 @@ Result<link::OutputOrigin> Halves::describe(const model::PortRef& port, TimePoin
   return origin;
 }
 
-Result<link::InputPlace> Halves::open(const OpenInput& input, TimePoint deadline) {
+Result<link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadline) {
   if (memory_ == nullptr) {
     return about(no_memory(), input.connection);
   }
@@ -69,29 +69,29 @@ Result<link::InputPlace> Halves::open(const OpenInput& input, TimePoint deadline
   if (table_.find(input.connection, Side::Input, input.origin.writer)) {
     return fail(ErrorCode::AlreadyExists, "is already connected", to_string(input.connection));
   }
-  Half made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
+  Endpoint made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
   auto opened =
       host_.with_input(input.connection.to, deadline, [&](task::InputPortBase& port) -> Result<void> {
-        auto half = link::open_input(*memory_, input.origin, port, input.connection.policy);
-        if (!half) {
-          return std::move(half.error());
+        auto endpoint = link::open_input(*memory_, input.origin, port, input.connection.policy);
+        if (!endpoint) {
+          return std::move(endpoint.error());
         }
-        made.half = std::move(half->half);
-        made.place = half->place;
+        made.shared = std::move(endpoint->endpoint);
+        made.place = endpoint->place;
         return {};
       });
   if (!opened) {
     return about(std::move(opened.error()), input.connection);
   }
   if (auto added = table_.add(made); !added) {
-    made.half->disconnect();
+    made.shared->disconnect();
     release(made);
     return std::move(added.error());
   }
   return made.place;
 }
 
-Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
+Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
   const link::Incarnation reader = output.place.reader;
   if (memory_ == nullptr) {
     return about(no_memory(), output.connection);
@@ -104,16 +104,16 @@ Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
     if (place.offset == output.place.offset && place.generation == output.place.generation) {
       return fail(ErrorCode::AlreadyExists, "is already connected", to_string(output.connection));
     }
-    present->half->disconnect();  // the reader has made itself another place: nobody reads from the old one
+    present->shared->disconnect();  // the reader has made itself another place: nobody reads from the old one
   }
-  Half made{output.connection, Side::Output, output.place, reader, nullptr};
+  Endpoint made{output.connection, Side::Output, output.place, reader, nullptr};
   auto attached =
       host_.with_output(output.connection.from, deadline, [&](task::OutputPortBase& port) -> Result<void> {
-        auto half = link::attach_output(*memory_, output.place, port, output.connection.policy);
-        if (!half) {
-          return std::move(half.error());
+        auto endpoint = link::attach_output(*memory_, output.place, port, output.connection.policy);
+        if (!endpoint) {
+          return std::move(endpoint.error());
         }
-        made.half = std::move(*half);
+        made.shared = std::move(*endpoint);
         return {};
       });
   if (!attached) {
@@ -121,47 +121,47 @@ Result<void> Halves::attach(const AttachOutput& output, TimePoint deadline) {
   }
   auto added = table_.add(made);
   if (!added) {
-    made.half->disconnect();
+    made.shared->disconnect();
   }
   return added;
 }
 
-Result<void> Halves::close(const CloseHalf& what) {
-  for (auto& half : table_.take(what.connection, what.side, what.peer)) {
-    half.half->disconnect();
+Result<void> Endpoints::close(const CloseEndpoint& what) {
+  for (auto& endpoint : table_.take(what.connection, what.side, what.peer)) {
+    endpoint.shared->disconnect();
     if (what.side == Side::Output) {
       continue;
     }
     if (what.peer_closed) {
-      release(half);
-    } else if (auto kept = table_.add(half); !kept) {
+      release(endpoint);
+    } else if (auto kept = table_.add(endpoint); !kept) {
       return kept;
     }
   }
   return {};
 }
 
-void Halves::close_all() {
-  for (const auto& half : table_.take_all()) {
-    half.half->disconnect();
+void Endpoints::close_all() {
+  for (const auto& endpoint : table_.take_all()) {
+    endpoint.shared->disconnect();
   }
 }
 
-std::vector<HalfReport> Halves::reports() {
-  std::vector<HalfReport> reports;
-  for (auto& half : table_.standing()) {
-    reports.push_back(
-        {std::move(half.connection), half.side, half.peer, std::move(half.place), half.half->counters()});
+std::vector<EndpointReport> Endpoints::reports() {
+  std::vector<EndpointReport> reports;
+  for (auto& endpoint : table_.standing()) {
+    reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
+                       std::move(endpoint.place), endpoint.shared->counters()});
   }
   return reports;
 }
 
-link::MemoryUsage Halves::usage() const {
+link::MemoryUsage Endpoints::usage() const {
   return memory_ == nullptr ? link::MemoryUsage{} : memory_->usage();
 }
 
-void Halves::release(const Half& half) {
-  link::release_input(*memory_, half.place);
+void Endpoints::release(const Endpoint& endpoint) {
+  link::release_input(*memory_, endpoint.place);
 }
 
 }  // namespace segue::deploy::detail

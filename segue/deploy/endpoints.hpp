@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/deploy/half_table.hpp>
+#include <segue/deploy/endpoint_table.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/link/shared_memory.hpp>
 
@@ -10,12 +10,12 @@
 
 namespace segue::deploy::detail {
 
-/// Makes and unmakes this process's halves of connections to other processes, at the ports of its tasks.
+/// Makes and unmakes this process's endpoints of connections to other processes, at the ports of its tasks.
 /// Thread safe; deadlines bound the wait for hooks that make or unmake ports.
-class Halves {
+class Endpoints {
  public:
   /// `memory` may be null: there are none then.
-  Halves(host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory)
+  Endpoints(host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory)
       : host_(host), memory_(std::move(memory)) {}
 
   [[nodiscard]] Result<link::MemoryOffer> offer() const;
@@ -26,18 +26,18 @@ class Halves {
   Result<link::InputPlace> open(const OpenInput& input, TimePoint deadline);
   Result<void> attach(const AttachOutput& output, TimePoint deadline);
   /// Idempotent.
-  Result<void> close(const CloseHalf& what);
+  Result<void> close(const CloseEndpoint& what);
   void close_all();
 
-  [[nodiscard]] std::vector<HalfReport> reports();
+  [[nodiscard]] std::vector<EndpointReport> reports();
   [[nodiscard]] link::MemoryUsage usage() const;
 
  private:
-  void release(const Half& half);
+  void release(const Endpoint& endpoint);
 
   host::LocalTaskHost& host_;
   const std::shared_ptr<link::SharedMemory> memory_;
-  HalfTable table_;
+  EndpointTable table_;
 };
 
 }  // namespace segue::deploy::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/half_table.hpp>
+#include <segue/deploy/endpoint_table.hpp>
 #include <segue/deploy/shut_down.hpp>
 #include <segue/host/test_support.hpp>
 
@@ -16,7 +16,7 @@ using host::testing::wire;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class FakeHalf final : public link::SharedHalf {
+class FakeEndpoint final : public link::SharedEndpoint {
  public:
   void disconnect() override { connected_ = false; }
   [[nodiscard]] bool connected() const override { return connected_; }
@@ -30,61 +30,61 @@ class FakeHalf final : public link::SharedHalf {
   Policy policy_;
 };
 
-Half half_of(const model::Connection& connection, Side side, link::Incarnation peer = 1,
-             std::uint64_t offset = 0) {
-  Half half{connection, side, {}, peer, std::make_shared<FakeHalf>()};
-  half.place.offset = offset;
-  return half;
+Endpoint endpoint_of(const model::Connection& connection, Side side, link::Incarnation peer = 1,
+                     std::uint64_t offset = 0) {
+  Endpoint endpoint{connection, side, {}, peer, std::make_shared<FakeEndpoint>()};
+  endpoint.place.offset = offset;
+  return endpoint;
 }
 
-TEST(HalfTable, keeps_one_half_of_each_connection_and_side) {
+TEST(EndpointTable, keeps_one_endpoint_of_each_connection_and_side) {
   const auto connection = wire("a", "out", "b", "in");
   auto other = connection;
   other.policy = {BufferKind::Buffer, 3, Transport::Automatic, false};
-  HalfTable table;
-  EXPECT_TRUE(table.add(half_of(connection, Side::Output)));
-  EXPECT_TRUE(table.add(half_of(connection, Side::Input)));
-  EXPECT_TRUE(table.add(half_of(other, Side::Output)));
-  const auto again = table.add(half_of(connection, Side::Output));
+  EndpointTable table;
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output)));
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Input)));
+  EXPECT_TRUE(table.add(endpoint_of(other, Side::Output)));
+  const auto again = table.add(endpoint_of(connection, Side::Output));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::AlreadyExists);
   EXPECT_EQ(table.standing().size(), 3U);
 }
 
-TEST(HalfTable, a_connection_may_lead_to_two_peers) {
+TEST(EndpointTable, a_connection_may_lead_to_two_peers) {
   const auto connection = wire("a", "out", "b", "in");
-  HalfTable table;
-  EXPECT_TRUE(table.add(half_of(connection, Side::Output, 1)));
-  EXPECT_TRUE(table.add(half_of(connection, Side::Output, 2)));
+  EndpointTable table;
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output, 1)));
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output, 2)));
   EXPECT_EQ(table.find(connection, Side::Output, 2)->peer, 2U);
   ASSERT_EQ(table.take(connection, Side::Output, 1).size(), 1U);
   EXPECT_FALSE(table.find(connection, Side::Output, 1));
   EXPECT_TRUE(table.find(connection, Side::Output, 2));
 }
 
-TEST(HalfTable, halves_that_ended_by_themselves_count_as_absent) {
+TEST(EndpointTable, endpoints_that_ended_by_themselves_count_as_absent) {
   const auto connection = wire("a", "out", "b", "in");
-  HalfTable table;
-  const Half output = half_of(connection, Side::Output);
-  const Half input = half_of(connection, Side::Input);
+  EndpointTable table;
+  const Endpoint output = endpoint_of(connection, Side::Output);
+  const Endpoint input = endpoint_of(connection, Side::Input);
   ASSERT_TRUE(table.add(output));
   ASSERT_TRUE(table.add(input));
-  output.half->disconnect();
-  input.half->disconnect();
+  output.shared->disconnect();
+  input.shared->disconnect();
   EXPECT_FALSE(table.find(connection, Side::Output, 1));
   EXPECT_FALSE(table.find(connection, Side::Input, 1));
   EXPECT_THAT(table.standing(), IsEmpty());
-  EXPECT_TRUE(table.add(half_of(connection, Side::Output)));
-  EXPECT_TRUE(table.add(half_of(connection, Side::Input)));
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output)));
+  EXPECT_TRUE(table.add(endpoint_of(connection, Side::Input)));
 }
 
-TEST(HalfTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) {
+TEST(EndpointTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) {
   const auto connection = wire("a", "out", "b", "in");
-  HalfTable table;
+  EndpointTable table;
   for (const std::uint64_t offset : {64U, 128U}) {
-    const Half input = half_of(connection, Side::Input, 1, offset);
+    const Endpoint input = endpoint_of(connection, Side::Input, 1, offset);
     ASSERT_TRUE(table.add(input));
-    input.half->disconnect();
+    input.shared->disconnect();
   }
   EXPECT_THAT(table.standing(), IsEmpty());
   const auto taken = table.take(connection, Side::Input, 1);
@@ -93,10 +93,10 @@ TEST(HalfTable, remembers_the_places_of_inputs_that_ended_until_they_are_taken) 
   EXPECT_THAT(table.take(connection, Side::Input, 1), IsEmpty());
 }
 
-TEST(HalfTable, gives_out_the_halves_of_a_peer) {
-  HalfTable table;
-  ASSERT_TRUE(table.add(half_of(wire("a", "out", "b", "in"), Side::Output, 1)));
-  ASSERT_TRUE(table.add(half_of(wire("a", "out", "c", "in"), Side::Output, 2)));
+TEST(EndpointTable, gives_out_the_endpoints_of_a_peer) {
+  EndpointTable table;
+  ASSERT_TRUE(table.add(endpoint_of(wire("a", "out", "b", "in"), Side::Output, 1)));
+  ASSERT_TRUE(table.add(endpoint_of(wire("a", "out", "c", "in"), Side::Output, 2)));
   const auto taken = table.take_of_peer(1);
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken.front().connection.to.task, model::TaskId("b"));
