@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/server.hpp>
-#include <segue/deploy/process_server.hpp>
+#include <segue/process/process_server.hpp>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -23,9 +23,9 @@ int host(const Options& options, const Context& context) {
   StopSignal stop;
   const auto folder = control::socket_folder();
   if (!folder) return failed(context, folder.error());
-  deploy::ProcessServerOptions chosen;
+  process::ProcessServerOptions chosen;
   chosen.zygote_libraries = options.zygote;
-  const auto processes = deploy::ProcessServer::create(chosen);
+  const auto processes = process::ProcessServer::create(chosen);
   if (!processes) return failed(context, processes.error());
   const auto socket = *folder / "host.sock";
   const auto server = control::Server::listen(socket, processes->get());

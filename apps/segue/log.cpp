@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/private_folder.hpp>
 #include <segue/base/text.hpp>
-#include <segue/deploy/process_log.hpp>
+#include <segue/process/process_log.hpp>
 
 #include <fmt/format.h>
 
@@ -102,8 +102,8 @@ class LinePrinter {
 int show_log(const Options& options, const Context& context) {
   const auto log = find_log(options, context.robot);
   if (!log) return failed(context, log.error());
-  deploy::LogFollower follower(*log);
-  const auto tail = deploy::log_tail(*log, options.lines);
+  process::LogFollower follower(*log);
+  const auto tail = process::log_tail(*log, options.lines);
   if (!tail) return failed(context, tail.error());
   LinePrinter printer(context);
   printer.add(*tail);

@@ -4,16 +4,16 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
-#include <segue/deploy/assignment.hpp>
-#include <segue/deploy/deployment_exit.hpp>
-#include <segue/deploy/inherited_process.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/deploy/process_limits.hpp>
-#include <segue/deploy/process_log.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
+#include <segue/process/assignment.hpp>
+#include <segue/process/deployment_exit.hpp>
+#include <segue/process/inherited_process.hpp>
+#include <segue/process/process_limits.hpp>
+#include <segue/process/process_log.hpp>
 #include <segue/task/realtime_log.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -30,8 +30,8 @@ namespace segue {
 
 namespace {
 
-using deploy::Assignment;
-using deploy::Launch;
+using process::Assignment;
+using process::Launch;
 
 constexpr std::string_view kLogSource = "segue-deployment";
 /// How often output is looked at, whether it is to be rotated.
@@ -118,7 +118,7 @@ Result<void> Workshop::load(const Launch& launch) {
     what = "something that is no std::exception";
   }
   log(LogLevel::Error, kLogSource, "a component library failed while it was loaded, with: " + what);
-  std::_Exit(deploy::kNoLibrary);
+  std::_Exit(process::kNoLibrary);
 }
 
 deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnation) {
@@ -133,40 +133,40 @@ deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnati
 
 /// Serves until it is told to go. The parts are made in such an order that they can go in the reverse one;
 /// where a hook hangs, none of them may.
-int serve(const Assignment& assignment, const Workshop& workshop, deploy::InheritedProcess& process) {
+int serve(const Assignment& assignment, const Workshop& workshop, process::InheritedProcess& process) {
   const Launch& launch = assignment.launch;
   auto memory = link::SharedMemory::create(launch.memory);
-  if (!memory) return give_up(deploy::kNoMemory, memory.error());
+  if (!memory) return give_up(process::kNoMemory, memory.error());
   const task::RealtimeLogDrain log_drain;
   host::LocalTaskHost tasks(workshop.libraries, workshop.catalog, workshop.options);
   deploy::LocalDeployment deployment(info_of(launch, (*memory)->incarnation()), tasks, *memory);
   auto server = control::Server::serve(process.take_listener(), &deployment);
-  if (!server) return give_up(deploy::kNoMemory, server.error());
+  if (!server) return give_up(process::kNoMemory, server.error());
   while (!process.wait_for_end(kHousekeeping))
-    deploy::rotate_output(assignment.log, assignment.log_size, assignment.log_files);
+    process::rotate_output(assignment.log, assignment.log_size, assignment.log_files);
   if (!deployment.shut_down(RealClock::instance().now() + kShutDownTime)) {
     log(LogLevel::Error, kLogSource, "a hook of a task has not returned; ended without it");
     process.leave();
-    std::_Exit(deploy::kHanging);
+    std::_Exit(process::kHanging);
   }
-  return deploy::kOrderly;
+  return process::kOrderly;
 }
 
 }  // namespace
 
 int deployment_process() {
-  deploy::InheritedProcess process;
-  const auto assignment = deploy::read_assignment(deploy::kAssignment);
-  if (!assignment) return give_up(deploy::kWrongUse, assignment.error());
+  process::InheritedProcess process;
+  const auto assignment = process::read_assignment(process::kAssignment);
+  if (!assignment) return give_up(process::kWrongUse, assignment.error());
   set_log_level(level_of(assignment->launch.log_level));
   process.begin(assignment->socket, SEGUE_VERSION);
-  if (const auto applied = deploy::apply_to_this_process(assignment->launch.deployment); !applied) {
-    return give_up(deploy::kNotPermitted, applied.error());
+  if (const auto applied = process::apply_to_this_process(assignment->launch.deployment); !applied) {
+    return give_up(process::kNotPermitted, applied.error());
   }
   Workshop workshop;
   const auto terminate = std::set_terminate(&end_by_library);
   if (const auto loaded = workshop.load(assignment->launch); !loaded) {
-    return give_up(deploy::kNoLibrary, loaded.error());
+    return give_up(process::kNoLibrary, loaded.error());
   }
   std::set_terminate(terminate);
   const int status = serve(*assignment, workshop, process);

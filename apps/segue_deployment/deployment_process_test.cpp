@@ -2,8 +2,8 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/deploy/deployment_exit.hpp>
-#include <segue/deploy/process_server.hpp>
+#include <segue/process/deployment_exit.hpp>
+#include <segue/process/process_server.hpp>
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -41,27 +41,27 @@ class DeploymentProcessTest : public testing::Test {
     fs::remove_all(folder_, ignored);
   }
 
-  void serve(ProcessServerOptions options = {}) {
+  void serve(process::ProcessServerOptions options = {}) {
     options.program = SEGUE_DEPLOYMENT_PROGRAM;
-    auto made = ProcessServer::create(options);
+    auto made = process::ProcessServer::create(options);
     ASSERT_TRUE(made.has_value()) << to_string(made.error());
     processes_ = std::move(*made);
-    processes_->set_listener([this](const ProcessInfo& process) {
+    processes_->set_listener([this](const process::ProcessInfo& process) {
       const std::lock_guard lock(mutex_);
       ended_.push_back(process);
       changed_.notify_all();
     });
   }
 
-  static Launch launch() {
-    Launch launch;
+  static process::Launch launch() {
+    process::Launch launch;
     launch.robot = "rover";
     launch.deployment.process = model::ProcessName("drivers");
     launch.libraries = {"segue_components_demo"};
     return launch;
   }
 
-  ProcessInfo start(const Launch& what) {
+  process::ProcessInfo start(const process::Launch& what) {
     auto process = processes_->start(what, soon());
     EXPECT_TRUE(process.has_value()) << to_string(process.error());
     if (!process) return {};
@@ -70,7 +70,7 @@ class DeploymentProcessTest : public testing::Test {
   }
 
   /// How it ended by itself.
-  std::optional<ExitReason> end() {
+  std::optional<process::ExitReason> end() {
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
     return ended_.front().exit;
@@ -80,10 +80,10 @@ class DeploymentProcessTest : public testing::Test {
 
   fs::path folder_;
   std::vector<int> pids_;
-  std::unique_ptr<ProcessServer> processes_;
+  std::unique_ptr<process::ProcessServer> processes_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<ProcessInfo> ended_;
+  std::vector<process::ProcessInfo> ended_;
 };
 
 TEST_F(DeploymentProcessTest, itServesItselfAndGoesInOrderWhenItIsTold) {
@@ -102,7 +102,7 @@ TEST_F(DeploymentProcessTest, itServesItselfAndGoesInOrderWhenItIsTold) {
 }
 
 TEST_F(DeploymentProcessTest, aZygoteWithLibrariesServesTheSame) {
-  ProcessServerOptions options;
+  process::ProcessServerOptions options;
   options.zygote_libraries = {"segue_components_demo"};
   serve(options);
   const auto process = start(launch());
@@ -116,35 +116,35 @@ TEST_F(DeploymentProcessTest, aZygoteWithLibrariesServesTheSame) {
 
 TEST_F(DeploymentProcessTest, aLibraryThatIsMissingIsTheLastWordOfTheLog) {
   serve();
-  Launch wrong = launch();
+  process::Launch wrong = launch();
   wrong.libraries = {"no_such_library"};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, kNoLibrary);
+  EXPECT_EQ(reason->status, process::kNoLibrary);
   EXPECT_THAT(text_of(process.log), HasSubstr("no_such_library"));
 }
 
 TEST_F(DeploymentProcessTest, aLibraryThatThrowsWhenItIsLoadedEndsTheProcessWithAWord) {
   ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
   serve();
-  Launch wrong = launch();
+  process::Launch wrong = launch();
   wrong.libraries = {"segue_test_throws"};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, kNoLibrary) << to_string(*reason);
+  EXPECT_EQ(reason->status, process::kNoLibrary) << to_string(*reason);
   EXPECT_THAT(text_of(process.log), HasSubstr("no luck today"));
 }
 
 TEST_F(DeploymentProcessTest, processorsThatAreNotThereAreRefused) {
   serve();
-  Launch wrong = launch();
+  process::Launch wrong = launch();
   wrong.deployment.cpus = {1000};
   const auto process = start(wrong);
   const auto reason = end();
   ASSERT_TRUE(reason.has_value());
-  EXPECT_EQ(reason->status, kNotPermitted);
+  EXPECT_EQ(reason->status, process::kNotPermitted);
   EXPECT_THAT(text_of(process.log), HasSubstr("processors"));
 }
 

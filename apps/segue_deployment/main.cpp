@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/deployment_exit.hpp>
-#include <segue/deploy/zygote.hpp>
-#include <segue/deploy/zygote_message.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/process/deployment_exit.hpp>
+#include <segue/process/zygote.hpp>
+#include <segue/process/zygote_message.hpp>
 
 #include <cstdio>
 #include <exception>
+#include <string>
 #include <string_view>
 
 #include "deployment_process.hpp"
@@ -12,9 +14,11 @@
 namespace {
 
 int run(int count, char** arguments) {
-  using segue::deploy::detail::run_zygote;
-  if (count > 2 && arguments[1] == segue::deploy::detail::kZygoteOption) {
-    return run_zygote({count, arguments}, &segue::deployment_process);
+  using segue::process::detail::run_zygote;
+  if (count > 2 && arguments[1] == segue::process::detail::kZygoteOption) {
+    segue::host::LibrarySet libraries;
+    const auto preload = [&](const std::string& library) { return libraries.load(library); };
+    return run_zygote({count, arguments}, preload, &segue::deployment_process);
   }
   return segue::deployment_process();
 }
@@ -23,15 +27,15 @@ int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
   const bool alone = count != 2 || std::string_view(arguments[1]).starts_with('-');
-  if (alone && (count < 3 || arguments[1] != segue::deploy::detail::kZygoteOption)) {
+  if (alone && (count < 3 || arguments[1] != segue::process::detail::kZygoteOption)) {
     std::fputs("segue-deployment is started by a process server (`segue run`, `segue host`), never by hand\n",
                stderr);
-    return segue::deploy::kWrongUse;
+    return segue::process::kWrongUse;
   }
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {
     std::fprintf(stderr, "error: segue-deployment: %s\n", exception.what());
-    return segue::deploy::kDefect;
+    return segue::process::kDefect;
   }
 }

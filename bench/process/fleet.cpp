@@ -6,8 +6,8 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/deploy/process_server.hpp>
 #include <segue/host/local_task_host.hpp>
+#include <segue/process/process_server.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -56,12 +56,12 @@ class Folder {
 class RealFleet final : public Fleet {
  public:
   explicit RealFleet(bool zygote) {
-    deploy::ProcessServerOptions options;
+    process::ProcessServerOptions options;
     options.zygote = zygote;
     if (zygote) options.zygote_libraries = {kLibrary};
-    processes_ = must(deploy::ProcessServer::create(options));
+    processes_ = must(process::ProcessServer::create(options));
     memory_ = must(link::SharedMemory::create());
-    deploy::Launch launch;
+    process::Launch launch;
     launch.robot = "bench";
     launch.libraries = {kLibrary};
     launch.log_level = "error";
@@ -84,7 +84,7 @@ class RealFleet final : public Fleet {
   model::ComponentCatalog catalog_;
   host::LocalTaskHost local_{libraries_, catalog_};
   std::shared_ptr<link::SharedMemory> memory_;
-  std::unique_ptr<deploy::ProcessServer> processes_;
+  std::unique_ptr<process::ProcessServer> processes_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<deploy::DeployedTaskHost> deployed_;
 };

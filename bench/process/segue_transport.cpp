@@ -47,8 +47,8 @@ segue::Policy policy_for(std::size_t bytes) {
   return {segue::BufferKind::Buffer, bytes > 10'000'000 ? 2U : 16U};
 }
 
-link::SharedMemoryOptions memory_for(std::size_t bytes) {
-  link::SharedMemoryOptions options;
+segue::SharedMemoryOptions memory_for(std::size_t bytes) {
+  segue::SharedMemoryOptions options;
   options.prefault = std::max(options.prefault, bytes * 4);
   return options;
 }

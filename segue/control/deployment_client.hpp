@@ -4,7 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/deploy/process_service.hpp>
+#include <segue/process/process_service.hpp>
 
 #include <filesystem>
 #include <functional>
@@ -26,7 +26,7 @@ Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std:
                                                                       std::function<void()> gone);
 
 /// The process server of a computer (`segue host`) on the other end of a socket.
-Result<std::unique_ptr<deploy::ProcessService>> connect_processes(const std::filesystem::path& socket,
-                                                                  Duration timeout = std::chrono::seconds(5));
+Result<std::unique_ptr<process::ProcessService>> connect_processes(
+    const std::filesystem::path& socket, Duration timeout = std::chrono::seconds(5));
 
 }  // namespace segue::control

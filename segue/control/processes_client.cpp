@@ -14,13 +14,13 @@ namespace segue::control {
 
 namespace {
 
-using deploy::ProcessInfo;
 using detail::as_text;
 using detail::decode;
 using detail::kGrace;
 using detail::kLookTimeout;
 using detail::Link;
 using detail::time_left;
+using process::ProcessInfo;
 
 /// Takes what the process server tells.
 class ListenerServer final : public wire::ProcessListener::Server {
@@ -42,40 +42,41 @@ class ListenerServer final : public wire::ProcessListener::Server {
   std::shared_ptr<detail::Told<ProcessInfo>> told_;
 };
 
-class ProcessesClient final : public deploy::ProcessService {
+class ProcessesClient final : public process::ProcessService {
  public:
   explicit ProcessesClient(std::shared_ptr<Link> link) : link_(std::move(link)) {}
   ~ProcessesClient() override { told_->set(nullptr); }
 
-  Result<ProcessInfo> start(const deploy::Launch& launch, TimePoint deadline) override {
+  Result<ProcessInfo> start(const process::Launch& launch, TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return ask<ProcessInfo>(left + kGrace, [&](wire::Processes::Client processes) {
       auto request = processes.startRequest();
-      detail::put(deploy::to_value(launch), request.initLaunch());
+      detail::put(process::to_value(launch), request.initLaunch());
       request.setTimeout(left.count());
       return Link::send<ProcessInfo>(request, [](auto& results) { return decode(results.getProcess()); });
     });
   }
 
-  Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint deadline) override {
+  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint deadline) override {
     return end(robot, key, deadline, false);
   }
-  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint deadline) override {
+  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint deadline) override {
     return end(robot, key, deadline, true);
   }
-  Result<deploy::ExitReason> end(const std::string& robot, const model::DeploymentKey& key,
-                                 TimePoint deadline, bool kill) {
+  Result<process::ExitReason> end(const std::string& robot, const model::DeploymentKey& key,
+                                  TimePoint deadline, bool kill) {
     const Duration left = time_left(deadline);
-    return ask<deploy::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
+    return ask<process::ExitReason>(left + kGrace, [&](wire::Processes::Client processes) {
       auto request = processes.stopRequest();
       request.setRobot(as_text(robot));
       request.setHost(as_text(key.host.str()));
       request.setProcess(as_text(key.process.str()));
       request.setTimeout(left.count());
       request.setKill(kill);
-      return Link::send<deploy::ExitReason>(request, [](auto& results) { return decode(results.getExit()); });
+      return Link::send<process::ExitReason>(request,
+                                             [](auto& results) { return decode(results.getExit()); });
     });
   }
 
@@ -119,8 +120,8 @@ class ProcessesClient final : public deploy::ProcessService {
 
 }  // namespace
 
-Result<std::unique_ptr<deploy::ProcessService>> connect_processes(const std::filesystem::path& socket,
-                                                                  Duration timeout) {
+Result<std::unique_ptr<process::ProcessService>> connect_processes(const std::filesystem::path& socket,
+                                                                   Duration timeout) {
   auto link = Link::open(socket, detail::kProcessesKind, "the process server", timeout);
   if (!link) return link.error();
   return std::make_unique<ProcessesClient>(std::move(*link));

@@ -61,11 +61,11 @@ struct Server::Implementation {
               on ? [this](const host::TaskEvent& event) { core.task_events.tell(event, core.loop); }
                  : deploy::DeploymentService::Listener());
     }
-    if (auto* const* processes = std::get_if<deploy::ProcessService*>(&core.served)) {
+    if (auto* const* processes = std::get_if<process::ProcessService*>(&core.served)) {
       (*processes)
           ->set_listener(
-              on ? [this](const deploy::ProcessInfo& event) { core.process_events.tell(event, core.loop); }
-                 : deploy::ProcessService::Listener());
+              on ? [this](const process::ProcessInfo& event) { core.process_events.tell(event, core.loop); }
+                 : process::ProcessService::Listener());
     }
   }
 

@@ -14,8 +14,10 @@
 
 namespace segue::deploy {
 class DeploymentService;
+}
+namespace segue::process {
 class ProcessService;
-}  // namespace segue::deploy
+}
 
 namespace segue::control {
 
@@ -28,7 +30,7 @@ Result<std::filesystem::path> socket_path(std::string_view robot);
 std::vector<std::string> running_robots();
 
 /// What a server offers; never null. The server takes the one listener of a deployment or process service.
-using Served = std::variant<RobotService*, deploy::DeploymentService*, deploy::ProcessService*>;
+using Served = std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*>;
 
 /// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
 /// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the

@@ -153,9 +153,9 @@ TEST(WireTest, SnapshotsTravelWithConnectionsEndpointsAndMemory) {
 }
 
 TEST(WireTest, ProcessesTravelWithTheirExit) {
-  deploy::ProcessInfo sent{
+  process::ProcessInfo sent{
       "spot", {model::HostName("base"), model::ProcessName("p")}, 42, "/run/p.sock", "/log/p.log",
-      true,   deploy::ExitReason{1, 2, true, false, true, true}};
+      true,   process::ExitReason{1, 2, true, false, true, true}};
   const auto got = travel<wire::ProcessInfo>(sent);
   EXPECT_EQ(std::tie(got.robot, got.key, got.pid, got.socket, got.log, got.adopted),
             std::tie(sent.robot, sent.key, sent.pid, sent.socket, sent.log, sent.adopted));

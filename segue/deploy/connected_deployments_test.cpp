@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two deployments, as if each had a process of its own, and connections between them.
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/deploy/test_hooks.hpp>
 #include <segue/host/test_support.hpp>
+#include <support/test_hooks.hpp>
 
 #include <gmock/gmock.h>
 

@@ -53,8 +53,8 @@ void check_links(const model::Network& network, Diagnostics& findings) {
 }  // namespace
 
 struct DeployedTaskHost::Implementation {
-  Implementation(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
-                 const host::TaskHost& local_host, const DeployedOptions& options)
+  Implementation(DeploymentService& own, process::ProcessService& processes, Connector connector,
+                 process::Launch launch, const host::TaskHost& local_host, const DeployedOptions& options)
       : local(local_host),
         hosts(options.hosts),
         fleet(std::make_shared<detail::Fleet>(own, processes, std::move(connector), std::move(launch),
@@ -84,8 +84,9 @@ struct DeployedTaskHost::Implementation {
   detail::Router router{*fleet, wiring};
 };
 
-DeployedTaskHost::DeployedTaskHost(DeploymentService& own, ProcessService& processes, Connector connector,
-                                   Launch launch, const host::TaskHost& local, const DeployedOptions& options)
+DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessService& processes,
+                                   Connector connector, process::Launch launch, const host::TaskHost& local,
+                                   const DeployedOptions& options)
     : implementation_(std::make_unique<Implementation>(own, processes, std::move(connector),
                                                        std::move(launch), local, options)) {
   auto& wiring = implementation_->wiring;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/deploy/process_service.hpp>
 #include <segue/host/task_host.hpp>
+#include <segue/process/process_service.hpp>
 
 #include <functional>
 #include <memory>
@@ -41,8 +41,8 @@ class DeployedTaskHost final : public host::TaskHost {
   /// `own` is the runtime's process. `launch` is what every process begins with, its deployment aside. All
   /// references must outlive this. Deployments of `launch.robot` that already run are adopted; of those that
   /// cannot be (another version) the listener is told, as soon as there is one.
-  DeployedTaskHost(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
-                   const host::TaskHost& local, const DeployedOptions& options = {});
+  DeployedTaskHost(DeploymentService& own, process::ProcessService& processes, Connector connector,
+                   process::Launch launch, const host::TaskHost& local, const DeployedOptions& options = {});
   /// Lets the processes run on.
   ~DeployedTaskHost() override;
 

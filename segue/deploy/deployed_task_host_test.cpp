@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/deployed_task_host.hpp>
 
-#include <segue/deploy/fake_world.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
+#include <support/fake_world.hpp>
 
 #include <gtest/gtest.h>
 
@@ -107,8 +107,8 @@ struct Robot {
     host.set_listener([this](const host::HostEvent& event) { told.add(event); });
   }
 
-  static Launch launch() {
-    Launch launch;
+  static process::Launch launch() {
+    process::Launch launch;
     launch.robot = "robot";
     launch.stand_in = true;
     return launch;

@@ -15,7 +15,7 @@ namespace {
 RecordPtr own_record(DeploymentService& own) {
   auto info = own.info();
   model::Deployment deployment;
-  ProcessInfo process;
+  process::ProcessInfo process;
   if (info) {
     process.pid = info->pid;
   }
@@ -26,22 +26,22 @@ RecordPtr own_record(DeploymentService& own) {
 
 }  // namespace
 
-Fleet::Fleet(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
-             const DeployedOptions& options)
+Fleet::Fleet(DeploymentService& own, process::ProcessService& processes, Connector connector,
+             process::Launch launch, const DeployedOptions& options)
     : processes_(processes),
       connector_(std::move(connector)),
       launch_(std::move(launch)),
       options_(options),
       own_(own_record(own)) {}
 
-std::optional<ProcessInfo> Fleet::Starting::exit_of(int pid) const {
+std::optional<process::ProcessInfo> Fleet::Starting::exit_of(int pid) const {
   const auto found =
       std::find_if(exits.begin(), exits.end(), [&](const auto& process) { return process.pid == pid; });
   return found == exits.end() ? std::nullopt : std::optional(*found);
 }
 
 void Fleet::begin() {
-  processes_.set_listener([weak = weak_from_this()](const ProcessInfo& process) {
+  processes_.set_listener([weak = weak_from_this()](const process::ProcessInfo& process) {
     if (const auto self = weak.lock()) {
       self->on_exit(process);
     }

@@ -26,8 +26,8 @@ using RecordPtr = std::shared_ptr<ProcessRecord>;
 /// knows which task lives where. Thread safe; nothing is locked while a process is called.
 class Fleet : public std::enable_shared_from_this<Fleet> {
  public:
-  Fleet(DeploymentService& own, ProcessService& processes, Connector connector, Launch launch,
-        const DeployedOptions& options);
+  Fleet(DeploymentService& own, process::ProcessService& processes, Connector connector,
+        process::Launch launch, const DeployedOptions& options);
   /// Adopts what runs, begins to watch.
   void begin();
   /// Leaves the processes as they are. Nothing of this is called any more when it returns.
@@ -66,22 +66,23 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
  private:
   /// A process on its way in.
   struct Starting {
-    std::vector<ProcessInfo> exits;  ///< of its name; one may be of whoever had the name before
-    [[nodiscard]] std::optional<ProcessInfo> exit_of(int pid) const;
+    std::vector<process::ProcessInfo> exits;  ///< of its name; one may be of whoever had the name before
+    [[nodiscard]] std::optional<process::ProcessInfo> exit_of(int pid) const;
   };
 
   void adopt();
   /// Says what became of it.
-  std::string adopt(const ProcessInfo& process);
+  std::string adopt(const process::ProcessInfo& process);
   Result<RecordPtr> start(const model::Deployment& deployment, TimePoint deadline);
   Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
-  std::optional<ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record, Duration patience);
+  std::optional<process::ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record,
+                                                                Duration patience);
   /// Connects, and checks who answers.
   Result<void> open(const RecordPtr& record, TimePoint deadline);
   void listen_to(const RecordPtr& record, DeploymentService& service);
   Result<RecordPtr> deployed(const model::DeploymentKey& key) const;
   /// Lets go of it once `how` has ended it.
-  Result<void> end_by(const RecordPtr& record, const std::function<Result<ExitReason>()>& how);
+  Result<void> end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
   void send_expected(DeploymentService& service, const model::DeploymentKey& key);
 
@@ -92,9 +93,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   bool revive(const RecordPtr& record);
   bool runs(const ProcessRecord& record);
   void on_gone(const std::weak_ptr<ProcessRecord>& which);
-  void on_exit(const ProcessInfo& process);
+  void on_exit(const process::ProcessInfo& process);
   /// It ended by itself.
-  void end(const RecordPtr& record, const ExitReason& reason);
+  void end(const RecordPtr& record, const process::ExitReason& reason);
   /// It has ended: out of the tables. Gives the tasks that went with it; nothing where that is known.
   std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);
   /// Lets go of a process that is gone, here and in all others.
@@ -105,9 +106,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot);
   void watch();
 
-  ProcessService& processes_;
+  process::ProcessService& processes_;
   const Connector connector_;
-  const Launch launch_;
+  const process::Launch launch_;
   const DeployedOptions options_;
   const RecordPtr own_;
   WorkerPool pool_{12, 64};

@@ -52,7 +52,7 @@ std::string tail(const std::filesystem::path& log) {
 }
 
 /// What it printed last, and where the rest is.
-std::string log_text(const ProcessInfo& process) {
+std::string log_text(const process::ProcessInfo& process) {
   if (process.log.empty()) {
     return {};
   }
@@ -61,7 +61,7 @@ std::string log_text(const ProcessInfo& process) {
                       : "; its log " + process.log.string() + " ends with:" + text;
 }
 
-Error ended_while_starting(const ProcessRecord& record, const ProcessInfo& process) {
+Error ended_while_starting(const ProcessRecord& record, const process::ProcessInfo& process) {
   const std::string reason = process.exit ? to_string(*process.exit) : "ended";
   return fail(ErrorCode::Unavailable,
               "the process " + reason + " while it was being started" + log_text(record.process()),
@@ -88,7 +88,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
   }
   events_.drain();  // what happened to the process that had the name before is told before there is another
   auto record = start(deployment, deadline);
-  std::optional<ProcessInfo> exit;
+  std::optional<process::ProcessInfo> exit;
   {
     const std::lock_guard lock(mutex_);
     exit = record ? starting_[key].exit_of((*record)->process().pid) : std::nullopt;
@@ -102,7 +102,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
 }
 
 Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint deadline) {
-  Launch launch = launch_;
+  process::Launch launch = launch_;
   launch.deployment = deployment;
   launch.deployment.tasks.clear();
   auto process = processes_.start(launch, deadline);
@@ -148,8 +148,9 @@ Result<void> Fleet::connect_when_ready(const RecordPtr& record, TimePoint deadli
   }
 }
 
-std::optional<ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record, Duration patience) {
-  std::optional<ProcessInfo> exit;
+std::optional<process::ProcessInfo> Fleet::wait_for_exit_of_starting(const ProcessRecord& record,
+                                                                     Duration patience) {
+  std::optional<process::ProcessInfo> exit;
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, patience, [&] {
     const auto found = starting_.find(record.key());
@@ -242,7 +243,7 @@ Result<void> Fleet::kill(const model::DeploymentKey& key, TimePoint deadline) {
   return end_by(*record, [&] { return processes_.kill(launch_.robot, key, deadline); });
 }
 
-Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<ExitReason>()>& how) {
+Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how) {
   record->leave(true);
   auto reason = how();
   if (!reason && reason.error().code != ErrorCode::NotFound) {
@@ -306,7 +307,7 @@ void Fleet::adopt() {
   look();
 }
 
-std::string Fleet::adopt(const ProcessInfo& process) {
+std::string Fleet::adopt(const process::ProcessInfo& process) {
   model::Deployment deployment;
   deployment.host = process.key.host;
   deployment.process = process.key.process;

@@ -111,7 +111,7 @@ bool Fleet::revive(const RecordPtr& record) {
   }
   if (!runs(*record)) {
     if (!record->wait_for_end(now() + kNewsLag)) {
-      ExitReason reason;
+      process::ExitReason reason;
       reason.known = false;
       end(record, reason);
     }
@@ -121,10 +121,10 @@ bool Fleet::revive(const RecordPtr& record) {
 }
 
 bool Fleet::runs(const ProcessRecord& record) {
-  const ProcessInfo& process = record.process();
+  const process::ProcessInfo& process = record.process();
   const auto listed = processes_.processes(launch_.robot);
   if (listed) {
-    return std::any_of(listed->begin(), listed->end(), [&](const ProcessInfo& other) {
+    return std::any_of(listed->begin(), listed->end(), [&](const process::ProcessInfo& other) {
       return other.key == process.key && other.pid == process.pid;
     });
   }
@@ -144,7 +144,7 @@ void Fleet::on_gone(const std::weak_ptr<ProcessRecord>& which) {
   }
 }
 
-void Fleet::on_exit(const ProcessInfo& process) {
+void Fleet::on_exit(const process::ProcessInfo& process) {
   RecordPtr record;
   {
     const std::lock_guard lock(mutex_);
@@ -158,11 +158,11 @@ void Fleet::on_exit(const ProcessInfo& process) {
   }
   changed_.notify_all();
   if (record != nullptr && !record->leaving()) {
-    end(record, process.exit.value_or(ExitReason{}));
+    end(record, process.exit.value_or(process::ExitReason{}));
   }
 }
 
-void Fleet::end(const RecordPtr& record, const ExitReason& reason) {
+void Fleet::end(const RecordPtr& record, const process::ExitReason& reason) {
   const auto tasks = remove(record);
   if (!tasks) {
     return;

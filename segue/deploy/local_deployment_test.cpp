@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tasks of one process as a deployment, without memory that it shares with others.
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/deploy/test_hooks.hpp>
 #include <segue/host/test_support.hpp>
+#include <support/test_hooks.hpp>
 
 #include <gmock/gmock.h>
 

@@ -23,7 +23,7 @@ std::vector<model::TaskId> without(const std::vector<model::TaskId>& all,
 
 }  // namespace
 
-ProcessRecord::ProcessRecord(model::Deployment deployment, ProcessInfo process)
+ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo process)
     : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}
 
 ProcessView ProcessRecord::view() const {

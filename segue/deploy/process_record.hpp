@@ -4,8 +4,8 @@
 #include <segue/base/clock.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/deploy/merged_view.hpp>
-#include <segue/deploy/process_service.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/process/process_service.hpp>
 
 #include <condition_variable>
 #include <memory>
@@ -20,10 +20,10 @@ namespace segue::deploy::detail {
 /// What is known of one process with tasks. Thread safe; calls nothing.
 class ProcessRecord {
  public:
-  ProcessRecord(model::Deployment deployment, ProcessInfo process);
+  ProcessRecord(model::Deployment deployment, process::ProcessInfo process);
 
   [[nodiscard]] const model::DeploymentKey& key() const { return key_; }
-  [[nodiscard]] const ProcessInfo& process() const { return process_; }
+  [[nodiscard]] const process::ProcessInfo& process() const { return process_; }
   [[nodiscard]] ProcessView view() const;
   [[nodiscard]] link::Incarnation incarnation() const;
   /// Unavailable, with its name.
@@ -87,7 +87,7 @@ class ProcessRecord {
   [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
 
   const model::DeploymentKey key_;
-  const ProcessInfo process_;
+  const process::ProcessInfo process_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   model::Deployment deployment_;

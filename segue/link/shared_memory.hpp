@@ -3,6 +3,7 @@
 
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/shared_memory_options.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -12,12 +13,6 @@ namespace segue::link {
 
 /// Names the memory of one life of one process; random, never 0, never used again.
 using Incarnation = std::uint64_t;
-
-struct SharedMemoryOptions {
-  std::size_t prefault = std::size_t{1} << 20;  ///< bytes of the payload pool made present at once
-  std::size_t payload = std::size_t{4} << 30;   ///< the most that samples may take; address space, not memory
-  std::size_t control = std::size_t{64} << 20;  ///< likewise for the rings of connections
-};
 
 /// What another process needs to map this one's memory: two sealed memfds. Payloads can only be mapped for
 /// reading by others.

@@ -50,26 +50,26 @@ Result<T> DaemonProcesses::ask(Ask ask_service) {
   return next == nullptr ? std::move(answer) : ask_service(*next);
 }
 
-Result<deploy::ProcessInfo> DaemonProcesses::start(const deploy::Launch& launch, TimePoint deadline) {
-  return ask<deploy::ProcessInfo>(
-      [&](deploy::ProcessService& service) { return service.start(launch, deadline); });
+Result<process::ProcessInfo> DaemonProcesses::start(const process::Launch& launch, TimePoint deadline) {
+  return ask<process::ProcessInfo>(
+      [&](process::ProcessService& service) { return service.start(launch, deadline); });
 }
 
-Result<deploy::ExitReason> DaemonProcesses::stop(const std::string& robot, const model::DeploymentKey& key,
-                                                 TimePoint deadline) {
-  return ask<deploy::ExitReason>(
-      [&](deploy::ProcessService& service) { return service.stop(robot, key, deadline); });
+Result<process::ExitReason> DaemonProcesses::stop(const std::string& robot, const model::DeploymentKey& key,
+                                                  TimePoint deadline) {
+  return ask<process::ExitReason>(
+      [&](process::ProcessService& service) { return service.stop(robot, key, deadline); });
 }
 
-Result<deploy::ExitReason> DaemonProcesses::kill(const std::string& robot, const model::DeploymentKey& key,
-                                                 TimePoint deadline) {
-  return ask<deploy::ExitReason>(
-      [&](deploy::ProcessService& service) { return service.kill(robot, key, deadline); });
+Result<process::ExitReason> DaemonProcesses::kill(const std::string& robot, const model::DeploymentKey& key,
+                                                  TimePoint deadline) {
+  return ask<process::ExitReason>(
+      [&](process::ProcessService& service) { return service.kill(robot, key, deadline); });
 }
 
-Result<std::vector<deploy::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
-  return ask<std::vector<deploy::ProcessInfo>>(
-      [&](deploy::ProcessService& service) { return service.processes(robot); });
+Result<std::vector<process::ProcessInfo>> DaemonProcesses::processes(const std::string& robot) {
+  return ask<std::vector<process::ProcessInfo>>(
+      [&](process::ProcessService& service) { return service.processes(robot); });
 }
 
 void DaemonProcesses::set_listener(Listener listener) {

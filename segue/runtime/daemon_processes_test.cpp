@@ -12,29 +12,29 @@ struct Computer {
   int calls = 0;
   bool one_runs = true;
   int living = 0;  ///< the number of the one that lives
-  deploy::ProcessService::Listener listener;
+  process::ProcessService::Listener listener;
   ErrorCode start_fails = ErrorCode::AlreadyExists;
 };
 
-class FakeDaemon final : public deploy::ProcessService {
+class FakeDaemon final : public process::ProcessService {
  public:
   FakeDaemon(Computer& computer, int number) : computer_(computer), number_(number) {}
 
-  Result<deploy::ProcessInfo> start(const deploy::Launch& /*launch*/, TimePoint /*deadline*/) override {
+  Result<process::ProcessInfo> start(const process::Launch& /*launch*/, TimePoint /*deadline*/) override {
     ++computer_.calls;
     return fail(lives() ? computer_.start_fails : ErrorCode::Unavailable, "no");
   }
-  Result<deploy::ExitReason> stop(const std::string& /*robot*/, const model::DeploymentKey& /*key*/,
-                                  TimePoint /*deadline*/) override {
-    if (lives()) return deploy::ExitReason{};
+  Result<process::ExitReason> stop(const std::string& /*robot*/, const model::DeploymentKey& /*key*/,
+                                   TimePoint /*deadline*/) override {
+    if (lives()) return process::ExitReason{};
     return fail(ErrorCode::Unavailable, "gone");
   }
-  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint deadline) override {
+  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint deadline) override {
     return stop(robot, key, deadline);
   }
-  Result<std::vector<deploy::ProcessInfo>> processes(const std::string& /*robot*/) override {
-    if (lives()) return std::vector<deploy::ProcessInfo>(static_cast<std::size_t>(number_));
+  Result<std::vector<process::ProcessInfo>> processes(const std::string& /*robot*/) override {
+    if (lives()) return std::vector<process::ProcessInfo>(static_cast<std::size_t>(number_));
     return fail(ErrorCode::Unavailable, "gone");
   }
   void set_listener(Listener listener) override {
@@ -51,7 +51,7 @@ class FakeDaemon final : public deploy::ProcessService {
 class DaemonProcessesTest : public ::testing::Test {
  protected:
   Result<std::unique_ptr<DaemonProcesses>> connect() {
-    return DaemonProcesses::connect("rover", [this]() -> Result<std::unique_ptr<deploy::ProcessService>> {
+    return DaemonProcesses::connect("rover", [this]() -> Result<std::unique_ptr<process::ProcessService>> {
       if (!computer_.one_runs) return fail(ErrorCode::Unavailable, "none runs");
       computer_.living = ++computer_.opened;
       return std::make_unique<FakeDaemon>(computer_, computer_.opened);
@@ -66,7 +66,7 @@ TEST_F(DaemonProcessesTest, goes_on_with_the_next_process_server) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   int told = 0;
-  (*daemon)->set_listener([&](const deploy::ProcessInfo&) { ++told; });
+  (*daemon)->set_listener([&](const process::ProcessInfo&) { ++told; });
   EXPECT_EQ((*daemon)->processes("rover")->size(), 1U);
   start_anew();
   computer_.listener = {};

@@ -5,7 +5,7 @@
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
-#include <segue/deploy/process_server.hpp>
+#include <segue/process/process_server.hpp>
 #include <segue/runtime/daemon_processes.hpp>
 
 #include <fcntl.h>
@@ -26,7 +26,7 @@ constexpr Duration kForce = std::chrono::seconds(10);
 
 /// Two runtimes that both hold the processes of a robot to be theirs would take off each other's connections.
 Result<Descriptor> lock_robot(const std::string& robot) {
-  const auto folder = deploy::process_folder(robot);
+  const auto folder = process::process_folder(robot);
   if (!folder) {
     return folder.error();
   }
@@ -45,7 +45,7 @@ Result<Descriptor> lock_robot(const std::string& robot) {
   return file;
 }
 
-Result<std::unique_ptr<deploy::ProcessService>> connect_daemon() {
+Result<std::unique_ptr<process::ProcessService>> connect_daemon() {
   const auto folder = control::socket_folder();
   if (!folder) {
     return folder.error();
@@ -58,23 +58,23 @@ Result<std::unique_ptr<deploy::ProcessService>> connect_daemon() {
   return connected;
 }
 
-Result<std::unique_ptr<deploy::ProcessService>> open_processes(const std::string& robot, bool daemon) {
+Result<std::unique_ptr<process::ProcessService>> open_processes(const std::string& robot, bool daemon) {
   if (!daemon) {
-    auto server = deploy::ProcessServer::create();
+    auto server = process::ProcessServer::create();
     if (!server) {
       return std::move(server.error());
     }
-    return std::unique_ptr<deploy::ProcessService>(std::move(*server));
+    return std::unique_ptr<process::ProcessService>(std::move(*server));
   }
   auto connected = DaemonProcesses::connect(robot, connect_daemon);
   if (!connected) {
     return std::move(connected.error());
   }
-  return std::unique_ptr<deploy::ProcessService>(std::move(*connected));
+  return std::unique_ptr<process::ProcessService>(std::move(*connected));
 }
 
-Result<deploy::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
-  deploy::Launch launch;
+Result<process::Launch> launch_of(const model::Robot& robot, const EmbeddedOptions& options) {
+  process::Launch launch;
   launch.robot = robot.name;
   launch.libraries = robot.libraries;
   for (const auto& pattern : robot.models) {

@@ -37,7 +37,7 @@ class RobotTasks {
   std::shared_ptr<link::SharedMemory> memory_;
   host::LocalTaskHost local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<deploy::ProcessService> processes_;
+  std::unique_ptr<process::ProcessService> processes_;
   std::unique_ptr<deploy::DeployedTaskHost> deployed_;  ///< none: all in this process
 };
 

@@ -14,11 +14,11 @@ class Adoption : public DeployedRobotTest {
  protected:
   /// Starts the process by another version of Segue.
   void start_other_version(const std::string& deployment) {
-    deploy::ProcessServerOptions options;
+    process::ProcessServerOptions options;
     options.program = SEGUE_OTHER_VERSION;
-    auto server = deploy::ProcessServer::create(options);
+    auto server = process::ProcessServer::create(options);
     ASSERT_TRUE(server) << to_string(server.error());
-    deploy::Launch launch = launch_;
+    process::Launch launch = launch_;
     launch.deployment.process = model::ProcessName(deployment);
     const auto started = (*server)->start(launch, RealClock::instance().now() + std::chrono::seconds(60));
     ASSERT_TRUE(started) << to_string(started.error());

@@ -27,7 +27,7 @@ constexpr auto kPatience = std::chrono::seconds(60);
 constexpr const char* kLibrary = "segue_test_faults";
 }  // namespace
 
-RobotLife::RobotLife(const deploy::Launch& launch, std::unique_ptr<deploy::ProcessService> processes,
+RobotLife::RobotLife(const process::Launch& launch, std::unique_ptr<process::ProcessService> processes,
                      const deploy::DeployedOptions& options)
     : processes_(std::move(processes)) {
   EXPECT_TRUE(libraries_.load(kLibrary));
@@ -51,10 +51,10 @@ RobotLife::RobotLife(const deploy::Launch& launch, std::unique_ptr<deploy::Proce
   runtime_ = std::make_unique<runtime::Runtime>(launch.robot, *asking_, catalog_);
 }
 
-std::unique_ptr<deploy::ProcessService> DeployedRobotTest::make_processes() {
-  deploy::ProcessServerOptions options;
+std::unique_ptr<process::ProcessService> DeployedRobotTest::make_processes() {
+  process::ProcessServerOptions options;
   options.program = SEGUE_DEPLOYMENT_PROGRAM;
-  auto server = deploy::ProcessServer::create(options);
+  auto server = process::ProcessServer::create(options);
   EXPECT_TRUE(server) << to_string(server.error());
   return std::move(*server);
 }

@@ -4,7 +4,7 @@
 #include <segue/control/deployment_client.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
-#include <segue/deploy/process_server.hpp>
+#include <segue/process/process_server.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <support/asking_host.hpp>
@@ -28,7 +28,7 @@ namespace segue::testing {
 /// One life of a runtime: all that ends with it.
 class RobotLife {
  public:
-  RobotLife(const deploy::Launch& launch, std::unique_ptr<deploy::ProcessService> processes,
+  RobotLife(const process::Launch& launch, std::unique_ptr<process::ProcessService> processes,
             const deploy::DeployedOptions& options);
 
   runtime::Runtime& runtime() { return *runtime_; }
@@ -43,7 +43,7 @@ class RobotLife {
   host::LibrarySet libraries_;
   std::unique_ptr<host::LocalTaskHost> local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
-  std::unique_ptr<deploy::ProcessService> processes_;
+  std::unique_ptr<process::ProcessService> processes_;
   std::unique_ptr<deploy::DeployedTaskHost> host_;
   std::unique_ptr<AskingHost> asking_;
   std::unique_ptr<runtime::Runtime> runtime_;
@@ -63,7 +63,7 @@ class DeployedRobotTest : public ::testing::Test {
                                 const std::string& deployments = {}, const std::string& connections = {});
 
   /// Who starts and ends the processes of a life.
-  virtual std::unique_ptr<deploy::ProcessService> make_processes();
+  virtual std::unique_ptr<process::ProcessService> make_processes();
   void begin_life() { life_ = std::make_unique<RobotLife>(launch_, make_processes(), options_); }
   runtime::Runtime& runtime() { return life_->runtime(); }
   host::TaskHost& host() { return life_->host(); }
@@ -88,7 +88,7 @@ class DeployedRobotTest : public ::testing::Test {
   void expect_event(runtime::EventKind kind, const std::string& words);
 
   std::filesystem::path folder_;
-  deploy::Launch launch_;
+  process::Launch launch_;
   deploy::DeployedOptions options_;
   std::unique_ptr<RobotLife> life_;
 };

@@ -94,7 +94,7 @@ class Leaks : public DeployedRobotTest {
     all.push_back(std::move(*own));
     for (const auto& [name, pid] : deployments()) {
       const auto socket =
-          deploy::process_socket(launch_.robot, {model::kLocalHost, model::ProcessName(name)});
+          process::process_socket(launch_.robot, {model::kLocalHost, model::ProcessName(name)});
       EXPECT_TRUE(socket);
       auto service =
           control::connect_deployment(*socket, RealClock::instance().now() + std::chrono::seconds(60), [] {});

@@ -267,42 +267,42 @@ class FakeDeployment final : public deploy::DeploymentService {
   }};
 };
 
-class FakeProcesses final : public deploy::ProcessService {
+class FakeProcesses final : public process::ProcessService {
  public:
-  deploy::Launch launched{};
-  deploy::ProcessInfo process{};
-  deploy::ExitReason exit{};
+  process::Launch launched{};
+  process::ProcessInfo process{};
+  process::ExitReason exit{};
   std::string asked{};
 
-  Result<deploy::ProcessInfo> start(const deploy::Launch& launch, TimePoint) override {
+  Result<process::ProcessInfo> start(const process::Launch& launch, TimePoint) override {
     const std::lock_guard lock(fields_);
     launched = launch;
     if (launch.robot == "twice") return fail(ErrorCode::AlreadyExists, "it runs");
     return process;
   }
-  Result<deploy::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint) override {
+  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint) override {
     const std::lock_guard lock(fields_);
     asked = robot + ":" + to_string(key);
     return exit;
   }
-  Result<deploy::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
-                                  TimePoint) override {
+  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint) override {
     const std::lock_guard lock(fields_);
     asked = "kill " + robot + ":" + to_string(key);
     return exit;
   }
-  Result<std::vector<deploy::ProcessInfo>> processes(const std::string& robot) override {
+  Result<std::vector<process::ProcessInfo>> processes(const std::string& robot) override {
     const std::lock_guard lock(fields_);
     asked = robot;
-    return std::vector<deploy::ProcessInfo>{process, {}};
+    return std::vector<process::ProcessInfo>{process, {}};
   }
   Seen<FakeProcesses> seen() { return {*this, fields_}; }
   void set_listener(Listener listener) override {
     const std::lock_guard lock(mutex_);
     listener_ = std::move(listener);
   }
-  void tell(const deploy::ProcessInfo& event) {
+  void tell(const process::ProcessInfo& event) {
     const std::lock_guard lock(mutex_);
     if (listener_) listener_(event);
   }

@@ -10,7 +10,7 @@
 #include <segue/control/detail/worker_pool.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/deploy/process_service.hpp>
+#include <segue/process/process_service.hpp>
 
 #include <atomic>
 #include <cstddef>
@@ -44,7 +44,7 @@ struct ServerCore {
   const Served served;
   std::atomic<bool> stopping{false};
   Broadcast<host::TaskEvent> task_events;
-  Broadcast<deploy::ProcessInfo> process_events;
+  Broadcast<process::ProcessInfo> process_events;
   EventLoop loop;
   Tally batches;               ///< in progress, on threads of the service
   WorkerPool pool{kMaxCalls};  ///< goes before the loop, to which its jobs post

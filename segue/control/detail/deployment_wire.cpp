@@ -266,7 +266,7 @@ host::Completed decode(wire::Ended::Reader reader) {
   return ended;
 }
 
-void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder) {
+void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder) {
   builder.setStatus(reason.status);
   builder.setSignal(reason.signal);
   builder.setCoreDumped(reason.core_dumped);
@@ -275,12 +275,12 @@ void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder)
   builder.setKilled(reason.killed);
 }
 
-deploy::ExitReason decode(wire::ExitReason::Reader reader) {
+process::ExitReason decode(wire::ExitReason::Reader reader) {
   return {reader.getStatus(), reader.getSignal(),    reader.getCoreDumped(),
           reader.getKnown(),  reader.getRequested(), reader.getKilled()};
 }
 
-void encode(const deploy::ProcessInfo& process, wire::ProcessInfo::Builder builder) {
+void encode(const process::ProcessInfo& process, wire::ProcessInfo::Builder builder) {
   builder.setRobot(as_text(process.robot));
   builder.setHost(as_text(process.key.host.str()));
   builder.setProcess(as_text(process.key.process.str()));
@@ -291,8 +291,8 @@ void encode(const deploy::ProcessInfo& process, wire::ProcessInfo::Builder build
   if (process.exit) encode(*process.exit, builder.initExit());
 }
 
-deploy::ProcessInfo decode(wire::ProcessInfo::Reader reader) {
-  deploy::ProcessInfo process;
+process::ProcessInfo decode(wire::ProcessInfo::Reader reader) {
+  process::ProcessInfo process;
   process.robot = as_string(reader.getRobot());
   process.key.host = model::HostName(as_string(reader.getHost()));
   process.key.process = model::ProcessName(as_string(reader.getProcess()));

@@ -5,7 +5,7 @@
 #include <segue/control/processes.capnp.h>
 #include <segue/control/detail/model_wire.hpp>
 #include <segue/deploy/deployment_service.hpp>
-#include <segue/deploy/process_service.hpp>
+#include <segue/process/process_service.hpp>
 
 /// What deployment processes and process servers say, to and from messages. As in model_wire.hpp: what comes
 /// from a message is untrusted, and what is not known throws WireError.
@@ -47,10 +47,10 @@ host::TaskEvent decode(wire::TaskEvent::Reader reader);
 void encode(const host::Completed& ended, wire::Ended::Builder builder);
 host::Completed decode(wire::Ended::Reader reader);
 
-void encode(const deploy::ExitReason& reason, wire::ExitReason::Builder builder);
-deploy::ExitReason decode(wire::ExitReason::Reader reader);
+void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder);
+process::ExitReason decode(wire::ExitReason::Reader reader);
 
-void encode(const deploy::ProcessInfo& process, wire::ProcessInfo::Builder builder);
-deploy::ProcessInfo decode(wire::ProcessInfo::Reader reader);
+void encode(const process::ProcessInfo& process, wire::ProcessInfo::Builder builder);
+process::ProcessInfo decode(wire::ProcessInfo::Reader reader);
 
 }  // namespace segue::control::detail

@@ -10,8 +10,8 @@ namespace segue::control::detail {
 
 namespace {
 
-using deploy::ProcessInfo;
-using deploy::ProcessService;
+using process::ProcessInfo;
+using process::ProcessService;
 
 void encode_processes(const std::vector<ProcessInfo>& processes,
                       capnp::List<wire::ProcessInfo>::Builder builder) {
@@ -27,7 +27,7 @@ class ProcessesServer final : public wire::Processes::Server {
     const auto params = context.getParams();
     auto job = [&service = service(), launch = get(params.getLaunch()),
                 deadline = deadline_after(params.getTimeout())]() -> Result<ProcessInfo> {
-      const auto checked = deploy::launch_from(launch);
+      const auto checked = process::launch_from(launch);
       if (!checked) return checked.error();
       return service.start(*checked, deadline);
     };
@@ -43,7 +43,7 @@ class ProcessesServer final : public wire::Processes::Server {
                 deadline = deadline_after(params.getTimeout()), kill = params.getKill()] {
       return kill ? service.kill(robot, key, deadline) : service.stop(robot, key, deadline);
     };
-    return caller_.answer(context, std::move(job), [](deploy::ExitReason& reason, auto results) {
+    return caller_.answer(context, std::move(job), [](process::ExitReason& reason, auto results) {
       encode(reason, results.initExit());
     });
   }

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/lock_file.hpp>
+#include <segue/base/log.hpp>
+#include <segue/process/assignment.hpp>
+#include <segue/process/inherited_process.hpp>
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <string>
+
+namespace segue::process {
+
+namespace {
+
+Descriptor take(int descriptor) {
+  if (::fcntl(descriptor, F_SETFD, FD_CLOEXEC) != 0) return Descriptor();
+  return Descriptor(descriptor);
+}
+
+sigset_t end_signals() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGTERM);
+  ::sigaddset(&signals, SIGINT);
+  return signals;
+}
+
+/// "2026-03-01T12:00:00Z"
+std::string time_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  const auto size = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return {text.data(), size};
+}
+
+std::string own_program() {
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  return failed ? "segue-deployment" : program.string();
+}
+
+}  // namespace
+
+InheritedProcess::InheritedProcess() : listener_(take(kListener)), lock_(take(kLock)) {
+  ::fcntl(kAssignment, F_SETFD, FD_CLOEXEC);
+  const sigset_t signals = end_signals();
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGHUP, SIG_IGN);
+  // Beyond a limit of the size of files a write fails; it must not end the robot.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+}
+
+void InheritedProcess::begin(const std::filesystem::path& socket, std::string_view software) {
+  socket_ = socket;
+  const std::string title = socket.parent_path().filename().string() + '/' + socket.stem().string();
+  std::fprintf(stderr, "---- %s %s starts: pid %d, %s (segue %s)\n", time_now().c_str(), title.c_str(),
+               ::getpid(), own_program().c_str(), std::string(software).c_str());
+  if (!write_record(lock_.get(), {::getpid(), std::string(software)})) {
+    log(LogLevel::Error, "segue-deployment",
+        "cannot say in its lock who it is: no other server will find it");
+  }
+  ::close(kAssignment);
+}
+
+bool InheritedProcess::wait_for_end(Duration most) {
+  const sigset_t signals = end_signals();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(most);
+  const timespec limit{seconds.count(), (most - seconds).count()};
+  return ::sigtimedwait(&signals, nullptr, &limit) > 0;
+}
+
+void InheritedProcess::leave() {
+  // With the lock in hand nobody else can have put theirs there.
+  if (socket_.empty() || !lock_.valid()) return;
+  ::unlink(socket_.c_str());
+  ::unlink(lock_of(socket_).c_str());
+}
+
+}  // namespace segue::process

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/process/process_limits.hpp>
+
+#include <gmock/gmock.h>
+#include <linux/capability.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <array>
+#include <functional>
+#include <thread>
+
+namespace segue::process {
+namespace {
+
+using testing::HasSubstr;
+
+/// Takes from this thread what lets it choose a real-time scheduler.
+void give_up_nice() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, 2> sets{};
+  ASSERT_EQ(::syscall(SYS_capget, &header, sets.data()), 0);
+  sets[CAP_TO_INDEX(CAP_SYS_NICE)].effective &= ~CAP_TO_MASK(CAP_SYS_NICE);
+  ASSERT_EQ(::syscall(SYS_capset, &header, sets.data()), 0);
+}
+
+/// No priority may be had without that right, as long as this lives.
+class NoPriorities {
+ public:
+  NoPriorities() {
+    EXPECT_EQ(::getrlimit(RLIMIT_RTPRIO, &before_), 0);
+    const rlimit none{0, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(RLIMIT_RTPRIO, &none), 0);
+  }
+  ~NoPriorities() { ::setrlimit(RLIMIT_RTPRIO, &before_); }
+  NoPriorities(const NoPriorities&) = delete;
+  NoPriorities& operator=(const NoPriorities&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// What is chosen for a thread, and its rights, go with it.
+void in_a_thread_without_rights(const std::function<void()>& what) {
+  const NoPriorities none;
+  std::jthread([&] {
+    give_up_nice();
+    what();
+  });
+}
+
+model::Deployment with(Scheduler scheduler, int priority, bool optional) {
+  model::Deployment deployment;
+  deployment.scheduler = scheduler;
+  deployment.priority = priority;
+  deployment.optional = optional;
+  return deployment;
+}
+
+TEST(ProcessLimits, aSchedulerThatIsNotPermittedIsRefusedWithWhatToDo) {
+  in_a_thread_without_rights([] {
+    for (const Scheduler scheduler : {Scheduler::Fifo, Scheduler::RoundRobin}) {
+      const auto applied = apply_to_this_process(with(scheduler, 5, false));
+      ASSERT_FALSE(applied);
+      EXPECT_EQ(applied.error().code, ErrorCode::PermissionDenied);
+      EXPECT_THAT(applied.error().message, HasSubstr("with priority 5"));
+      EXPECT_THAT(applied.error().message, HasSubstr("CAP_SYS_NICE"));
+      EXPECT_THAT(applied.error().message, HasSubstr("optional: true"));
+    }
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+  });
+}
+
+TEST(ProcessLimits, anOptionalSchedulerThatIsNotPermittedLeavesTheNormalOne) {
+  in_a_thread_without_rights([] {
+    EXPECT_TRUE(apply_to_this_process(with(Scheduler::Fifo, 5, true)));
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+  });
+}
+
+TEST(ProcessLimits, aPriorityThatDoesNotExistIsRefusedEvenIfItIsOptional) {
+  in_a_thread_without_rights([] {
+    EXPECT_FALSE(apply_to_this_process(with(Scheduler::Fifo, 1000, true)));
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER);
+  });
+}
+
+TEST(ProcessLimits, aSchedulerThatIsPermittedIsChosen) {
+  std::jthread([] {
+    const sched_param parameters{3};
+    if (::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) GTEST_SKIP() << "not permitted here";
+    EXPECT_TRUE(apply_to_this_process(with(Scheduler::RoundRobin, 4, false)));
+    EXPECT_EQ(::sched_getscheduler(0), SCHED_RR);
+    sched_param chosen{};
+    ::sched_getparam(0, &chosen);
+    EXPECT_EQ(chosen.sched_priority, 4);
+  });
+}
+
+}  // namespace
+}  // namespace segue::process

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/system_error.hpp>
+#include <segue/base/text.hpp>
+#include <segue/process/process_log.hpp>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <vector>
+
+namespace segue::process {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostOlder = 1000;
+constexpr std::size_t kChunk = std::size_t{64} << 10;
+
+fs::path older(const fs::path& log, int number) {
+  return fs::path(log) += '.' + std::to_string(number);
+}
+
+/// The last `most` bytes of a file.
+std::string end_of(const fs::path& file, std::size_t most) {
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  struct stat status {};
+  if (!opened.valid() || ::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  const auto size = static_cast<std::size_t>(status.st_size);
+  std::string text(std::min(size, most), '\0');
+  const ssize_t read =
+      ::pread(opened.get(), text.data(), text.size(), static_cast<off_t>(size - text.size()));
+  text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
+  return text;
+}
+
+/// Where the last `lines` lines of the text begin; npos where it has fewer.
+std::size_t begin_of_last(const std::string& text, std::size_t lines) {
+  std::size_t at = text.size();
+  if (lines == 0) return at;
+  if (at > 0 && text[at - 1] == '\n') --at;
+  for (std::size_t i = 0; i < lines; ++i) {
+    if (at == 0) return std::string::npos;
+    at = text.rfind('\n', at - 1);
+    if (at == std::string::npos) return at;
+  }
+  return at + 1;
+}
+
+bool same_file(int descriptor, const fs::path& file) {
+  struct stat mine {};
+  struct stat there {};
+  return ::fstat(descriptor, &mine) == 0 && ::stat(file.c_str(), &there) == 0 &&
+         mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
+}
+
+}  // namespace
+
+Result<Descriptor> open_log(const fs::path& log) {
+  Descriptor file(::open(log.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file.valid()) return system_error("cannot open the log " + quote(log.native()), errno);
+  return file;
+}
+
+void rotate_output(const fs::path& log, std::size_t size, int files) {
+  struct stat status {};
+  if (::fstat(STDOUT_FILENO, &status) != 0 || !S_ISREG(status.st_mode)) return;
+  if (static_cast<std::size_t>(status.st_size) <= size || !same_file(STDOUT_FILENO, log)) return;
+  for (int number = std::min(files, kMostOlder) - 1; number > 0; --number)
+    ::rename(older(log, number).c_str(), older(log, number + 1).c_str());
+  const int done = files > 0 ? ::rename(log.c_str(), older(log, 1).c_str()) : ::unlink(log.c_str());
+  if (done != 0) return;
+  const auto fresh = open_log(log);
+  if (!fresh) return;
+  ::dup2(fresh->get(), STDOUT_FILENO);
+  ::dup2(fresh->get(), STDERR_FILENO);
+}
+
+Result<std::string> log_tail(const fs::path& log, std::size_t lines, std::size_t most) {
+  struct stat status {};
+  if (::stat(log.c_str(), &status) != 0) {
+    return system_error("cannot read the log " + quote(log.native()), errno);
+  }
+  std::string text = end_of(log, most);
+  for (int number = 1; number <= kMostOlder && text.size() < most; ++number) {
+    if (begin_of_last(text, lines) != std::string::npos) break;
+    const std::string before = end_of(older(log, number), most - text.size());
+    if (before.empty()) break;
+    text.insert(0, before);
+  }
+  const auto begin = begin_of_last(text, lines);
+  return begin == std::string::npos ? text : text.substr(begin);
+}
+
+LogFollower::LogFollower(fs::path log)
+    : log_(std::move(log)), file_(::open(log_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
+  if (file_.valid()) ::lseek(file_.get(), 0, SEEK_END);
+}
+
+std::string LogFollower::read() {
+  std::string text(kChunk, '\0');
+  const ssize_t read = file_.valid() ? ::read(file_.get(), text.data(), text.size()) : 0;
+  text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
+  // A file that has been moved aside is read to its end before the new one.
+  if (text.empty() && !(file_.valid() && same_file(file_.get(), log_))) {
+    Descriptor next(::open(log_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+    if (next.valid()) file_ = std::move(next);
+  }
+  return text;
+}
+
+}  // namespace segue::process

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <support/fake_world.hpp>
+
+#include <algorithm>
+
+namespace segue::deploy::testing {
+
+namespace {
+
+using model::ActionKind;
+
+Error no_such(const std::string& what) {
+  return fail(ErrorCode::NotFound, "no " + what + " here");
+}
+
+}  // namespace
+
+template <class T, class Effect>
+Result<T> FakeService::answer(const std::string& what, Effect effect) {
+  const auto verdict = world_.judge(what, process_);
+  Result<T> answer = fail(ErrorCode::Internal, "no answer");
+  if (verdict.take_effect) {
+    const std::lock_guard lock(world_.mutex);
+    answer = effect();
+  }
+  if (verdict.die_afterwards) {
+    world_.kill(process_);
+    return fail(ErrorCode::Unavailable, "injected");
+  }
+  return verdict.answer ? Result<T>(*verdict.answer) : std::move(answer);
+}
+
+template <class T, class Question, class Effect>
+std::vector<Result<T>> FakeService::answer_all(const std::string& what, std::span<const Question> questions,
+                                               Effect effect) {
+  std::vector<Result<T>> answers;
+  auto whole = answer<std::vector<Result<T>>>(what, [&] {
+    std::vector<Result<T>> each;
+    for (const auto& question : questions) {
+      each.push_back(effect(question));
+    }
+    return each;
+  });
+  if (whole) {
+    return std::move(*whole);
+  }
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    answers.push_back(whole.error());
+  }
+  return answers;
+}
+
+Result<DeploymentInfo> FakeService::info() {
+  return answer<DeploymentInfo>("info", [&]() -> Result<DeploymentInfo> {
+    return DeploymentInfo{"robot", process_->deployment, process_->info.pid, "0.1.0", process_->incarnation};
+  });
+}
+
+Result<Snapshot> FakeService::snapshot() {
+  return answer<Snapshot>("snapshot", [&]() -> Result<Snapshot> {
+    Snapshot snapshot;
+    model::Deployment deployment = process_->deployment;
+    for (const auto& [id, task] : process_->tasks) {
+      snapshot.network.tasks.push_back(task);
+      deployment.tasks.push_back({id, id.str()});
+      host::TaskReport report;
+      report.id = id;
+      report.state = task.state;
+      snapshot.tasks.push_back(report);
+    }
+    snapshot.network.deployments.push_back(deployment);
+    snapshot.network.connections = process_->connections;
+    for (const auto& connection : process_->connections) {
+      snapshot.connections.push_back({connection, 0, 0, 0});
+    }
+    snapshot.endpoints = process_->endpoints;
+    snapshot.hanging.assign(process_->hanging.begin(), process_->hanging.end());
+    return snapshot;
+  });
+}
+
+Result<void> FakeService::expect(const model::Network& /*network*/) {
+  return answer<void>("expect", [] { return Result<void>(); });
+}
+
+void FakeService::begin_all(std::vector<model::Action> actions, TimePoint /*deadline*/,
+                            host::Completion completed) {
+  auto outcomes = answer_all<void>("perform", std::span<const model::Action>(actions),
+                                   [&](const model::Action& action) { return act(action); });
+  std::vector<host::Completed> ended;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    ended.push_back({i, std::move(outcomes[i])});
+  }
+  completed(std::move(ended));
+}
+
+Result<void> FakeService::act(const model::Action& action) {
+  if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) {
+    const auto& definition = config->definition;
+    const auto found = process_->tasks.find(definition.id);
+    const TaskState state = found == process_->tasks.end() ? TaskState::PreOperational : found->second.state;
+    process_->tasks[definition.id] = definition;
+    process_->tasks[definition.id].state = state;
+    return {};
+  }
+  if (std::holds_alternative<model::ConnectionAction>(action.what)) {
+    return act_on_connection(action);
+  }
+  const auto found = action.task() == nullptr ? process_->tasks.end() : process_->tasks.find(*action.task());
+  return found == process_->tasks.end() ? Result<void>(no_such("task")) : act_on_task(action, found->second);
+}
+
+Result<void> FakeService::act_on_task(const model::Action& action, model::Task& task) {
+  const auto from_to = [&](TaskState from, TaskState to) -> Result<void> {
+    if (task.state != from) {
+      return fail(ErrorCode::InvalidState, "is " + std::string(to_string(task.state)));
+    }
+    task.state = to;
+    return {};
+  };
+  switch (action.kind) {
+    case ActionKind::Configure:
+      return from_to(TaskState::PreOperational, TaskState::Stopped);
+    case ActionKind::Start:
+      return from_to(TaskState::Stopped, TaskState::Running);
+    case ActionKind::Stop:
+      return from_to(TaskState::Running, TaskState::Stopped);
+    case ActionKind::Cleanup:
+      return from_to(TaskState::Stopped, TaskState::PreOperational);
+    case ActionKind::Recover:
+      return from_to(TaskState::Exception, TaskState::PreOperational);
+    default:
+      return {};
+  }
+}
+
+Result<void> FakeService::act_on_connection(const model::Action& action) {
+  const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
+  auto& all = process_->connections;
+  const auto found = std::find(all.begin(), all.end(), connection);
+  if (action.kind == ActionKind::Connect) {
+    if (found != all.end()) {
+      return fail(ErrorCode::AlreadyExists, "is already connected");
+    }
+    all.push_back(connection);
+  } else if (found == all.end()) {
+    return no_such("connection");
+  } else {
+    all.erase(found);
+  }
+  return {};
+}
+
+Result<void> FakeService::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
+  return answer<void>("conclude", [&]() -> Result<void> {
+    for (const auto& id : transition.removes) {
+      const auto found = process_->tasks.find(id);
+      if (found != process_->tasks.end() && !is_configured(found->second.state)) {
+        process_->tasks.erase(found);
+      }
+    }
+    return {};
+  });
+}
+
+Result<std::optional<task::State>> FakeService::save_state(const model::TaskId& task,
+                                                           TimePoint /*deadline*/) {
+  return answer<std::optional<task::State>>("save_state", [&]() -> Result<std::optional<task::State>> {
+    const auto found = process_->states.find(task);
+    return found == process_->states.end() ? std::nullopt : std::optional(found->second);
+  });
+}
+
+Result<void> FakeService::restore_state(const model::TaskId& task, const task::State& state,
+                                        TimePoint /*deadline*/) {
+  return answer<void>("restore_state", [&]() -> Result<void> {
+    if (!process_->tasks.contains(task)) {
+      return no_such("task");
+    }
+    process_->states.insert_or_assign(task, state);
+    return {};
+  });
+}
+
+Result<model::ComponentModel> FakeService::describe(const model::TaskId& task) {
+  return answer<model::ComponentModel>("describe", [&]() -> Result<model::ComponentModel> {
+    model::ComponentModel model;
+    model.doc = process_->info.key.process.str() + '/' + task.str();
+    return model;
+  });
+}
+
+Result<type::Value> FakeService::properties(const model::TaskId& task) {
+  return answer<type::Value>("properties", [&]() -> Result<type::Value> { return type::Value(task.str()); });
+}
+
+Result<void> FakeService::set_property(const model::TaskId& /*task*/, std::string_view /*path*/,
+                                       const type::Value& /*value*/, TimePoint /*deadline*/) {
+  return answer<void>("set_property", [] { return Result<void>(); });
+}
+
+Result<type::Value> FakeService::call(const model::TaskId& /*task*/, std::string_view /*operation*/,
+                                      const type::Value& arguments, TimePoint /*deadline*/) {
+  return answer<type::Value>("call", [&]() -> Result<type::Value> { return arguments; });
+}
+
+Result<std::unique_ptr<host::PortReader>> FakeService::open_reader(const model::PortRef& /*port*/,
+                                                                   std::size_t /*buffer*/) {
+  return fail(ErrorCode::Unsupported, "fakes have no samples");
+}
+
+Result<link::MemoryOffer> FakeService::memory(TimePoint /*deadline*/) {
+  return answer<link::MemoryOffer>("memory", [&]() -> Result<link::MemoryOffer> {
+    link::MemoryOffer offer;
+    offer.incarnation = process_->incarnation;
+    return offer;
+  });
+}
+
+Result<void> FakeService::admit(const link::MemoryOffer& peer, TimePoint /*deadline*/) {
+  return answer<void>("admit", [&]() -> Result<void> {
+    process_->admitted.insert(peer.incarnation);
+    return {};
+  });
+}
+
+Result<void> FakeService::forget(link::Incarnation peer) {
+  return answer<void>("forget", [&]() -> Result<void> {
+    process_->admitted.erase(peer);
+    std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) { return endpoint.peer == peer; });
+    return {};
+  });
+}
+
+std::vector<Result<link::OutputOrigin>> FakeService::describe_outputs(std::span<const model::PortRef> ports,
+                                                                      TimePoint /*deadline*/) {
+  return answer_all<link::OutputOrigin>("describe_outputs", ports,
+                                        [&](const model::PortRef& port) -> Result<link::OutputOrigin> {
+                                          if (!process_->tasks.contains(port.task)) {
+                                            return no_such("task");
+                                          }
+                                          link::OutputOrigin origin;
+                                          origin.writer = process_->incarnation;
+                                          return origin;
+                                        });
+}
+
+std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const OpenInput> inputs,
+                                                               TimePoint /*deadline*/) {
+  return answer_all<link::InputPlace>(
+      "open_inputs", inputs, [&](const OpenInput& input) -> Result<link::InputPlace> {
+        if (!process_->admitted.contains(input.origin.writer)) {
+          return fail(ErrorCode::InvalidState, "the writer has not been admitted");
+        }
+        for (const auto& endpoint : process_->endpoints) {
+          if (endpoint.side == Side::Input && endpoint.connection == input.connection &&
+              endpoint.peer == input.origin.writer) {
+            return fail(ErrorCode::AlreadyExists, "is already connected");
+          }
+        }
+        EndpointReport endpoint{input.connection, Side::Input, input.origin.writer, {}, {}};
+        endpoint.place.reader = process_->incarnation;
+        endpoint.place.offset = world_.next_place();
+        endpoint.place.generation = 1;
+        process_->endpoints.push_back(endpoint);
+        return endpoint.place;
+      });
+}
+
+std::vector<Result<void>> FakeService::attach_outputs(std::span<const AttachOutput> outputs,
+                                                      TimePoint /*deadline*/) {
+  return answer_all<void>("attach_outputs", outputs, [&](const AttachOutput& output) -> Result<void> {
+    if (!process_->admitted.contains(output.place.reader)) {
+      return fail(ErrorCode::InvalidState, "the reader has not been admitted");
+    }
+    for (const auto& endpoint : process_->endpoints) {
+      if (endpoint.side == Side::Output && endpoint.connection == output.connection &&
+          endpoint.peer == output.place.reader) {
+        return fail(ErrorCode::AlreadyExists, "is already connected");
+      }
+    }
+    process_->endpoints.push_back({output.connection, Side::Output, output.place.reader, output.place, {}});
+    return {};
+  });
+}
+
+std::vector<Result<void>> FakeService::close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                                       TimePoint /*deadline*/) {
+  return answer_all<void>("close_endpoints", endpoints, [&](const CloseEndpoint& close) -> Result<void> {
+    const auto erased = std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) {
+      return endpoint.side == close.side && endpoint.connection == close.connection &&
+             endpoint.peer == close.peer;
+    });
+    return erased == 0 ? Result<void>(no_such("endpoint")) : Result<void>();
+  });
+}
+
+void FakeService::set_listener(Listener listener) {
+  const std::lock_guard lock(world_.mutex);
+  process_->listener = std::move(listener);
+}
+
+}  // namespace segue::deploy::testing

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployed_task_host.hpp>
+
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+/// Processes that are none, for tests: they keep what they are told, and fail when they are told to.
+namespace segue::deploy::testing {
+
+enum class FaultKind { Fail, LoseAnswer, Hang, Die, DieAfterwards };
+
+/// What happens at the call of that number, counted from 1 since it was set.
+struct Fault {
+  int at = 0;
+  FaultKind kind = FaultKind::Fail;
+};
+
+struct FakeProcess {
+  process::ProcessInfo info;
+  model::Deployment deployment;
+  link::Incarnation incarnation = 0;
+  bool alive = true;
+  bool hangs = false;
+  bool other_version = false;
+  std::map<model::TaskId, model::Task> tasks;
+  std::set<model::TaskId> hanging;
+  std::map<model::TaskId, task::State> states;  ///< what tasks remember
+  std::vector<model::Connection> connections;
+  std::vector<EndpointReport> endpoints;
+  std::set<link::Incarnation> admitted;
+  DeploymentService::Listener listener;
+  std::function<void()> gone;
+};
+using FakePtr = std::shared_ptr<FakeProcess>;
+
+/// Everything there is. Thread safe.
+class FakeWorld {
+ public:
+  FakeWorld();
+  ~FakeWorld();
+
+  /// For the test.
+  void set_fault(Fault fault);
+  void clear_fault();
+  [[nodiscard]] bool fault_happened() const;
+  [[nodiscard]] int calls(const std::string& what) const;
+  /// What truly runs, as TaskHost::observe() has to show it.
+  [[nodiscard]] model::Network truth() const;
+  [[nodiscard]] std::size_t orphaned_endpoints() const;
+  [[nodiscard]] FakePtr find(const std::string& process) const;
+  FakePtr own() { return own_; }
+  /// Ends by itself.
+  void kill(const FakePtr& process, int signal = 9);
+  /// Breaks its connection; it lives on.
+  void cut(const FakePtr& process);
+  /// Runs already, started by nobody here.
+  FakePtr add_running(const std::string& process);
+  void change(const std::function<void()>& what);
+  void tell(const FakePtr& process, const host::TaskEvent& event);
+  /// Called before each call with its name and process, without a lock.
+  void on_call(std::function<void(const std::string& what, const FakePtr& process)> see);
+  /// What start() makes of the next process.
+  void next_dies_at_once() { next_dies_ = true; }
+
+  /// For the fakes.
+  struct Verdict {
+    std::optional<Error> answer;  ///< instead of the true one
+    bool take_effect = true;
+    bool die_afterwards = false;
+  };
+  Verdict judge(const std::string& what, const FakePtr& process);
+  FakePtr start(const process::Launch& launch);
+  [[nodiscard]] std::vector<FakePtr> running() const;
+  [[nodiscard]] FakePtr of(link::Incarnation incarnation) const;  ///< with the lock held
+  std::uint64_t next_place() { return ++places_; }                ///< likewise
+  mutable std::mutex mutex;
+  process::ProcessService::Listener exit_listener;
+
+ private:
+  void later(std::function<void()> what);
+
+  FakePtr own_;
+  std::map<model::DeploymentKey, FakePtr> processes_;
+  std::optional<Fault> fault_;
+  int count_ = 0;
+  bool happened_ = false;
+  bool next_dies_ = false;
+  std::map<std::string, int> calls_;
+  std::uint64_t places_ = 0;
+  int lives_ = 0;
+  std::function<void(const std::string&, const FakePtr&)> see_;
+  std::vector<std::future<void>> later_;
+};
+
+class FakeService final : public DeploymentService {
+ public:
+  FakeService(FakeWorld& world, FakePtr process) : world_(world), process_(std::move(process)) {}
+
+  Result<DeploymentInfo> info() override;
+  Result<Snapshot> snapshot() override;
+  Result<void> expect(const model::Network& network) override;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
+  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::State& state,
+                             TimePoint deadline) override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) override;
+  Result<type::Value> properties(const model::TaskId& task) override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override;
+  Result<link::MemoryOffer> memory(TimePoint deadline) override;
+  Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override;
+  Result<void> forget(link::Incarnation peer) override;
+  std::vector<Result<link::OutputOrigin>> describe_outputs(std::span<const model::PortRef> ports,
+                                                           TimePoint deadline) override;
+  std::vector<Result<link::InputPlace>> open_inputs(std::span<const OpenInput> inputs,
+                                                    TimePoint deadline) override;
+  std::vector<Result<void>> attach_outputs(std::span<const AttachOutput> outputs,
+                                           TimePoint deadline) override;
+  std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
+                                            TimePoint deadline) override;
+  void set_listener(Listener listener) override;
+
+ private:
+  template <class T, class Effect>
+  Result<T> answer(const std::string& what, Effect effect);
+  template <class T, class Question, class Effect>
+  std::vector<Result<T>> answer_all(const std::string& what, std::span<const Question> questions,
+                                    Effect effect);
+  Result<void> act(const model::Action& action);
+  Result<void> act_on_task(const model::Action& action, model::Task& task);
+  Result<void> act_on_connection(const model::Action& action);
+
+  FakeWorld& world_;
+  FakePtr process_;
+};
+
+class FakeProcesses final : public process::ProcessService {
+ public:
+  explicit FakeProcesses(FakeWorld& world) : world_(world) {}
+  Result<process::ProcessInfo> start(const process::Launch& launch, TimePoint deadline) override;
+  Result<process::ExitReason> stop(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint deadline) override;
+  Result<process::ExitReason> kill(const std::string& robot, const model::DeploymentKey& key,
+                                   TimePoint deadline) override;
+  Result<std::vector<process::ProcessInfo>> processes(const std::string& robot) override;
+  void set_listener(Listener listener) override;
+
+ private:
+  Result<process::ExitReason> end(const std::string& how, const model::DeploymentKey& key, int signal);
+
+  FakeWorld& world_;
+};
+
+/// Finds the process whose socket it is.
+Connector connector(FakeWorld& world);
+
+}  // namespace segue::deploy::testing

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A deployment process without tasks, for tests of process servers. What it does is named by its
+/// deployment's variable TEST_DO.
+#include <segue/process/assignment.hpp>
+#include <segue/process/inherited_process.hpp>
+#include <segue/process/process_limits.hpp>
+#include <segue/process/process_log.hpp>
+#include <segue/process/zygote.hpp>
+#include <segue/process/zygote_message.hpp>
+
+#include <signal.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+namespace {
+
+using namespace segue;
+
+constexpr int kNoAssignment = 90;
+constexpr int kNotPermitted = 91;
+
+/// Sleeps for ever, deaf to SIGTERM; for the group's end.
+void start_stubborn_child() {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGTERM, SIG_IGN);
+    for (;;)
+      ::pause();
+  }
+  std::printf("child %d\n", child);
+}
+
+void chatter() {
+  for (int i = 0; i < 2000; ++i)
+    std::printf("line %d of a log that grows\n", i);
+}
+
+/// Like a process that is killed while a thread of it is still in the system: its first thread has gone, and
+/// with that its command line; its descriptors go at SIGTERM.
+[[noreturn]] void end_slowly(process::InheritedProcess& process) {
+  std::thread([&process] {
+    while (!process.wait_for_end(std::chrono::hours(1))) {
+    }
+    std::_Exit(0);
+  }).detach();
+  std::printf("ready\n");
+  for (;;)
+    ::syscall(SYS_exit, 0);
+}
+
+[[noreturn]] void misbehave(const std::string& how) {
+  if (how == "abort") std::abort();
+  if (how == "segv") {
+    ::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
+    ::raise(SIGSEGV);
+  }
+  if (how == "status") std::_Exit(3);
+  std::_Exit(kNoAssignment);
+}
+
+int run() {
+  process::InheritedProcess process;
+  const auto assignment = process::read_assignment(process::kAssignment);
+  if (!assignment) return kNoAssignment;
+  if (!process::apply_to_this_process(assignment->launch.deployment)) return kNotPermitted;
+  const char* software = std::getenv("TEST_SOFTWARE");
+  process.begin(assignment->socket, software == nullptr ? "0.1.0" : software);
+  const char* variable = std::getenv("TEST_DO");
+  const std::string what = variable == nullptr ? "" : variable;
+  if (what == "abort" || what == "segv" || what == "status") misbehave(what);
+  if (what == "end slowly") end_slowly(process);
+  if (what == "child") start_stubborn_child();
+  if (what == "chatter") chatter();
+  std::printf("ready\n");
+  for (;;) {
+    const bool told = process.wait_for_end(std::chrono::milliseconds(20));
+    process::rotate_output(assignment->log, assignment->log_size, assignment->log_files);
+    if (what == "chatter always") chatter();
+    if (told && what != "stay") break;
+  }
+  std::printf("going\n");
+  process.leave();
+  return 0;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count > 1 && words[1] == process::detail::kZygoteOption) {
+    const auto preload_nothing = [](const std::string&) { return segue::Result<void>(); };
+    return segue::process::detail::run_zygote({count, words}, preload_nothing, &run);
+  }
+  return run();
+}
