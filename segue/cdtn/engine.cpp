@@ -17,6 +17,9 @@ RunResult Engine::run() {
 void Engine::stop() {
   implementation_->stop();
 }
+const Order& Engine::order() const {
+  return implementation_->order();
+}
 std::size_t Engine::bytes() const {
   return implementation_->bytes();
 }

@@ -61,6 +61,9 @@ class Engine {
   /// Ends the run soon: what runs is preempted, nothing new starts. On any thread.
   void stop();
 
+  /// The order that it runs by: the given one, or that of the network as far as it has grown.
+  [[nodiscard]] const Order& order() const;
+
   /// Bytes that the engine itself keeps, the network and its order aside.
   [[nodiscard]] std::size_t bytes() const;
 

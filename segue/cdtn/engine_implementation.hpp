@@ -26,6 +26,7 @@ class Engine::Implementation {
   Implementation(Network& network, Expansion& expansion, Environment& environment, EngineOptions options);
   RunResult run();
   void stop();
+  [[nodiscard]] const Order& order() const { return order_; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -76,7 +77,6 @@ class Engine::Implementation {
   [[nodiscard]] const State& at(NodeId node) const { return states_[index(node)]; }
   RunResult result();
   void log(NodeId node, LogKind kind);
-
   // Starting (engine_start.cpp).
   void check(NodeId node);
   void try_start(NodeId node);

@@ -270,6 +270,8 @@ void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
     return completions.finish_at(completions.now(), launch.node(), launch.attempt(),
                                  refuse(launch, planned.refused));
   }
+  if (options_.observe)
+    options_.observe({mission::ActionEvent::Kind::Began, planned.path, planned.iteration});
   auto reports = counting_reporter(launch);
   NodeCall call(*this, launch, completions, reports);
   std::optional<Ending> ending;
@@ -311,6 +313,7 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   if (in_virtual_time) options.clock = clock.get();
   options.warn = options_.warn;
   options.history = false;
+  options.observe = options_.observe;
   options.preemption_grace = options_.preemption_grace;
   const auto slash = planned.path.rfind('/');
   std::string around(planned.path);  // a root has no name of its own within what uses it

@@ -2,7 +2,57 @@
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/run.hpp>
 
+#include <mutex>
+#include <utility>
+
 namespace segue::convert {
+
+namespace {
+
+/// A plan, and whoever follows the actions whose ends count.
+class ObservedPlan final : public cdtn::Expansion {
+ public:
+  ObservedPlan(Plan& plan, mission::ActionObserver observe) : plan_(plan), observe_(std::move(observe)) {}
+  void expand(cdtn::Network& network, std::size_t wanted) override { plan_.expand(network, wanted); }
+  [[nodiscard]] bool finished() const override { return plan_.finished(); }
+  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
+    if (observe_ && plan_[node].role == Role::Action) report(node, outcome, outputs);
+    plan_.ended(node, outcome, outputs);
+  }
+  /// Those whose end ended the run: it leads nowhere in the plan.
+  void report_last(const cdtn::RunResult& result) const {
+    for (std::uint32_t i = 0; observe_ && i < result.nodes.size(); ++i) {
+      const cdtn::NodeStatus status = result.nodes[i].status;
+      if (status != cdtn::NodeStatus::Failed && status != cdtn::NodeStatus::Preempted) continue;
+      if (const cdtn::NodeId node{i}; plan_[node].role == Role::Action)
+        report(node, result.nodes[i].outcome, result.outputs[i].get());
+    }
+  }
+
+ private:
+  void report(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) const {
+    const PlannedNode& planned = plan_[node];
+    const std::string name = plan_.program().outcome_name(planned.state, plan_.outcome(node, outcome));
+    const type::Value* error = outputs == nullptr ? nullptr : outputs->find(kErrorOutput);
+    observe_({mission::ActionEvent::Kind::Ended, planned.path, planned.iteration, name,
+              error == nullptr ? std::string_view{} : std::string_view(error->as_string())});
+  }
+
+  Plan& plan_;
+  const mission::ActionObserver observe_;
+};
+
+/// Opaque subtrees report from threads of their own.
+mission::ActionObserver one_at_a_time(mission::ActionObserver observe) {
+  if (!observe) return {};
+  return [observe = std::move(observe),
+          mutex = std::make_shared<std::mutex>()](const mission::ActionEvent& event) {
+    const std::lock_guard lock(*mutex);
+    observe(event);
+  };
+}
+
+}  // namespace
 
 class Run::Implementation {
  public:
@@ -11,11 +61,13 @@ class Run::Implementation {
       : plan_(std::move(plan)),
         runners_(runners),
         environment_(*plan_, runners_, std::move(by_action), options),
-        engine_(plan_->network(), *plan_, environment_, settings(options)) {}
+        observed_(*plan_, options.observe),
+        engine_(plan_->network(), observed_, environment_, settings(options)) {}
 
   const mission::MissionResult& run() {
     network_result_ = engine_.run();
     environment_.close();
+    observed_.report_last(network_result_);
     const mission::Program& program = plan_->program();
     result_.outcome = plan_->final_outcome(network_result_);
     result_.outcome_name = program.outcome_name(0, result_.outcome);
@@ -40,6 +92,7 @@ class Run::Implementation {
   std::unique_ptr<Plan> plan_;
   const mission::Runners runners_;
   ActionEnvironment environment_;
+  ObservedPlan observed_;
   cdtn::Engine engine_;
   cdtn::RunResult network_result_;
   mission::MissionResult result_;
@@ -53,6 +106,7 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
                                          RunOptions options) {
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
+  options.observe = one_at_a_time(std::move(options.observe));
   auto plan = Plan::create(std::move(program), std::move(inputs), options.facts);
   if (!plan) return plan.error();
   return std::unique_ptr<Run>(
@@ -68,6 +122,9 @@ void Run::stop() {
 }
 const cdtn::RunResult& Run::network_result() const {
   return implementation_->network_result_;
+}
+const cdtn::Order& Run::order() const {
+  return implementation_->engine_.order();
 }
 const Plan& Run::plan() const {
   return *implementation_->plan_;

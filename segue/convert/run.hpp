@@ -19,6 +19,9 @@ struct RunOptions {
   Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions
   std::vector<mission::Fact> facts{};                    ///< likewise
   std::function<void(std::string)> warn;                 ///< likewise
+  /// Called for every action that begins, and for every one whose end counts: actions that run ahead and are
+  /// discarded begin only. One call at a time, but actions of opaque subtrees report from other threads.
+  mission::ActionObserver observe{};
 };
 
 /// A mission that runs concurrently, with the outcome of its sequential run (docs/missions.md). One run each;
@@ -39,6 +42,7 @@ class Run {
 
   /// After the run.
   [[nodiscard]] const cdtn::RunResult& network_result() const;
+  [[nodiscard]] const cdtn::Order& order() const;
   [[nodiscard]] const Plan& plan() const;
   [[nodiscard]] mission::Globals& globals();
 

@@ -24,6 +24,18 @@ struct Ending {
   std::string error;
 };
 
+/// An action that begins or has ended, for whoever follows a run. The texts are valid during the call.
+struct ActionEvent {
+  enum class Kind : std::uint8_t { Began, Ended };
+  Kind kind = Kind::Began;
+  std::string_view path;        ///< of its state: "fetch/grasp"
+  std::uint64_t iteration = 0;  ///< how often the state had begun before
+  std::string_view outcome{};   ///< Ended
+  std::string_view error{};     ///< Ended: why it aborted; else empty
+};
+/// Called on the engine's thread; must not block.
+using ActionObserver = std::function<void(const ActionEvent&)>;
+
 /// How a state beside a decider ended.
 struct BranchResult {
   StateIndex state = kNoState;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/mission/checks.hpp>
 #include <segue/mission/engine_core.hpp>
-#include <segue/mission/files.hpp>
-#include <segue/mission/index.hpp>
 
 #include <algorithm>
 
@@ -32,17 +29,9 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
 }
 
 Result<void> Engine::set_input(std::string_view name, type::Value value) {
-  const auto& ports = *core_->program->node(0).input_ports;
-  const auto found = position(ports, name);
-  if (!found) {
-    return fail(ErrorCode::NotFound,
-                "the mission has no input " + quote(name) + detail::suggestion(ports, std::string(name)));
-  }
-  if (!accepts(ports[*found].type, value)) {
-    return fail(ErrorCode::TypeMismatch, "the input " + quote(name) + " is of type " + ports[*found].type +
-                                             ", not " + type::describe(value));
-  }
-  core_->given_inputs.emplace_back(*found, std::move(value));
+  const auto input = core_->program->input_for(name, value);
+  if (!input) return input.error();
+  core_->given_inputs.emplace_back(*input, std::move(value));
   return {};
 }
 

@@ -51,6 +51,9 @@ struct EngineOptions {
   std::vector<Fact> facts{};
   /// Told what is odd but no failure, such as an input of another type than declared.
   std::function<void(std::string)> warn;
+  /// Called for every action that begins and every one that ends, but for those whose ends a journal supplies
+  /// and while a step back is carried out. An action that a resumed run skips has an end only.
+  ActionObserver observe{};
   /// Where it writes what it does, and finds what an earlier run has done. Not with `backward`, nor for a
   /// part.
   std::shared_ptr<RunJournal> journal{};

@@ -128,6 +128,10 @@ Ending EngineCore::call(Activation& leaf, bool& under_way) {
 }
 
 Ending EngineCore::execute(Activation& leaf, bool& under_way) {
+  if (options.observe && !backward_) {
+    const std::string at = path(leaf);
+    options.observe({ActionEvent::Kind::Began, at, leaf.iteration});
+  }
   LeafCall execution(*this, leaf);
   try {
     const auto ending = runners[program->node(leaf.state).action]->start(execution);
@@ -151,7 +155,12 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
     leaf.outcome = kAborted;
     leaf.error = "its action ended with an outcome that it does not have";
   }
-  if (options.journal != nullptr && !leaf.recalled) record_end(leaf);
+  if (leaf.recalled) return;
+  if (options.journal != nullptr) record_end(leaf);
+  if (!options.observe || backward_) return;
+  const std::string at = path(leaf);
+  const std::string outcome = program->outcome_name(leaf.state, leaf.outcome);
+  options.observe({ActionEvent::Kind::Ended, at, leaf.iteration, outcome, leaf.error});
 }
 
 Activation* EngineCore::enter_library(Activation& library) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
+#include <segue/mission/files.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/program.hpp>
 
@@ -163,6 +165,20 @@ std::string Program::outcome_name(StateIndex state, Outcome outcome) const {
   if (outcome == kAborted) return std::string(kAbortedName);
   if (outcome == kPreempted) return std::string(kPreemptedName);
   return (*nodes_[state].outcomes)[static_cast<std::size_t>(outcome)];
+}
+
+Result<std::size_t> Program::input_for(std::string_view name, const type::Value& value) const {
+  const auto& ports = *nodes_[0].input_ports;
+  const auto found = position(ports, name);
+  if (!found) {
+    return fail(ErrorCode::NotFound,
+                "the mission has no input " + quote(name) + detail::suggestion(ports, std::string(name)));
+  }
+  if (!accepts(ports[*found].type, value)) {
+    return fail(ErrorCode::TypeMismatch, "the input " + quote(name) + " is of type " + ports[*found].type +
+                                             ", not " + type::describe(value));
+  }
+  return *found;
 }
 
 }  // namespace segue::mission

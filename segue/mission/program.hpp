@@ -75,6 +75,8 @@ class Program {
   [[nodiscard]] const Node& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
   [[nodiscard]] std::string outcome_name(StateIndex state, Outcome outcome) const;
+  /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
+  [[nodiscard]] Result<std::size_t> input_for(std::string_view name, const type::Value& value) const;
 
   explicit Program(Mission mission) : mission_(std::move(mission)) {}
 

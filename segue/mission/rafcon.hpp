@@ -19,6 +19,9 @@ struct RafconLibraryPath {
   std::filesystem::path folder;
 };
 
+/// Out of NAME=FOLDER, or FOLDER, whose own name is the path's.
+std::vector<RafconLibraryPath> rafcon_library_paths(const std::vector<std::string>& texts);
+
 /// What a machine consists of with all its libraries in place, as RAFCON counts it.
 struct RafconCounts {
   std::uint64_t states = 0;  ///< of every kind: a library state, and what it stands for

@@ -318,6 +318,19 @@ class Loader {
 
 }  // namespace
 
+std::vector<RafconLibraryPath> rafcon_library_paths(const std::vector<std::string>& texts) {
+  std::vector<RafconLibraryPath> paths;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) {
+      paths.push_back({path(text).filename().string(), text});
+    } else {
+      paths.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+  }
+  return paths;
+}
+
 std::optional<RafconImport> import_rafcon(const path& folder, const std::vector<RafconLibraryPath>& libraries,
                                           Diagnostics& diagnostics) {
   const std::size_t errors_before = diagnostics.error_count();
