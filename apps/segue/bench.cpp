@@ -11,9 +11,9 @@
 #include <map>
 #include <memory>
 
+#include <segue/draw/chart.hpp>
 #include "bench_experiment.hpp"
 #include "bench_robot.hpp"
-#include "chart.hpp"
 #include "command.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
@@ -85,10 +85,10 @@ class Results {
   std::map<Key, std::vector<double>> times_;
 };
 
-Chart chart_of(const Experiment& experiment, const Results& results) {
-  Chart chart{experiment.name + ": " + experiment.title, "relays", {}};
+draw::Chart chart_of(const Experiment& experiment, const Results& results) {
+  draw::Chart chart{experiment.name + ": " + experiment.title, "relays", {}};
   for (const Placement placement : kPlacements) {
-    Chart::Line line{to_string(placement), {}};
+    draw::Chart::Line line{to_string(placement), {}};
     for (const std::size_t relays : results.sizes(experiment.name, placement))
       line.points.push_back({static_cast<double>(relays), results.times(experiment.name, placement, relays)});
     chart.lines.push_back(std::move(line));
@@ -150,7 +150,7 @@ Table summary(const Results& results) {
       const auto& times = results.times(experiment.name, placement, sizes.back());
       const auto [least, most] = std::ranges::minmax(times);
       table.add({experiment.name, to_string(placement), std::to_string(sizes.back()),
-                 format_seconds(median_of(times)), format_seconds(least), format_seconds(most)});
+                 format_seconds(draw::median_of(times)), format_seconds(least), format_seconds(most)});
     }
   }
   return table;

@@ -11,11 +11,11 @@
 #include <optional>
 #include <vector>
 
+#include <segue/draw/transition_picture.hpp>
 #include "estimate_text.hpp"
 #include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
-#include "transition_picture.hpp"
 #include "transition_text.hpp"
 
 namespace segue::cli {
@@ -52,8 +52,8 @@ Result<std::optional<solve::Estimate>> estimate(const Options& options, const st
 void show(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
           const Options& options, const Context& context) {
   const auto durations = expected ? expected->typical : std::vector<Duration>();
-  if (options.dot) return print(to_dot(transition, durations));
-  if (options.svg) return print(to_svg(transition, durations));
+  if (options.dot) return print(draw::to_dot(transition, durations));
+  if (options.svg) return print(draw::to_svg(transition, durations));
   if (!context.json()) return print(describe(transition) + (expected ? describe(*expected, transition) : ""));
   type::Value value = model::to_value(transition);
   if (expected) value.as_map().set("estimate_s", to_value(*expected));

@@ -95,7 +95,7 @@ class ConcurrentRun {
     if (!result_.error.empty()) print_note(printable(result_.error));
   }
 
-  [[nodiscard]] cdtn::Gantt gantt() const { return cdtn::gantt_of(network(), order_, nodes(), summary_); }
+  [[nodiscard]] draw::Gantt gantt() const { return draw::gantt_of(network(), order_, nodes(), summary_); }
   [[nodiscard]] mission::Outcome outcome() const { return result_.outcome; }
 
  private:

@@ -2,9 +2,10 @@
 #include "mission_convert.hpp"
 
 #include <segue/base/file.hpp>
-#include <segue/cdtn/diagram.hpp>
 #include <segue/cdtn/flat_file.hpp>
-#include <segue/convert/diagram.hpp>
+#include <segue/convert/run.hpp>
+#include <segue/draw/diagram.hpp>
+#include <segue/draw/plan_diagram.hpp>
 #include <segue/type/json.hpp>
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ namespace segue::cli {
 
 namespace {
 
-using cdtn::Diagram;
+using draw::Diagram;
 
 std::optional<Diagram> of_network(const ConvertOptions& options, Diagnostics& diagnostics) {
   const auto flat = cdtn::load_flat_network(options.mission.file, diagnostics);
@@ -30,7 +31,7 @@ std::optional<Diagram> of_network(const ConvertOptions& options, Diagnostics& di
   const auto rule = options.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch;
   std::vector<cdtn::Dependency> further;
   const cdtn::Order order = cdtn::derive_order(flat->network, rule, &further);
-  return cdtn::diagram_of(flat->network, order, further);
+  return draw::diagram_of(flat->network, order, further);
 }
 
 Result<Diagram> of_mission(mission::Mission loaded, const ConvertOptions& options) {
@@ -49,7 +50,7 @@ Result<Diagram> of_mission(mission::Mission loaded, const ConvertOptions& option
       convert::plan_ahead(**plan, options.horizon, options.assume_expected ? &runners : nullptr);
   if (!failure) return failure.error();
   if (*failure) print_note(printable("as expected, the mission fails: " + (*failure)->message));
-  return convert::diagram_of(**plan);
+  return draw::diagram_of(**plan);
 }
 
 /// Names that others wrote, with nothing in them that a terminal or a line of text would take for its own.

@@ -6,9 +6,9 @@
 #include <segue/cdtn/critical_path.hpp>
 #include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
-#include <segue/cdtn/pddl.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
+#include <segue/pddl/pddl.hpp>
 #include <segue/type/json.hpp>
 
 #include <fmt/format.h>
@@ -50,7 +50,7 @@ class NetworkRun {
   [[nodiscard]] const cdtn::RunResult& result() const { return result_; }
   [[nodiscard]] Result<void> write_files() const {
     if (!options_.files.any()) return {};
-    return write(options_.files, cdtn::gantt_of(flat_.network, order_, result_, summary_));
+    return write(options_.files, draw::gantt_of(flat_.network, order_, result_, summary_));
   }
 
  private:
@@ -158,7 +158,7 @@ int run_task_network(const std::string& file, const NetworkOptions& options, con
 
 int import_pddl(const PddlOptions& options, const Context& context) {
   Diagnostics diagnostics;
-  auto network = cdtn::load_pddl(options.files[0], options.files[1], options.files[2], diagnostics);
+  auto network = pddl::load_pddl(options.files[0], options.files[1], options.files[2], diagnostics);
   if (!network) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   const std::string text = cdtn::write_flat_network({std::move(*network), {}});

@@ -9,7 +9,7 @@
 
 #include <thread>
 
-#include "mission_gantt.hpp"
+#include <segue/draw/mission_gantt.hpp>
 #include "mission_load.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -127,8 +127,8 @@ class MissionRun {
   }
 
   void make_gantt() {
-    gantt_ = gantt_of(engine_->program(), engine_->history(), engine_->result().outcome, begin_,
-                      begin_ + makespan_);
+    gantt_ = draw::gantt_of(engine_->program(), engine_->history(), engine_->result().outcome, begin_,
+                            begin_ + makespan_);
     gantt_.summary.engine_us_per_node = engine_us_;
   }
 
@@ -144,7 +144,7 @@ class MissionRun {
     std::size_t actions = 0;
     for (std::uint32_t i = 0; i < history.items().size(); ++i) {
       const auto& item = history.items()[i];
-      if (!is_leaf(engine_->program(), item.state)) continue;
+      if (!draw::is_leaf(engine_->program(), item.state)) continue;
       if (++actions > kMostRows) continue;
       const std::string path = history.path(engine_->program(), i);
       table.add({format_seconds(since_begin(item.began)), format_seconds(seconds(item.end - item.began)),
@@ -178,7 +178,7 @@ class MissionRun {
     Value::List nodes;
     const auto& history = engine_->history();
     for (std::uint32_t i = 0; i < history.items().size(); ++i) {
-      if (is_leaf(engine_->program(), history.items()[i].state))
+      if (draw::is_leaf(engine_->program(), history.items()[i].state))
         nodes.push_back(node(i, gantt_.nodes[nodes.size()]));
     }
     const auto& result = engine_->result();
@@ -199,14 +199,14 @@ class MissionRun {
     print_json(map);
   }
 
-  [[nodiscard]] Value::List waited_for(const cdtn::Gantt::Node& shown) const {
+  [[nodiscard]] Value::List waited_for(const draw::Gantt::Node& shown) const {
     Value::List waits;
     for (const cdtn::Wait& wait : shown.waits)
       waits.push_back(cdtn::to_value(wait, gantt_.nodes[cdtn::index(wait.node)].name));
     return waits;
   }
 
-  [[nodiscard]] Value node(std::uint32_t i, const cdtn::Gantt::Node& shown) const {
+  [[nodiscard]] Value node(std::uint32_t i, const draw::Gantt::Node& shown) const {
     const auto& history = engine_->history();
     const auto& item = history.items()[i];
     const mission::Program& program = engine_->program();
@@ -235,7 +235,7 @@ class MissionRun {
   std::unique_ptr<mission::Engine> engine_;
   TimePoint begin_{};
   Duration makespan_{};
-  cdtn::Gantt gantt_;
+  draw::Gantt gantt_;
   double engine_us_ = 0;
 };
 

@@ -59,10 +59,10 @@ Result<void> check(const RunFiles& files) {
   return {};
 }
 
-Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt) {
-  using Form = std::string (*)(const cdtn::Gantt&);
+Result<void> write(const RunFiles& files, const draw::Gantt& gantt) {
+  using Form = std::string (*)(const draw::Gantt&);
   const std::pair<const std::string&, Form> forms[] = {
-      {files.svg, cdtn::to_svg}, {files.html, cdtn::to_html}, {files.trace, cdtn::to_trace}};
+      {files.svg, draw::to_svg}, {files.html, draw::to_html}, {files.trace, draw::to_trace}};
   for (const auto& [file, form] : forms) {
     if (file.empty()) continue;
     if (file == "-") {

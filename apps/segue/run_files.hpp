@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/gantt.hpp>
+#include <segue/draw/gantt.hpp>
 
 #include <filesystem>
 #include <string>
@@ -30,7 +30,7 @@ Result<void> check_writable(const std::string& file);
 /// Likewise all of a run, before it. InvalidArgument also where two are the same.
 Result<void> check(const RunFiles& files);
 /// After it. Blocks.
-Result<void> write(const RunFiles& files, const cdtn::Gantt& gantt);
+Result<void> write(const RunFiles& files, const draw::Gantt& gantt);
 
 /// The rows of a task network's run, or with `--format json` all of it.
 void show_run(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,

@@ -2,6 +2,7 @@
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/run.hpp>
 
+#include <algorithm>
 #include <mutex>
 #include <utility>
 
@@ -131,6 +132,47 @@ const Plan& Run::plan() const {
 }
 mission::Globals& Run::globals() {
   return implementation_->environment_.globals;
+}
+
+namespace {
+
+/// A plan that has come to its end, as far as an engine is told, when there are so many nodes.
+class Bounded final : public cdtn::Expansion {
+ public:
+  Bounded(Plan& plan, std::size_t most) : plan_(plan), most_(most) {}
+  void expand(cdtn::Network& network, std::size_t wanted) override {
+    if (network.size() < most_) plan_.expand(network, std::min(wanted, most_ - network.size()));
+  }
+  void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
+    plan_.ended(node, outcome, outputs);
+  }
+  [[nodiscard]] bool finished() const override { return plan_.finished() || plan_.network().size() >= most_; }
+
+ private:
+  Plan& plan_;
+  const std::size_t most_;
+};
+
+}  // namespace
+
+Result<std::optional<Error>> plan_ahead(Plan& plan, std::size_t most, const mission::Runners* assumed) {
+  if (assumed == nullptr) {
+    plan.expand(plan.network(), most);
+    return std::optional<Error>();
+  }
+  auto by_action = assumed->assign(plan.program().mission());
+  if (!by_action) return by_action.error();
+  RunOptions options;
+  options.clock = cdtn::ClockKind::Virtual;
+  ActionEnvironment environment(plan, *assumed, std::move(*by_action), options);
+  Bounded bounded(plan, most);
+  cdtn::EngineOptions settings;
+  settings.clock = cdtn::ClockKind::Virtual;
+  settings.horizon = most;
+  cdtn::Engine engine(plan.network(), bounded, environment, settings);
+  cdtn::RunResult result = engine.run();
+  environment.close();
+  return std::move(result.error);
 }
 
 }  // namespace segue::convert

@@ -4,7 +4,11 @@
 #include <segue/convert/plan.hpp>
 #include <segue/mission/engine.hpp>
 
+#include <cstddef>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace segue::convert {
@@ -51,5 +55,11 @@ class Run {
   explicit Run(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// Plans about `most` nodes, or as far as the mission can be known; then, where `assumed` is given, on as if
+/// actions ended as these runners say, in virtual time. Blocks; the plan is of no use for a run afterwards.
+/// An error of the mission itself, which ends it early, is returned; NotFound where an action has no runner.
+Result<std::optional<Error>> plan_ahead(Plan& plan, std::size_t most,
+                                        const mission::Runners* assumed = nullptr);
 
 }  // namespace segue::convert

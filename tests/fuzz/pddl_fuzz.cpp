@@ -3,7 +3,7 @@
 #include "require.hpp"
 
 #include <segue/cdtn/order.hpp>
-#include <segue/cdtn/pddl.hpp>
+#include <segue/pddl/pddl.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t second = first == std::string_view::npos ? first : text.find('%', first + 1);
   if (second == std::string_view::npos) return 0;
   Diagnostics diagnostics;
-  const auto network = cdtn::read_pddl({text.substr(0, first), "domain"},
+  const auto network = pddl::read_pddl({text.substr(0, first), "domain"},
                                        {text.substr(first + 1, second - first - 1), "problem"},
                                        {text.substr(second + 1), "plan"}, diagnostics);
   require(network.has_value() != diagnostics.has_errors(), "a refusal says why");

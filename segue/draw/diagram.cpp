@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/cdtn/implied.hpp>
+#include <segue/draw/diagram.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace segue::draw {
+
+std::string_view to_string(Diagram::Role role) {
+  static constexpr std::array<std::string_view, 7> kNames{"irreversible", "pure", "sensing",    "routine",
+                                                          "join",         "copy", "global read"};
+  return kNames.at(static_cast<std::size_t>(role));
+}
+
+std::string_view to_string(Diagram::Kind kind) {
+  static constexpr std::array<std::string_view, Diagram::kKinds> kNames{
+      "data", "condition", "world", "resource", "group", "opaque", "routine"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+std::string to_string(const Diagram::Cause& cause) {
+  if (cause.kind == Diagram::Kind::Data) return fmt::format("data {} -> {}", cause.detail, cause.subject);
+  const auto text = fmt::format("{} {}", to_string(cause.kind), cause.subject);
+  return cause.detail.empty() ? text : text + ": " + cause.detail;
+}
+
+Diagram::Counts Diagram::counts() const {
+  Counts counts;
+  for (const Node& node : nodes) {
+    ++counts.roles.at(static_cast<std::size_t>(node.role));
+    counts.dependencies += node.before.size();
+    counts.implied +=
+        static_cast<std::size_t>(std::ranges::count_if(node.before, &Diagram::Dependency::implied));
+  }
+  return counts;
+}
+
+namespace {
+
+using Kind = Diagram::Kind;
+
+/// Puts into words what an order says of a network.
+class DiagramMaker {
+ public:
+  DiagramMaker(const cdtn::Network& network, const cdtn::Order& order,
+               const std::vector<cdtn::Dependency>& further)
+      : network_(network), order_(order), further_(further), implied_(implied_dependencies(network, order)) {}
+
+  Diagram make(std::size_t most) {
+    Diagram diagram;
+    diagram.name = network_.name;
+    diagram.nodes_in_all = network_.size();
+    const auto count = std::min<std::size_t>(most, network_.size());
+    diagram.nodes.reserve(count);
+    auto also = further_.begin();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const cdtn::NodeId node{i};
+      reasons_.clear();
+      for (const cdtn::Dependency& dependency : order_.before(node))
+        reasons_.push_back({&dependency, implied_[place(dependency)]});
+      for (; also != further_.end() && also->to == node; ++also)
+        reasons_.push_back({&*also, true});
+      diagram.nodes.push_back(described(node));
+      join_reasons(diagram.nodes.back());
+    }
+    return diagram;
+  }
+
+ private:
+  [[nodiscard]] std::size_t place(const cdtn::Dependency& dependency) const {
+    return static_cast<std::size_t>(&dependency - &order_[0]);
+  }
+
+  [[nodiscard]] Diagram::Node described(cdtn::NodeId node) const {
+    const cdtn::Node& entry = network_[node];
+    Diagram::Node made{network_.label(node)};
+    made.duration = entry.duration;
+    if (entry.opaque && !entry.routine) made.note = "opaque";
+    if (entry.routine)
+      made.role = Diagram::Role::Routine;
+    else if (entry.kind != cdtn::NodeClass::Irreversible)
+      made.role = entry.kind == cdtn::NodeClass::Pure ? Diagram::Role::Pure : Diagram::Role::Sensing;
+    return made;
+  }
+
+  /// One entry for two nodes; it is implied where each reason that the engine keeps is.
+  void join_reasons(Diagram::Node& node) {
+    std::ranges::stable_sort(reasons_, {}, [](const Told& told) { return told.dependency->from; });
+    for (const Told& told : reasons_) {
+      const std::uint32_t from = index(told.dependency->from);
+      if (node.before.empty() || node.before.back().from != from)
+        node.before.push_back({from, {}, true, false});
+      Diagram::Dependency& entry = node.before.back();
+      entry.implied = entry.implied && told.implied;
+      entry.holds_start = entry.holds_start || holds_start(network_, *told.dependency);
+      entry.causes.push_back(cause(*told.dependency));
+    }
+  }
+
+  [[nodiscard]] Diagram::Cause cause(const cdtn::Dependency& dependency) const {
+    const std::string subject = subject_text(network_, dependency);
+    switch (dependency.reason()) {
+      case cdtn::Reason::Data:
+        return {Kind::Data, subject, output_of(dependency)};
+      case cdtn::Reason::Condition:
+        return {Kind::Condition, subject, {}};
+      case cdtn::Reason::Fact:
+        return {Kind::World, subject, on_fact(dependency)};
+      case cdtn::Reason::Resource:
+        return on_resource(cdtn::ResourceId{dependency.subject}, subject);
+      case cdtn::Reason::Place:
+        break;
+    }
+    const cdtn::NodeId toucher = network_[dependency.to].opaque ? dependency.to : dependency.from;
+    if (network_[toucher].routine)
+      return {Kind::Routine, network_.label(toucher), "it may touch anything", index(toucher)};
+    const bool silent = network_.accesses(toucher).empty() && network_.claims(toucher).empty();
+    return {Kind::Opaque, network_.label(toucher),
+            silent ? "it declares no facts and no resources, so it may touch anything"
+                   : "it may touch what it does not declare",
+            index(toucher)};
+  }
+
+  [[nodiscard]] std::string output_of(const cdtn::Dependency& dependency) const {
+    for (const cdtn::DataInput& input : network_.inputs(dependency.to)) {
+      if (input.producer == dependency.from && input.input == dependency.subject)
+        return network_.names.name(input.output);
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string use_of(cdtn::NodeId node, cdtn::FactId fact) const {
+    const auto accesses = network_.accesses(node);
+    const auto access = std::ranges::find(accesses, fact, &cdtn::Access::fact);
+    if (access == accesses.end()) return "touched";
+    std::string text;
+    if (access->reads) text = access->needed ? "relied on" : "relied on as false";
+    if (!access->writes) return text;
+    if (access->reads) text += " and ";
+    text += network_[node].uncertain ? "probably made " : "made ";
+    return text + (access->value ? "true" : "false");
+  }
+  [[nodiscard]] std::string on_fact(const cdtn::Dependency& dependency) const {
+    const cdtn::FactId fact{dependency.subject};
+    return use_of(dependency.from, fact) + " there, " + use_of(dependency.to, fact) + " here";
+  }
+
+  [[nodiscard]] Diagram::Cause on_resource(cdtn::ResourceId id, const std::string& subject) const {
+    const cdtn::Resource& resource = network_.resources[id];
+    if (resource.grouped)
+      return {Kind::Group, subject, "held over several nodes, whose starts keep the program's order"};
+    if (resource.varies)
+      return {Kind::Resource, subject, "units come and go, so starts keep the program's order"};
+    return {Kind::Resource, subject, "what is irreversible uses it in the program's order"};
+  }
+
+  const cdtn::Network& network_;
+  const cdtn::Order& order_;
+  const std::vector<cdtn::Dependency>& further_;
+  const std::vector<bool> implied_;
+  struct Told {
+    const cdtn::Dependency* dependency = nullptr;
+    bool implied = false;
+  };
+  std::vector<Told> reasons_;  ///< of the node at hand
+};
+
+}  // namespace
+
+Diagram diagram_of(const cdtn::Network& network, const cdtn::Order& order,
+                   const std::vector<cdtn::Dependency>& further, std::size_t most) {
+  return DiagramMaker(network, order, further).make(most);
+}
+
+}  // namespace segue::draw

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/order.hpp>
+#include <segue/type/value.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::draw {
+
+/// A task network before it runs, as lists and pictures show it: what its nodes are, what each comes after,
+/// and why. Numbers are in program order. A plain value; one thread at a time.
+struct Diagram {
+  /// What a node is. Join: tells whether one of several ways was taken. Copy: hands on a value under a
+  /// condition. Global: reads a global variable.
+  enum class Role : std::uint8_t { Irreversible, Pure, Sensing, Routine, Join, Copy, Global };
+  /// Why one comes after another. World: of a fact. Opaque, Routine: one of them may touch anything.
+  enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, Routine };
+  static constexpr std::size_t kKinds = 7;
+
+  struct Cause {
+    Kind kind = Kind::Data;
+    std::string subject{};  ///< the input, outcome, fact or resource; of Opaque and Routine: who touches what
+    std::string detail{};  ///< the output that becomes the input; what both do with the fact or resource; why
+    std::uint32_t node = cdtn::kNone;  ///< of Opaque and Routine: who that is
+  };
+  struct Dependency {
+    std::uint32_t from = 0;
+    std::vector<Cause> causes;  ///< one at least; those that the engine keeps come first
+    bool implied = false;       ///< others lead from the one to the other anyway
+    bool holds_start = true;    ///< else it may run ahead, and only its result waits
+  };
+  struct Node {
+    std::string name;
+    Role role = Role::Irreversible;
+    std::string note{};  ///< why it is a routine, or reads what
+    std::string
+        container{};      ///< of a mission's state: the path of the state around; empty: the mission itself
+    Duration duration{};  ///< expected
+    std::vector<Dependency> before{};
+  };
+
+  std::string name;
+  std::vector<Node> nodes;
+  std::uint32_t nodes_in_all = 0;  ///< of the network; `nodes` are the first of them
+  bool strict = false;             ///< irreversible nodes start when nothing before them can fail any more
+  bool complete = true;            ///< nothing is to come
+  std::string waits_for;           ///< what must be known before it goes on; empty: only the horizon ended it
+
+  struct Counts {
+    std::array<std::size_t, 7> roles{};
+    std::size_t dependencies = 0;  ///< pairs of nodes
+    std::size_t implied = 0;
+  };
+  [[nodiscard]] Counts counts() const;
+};
+
+std::string_view to_string(Diagram::Role role);
+std::string_view to_string(Diagram::Kind kind);
+/// "data pose -> goal", "world at(base): made true there, relied on here".
+std::string to_string(const Diagram::Cause& cause);
+
+/// The first `most` nodes. `further`: what derive_order says of it.
+Diagram diagram_of(const cdtn::Network& network, const cdtn::Order& order,
+                   const std::vector<cdtn::Dependency>& further, std::size_t most = cdtn::kNone);
+
+/// A line for each node and each node that it comes after; what is implied comes last, and is marked.
+std::string to_text(const Diagram& diagram);
+/// The same as a map.
+type::Value to_value(const Diagram& diagram);
+
+/// More are left out of pictures.
+inline constexpr std::size_t kMostDrawn = 1000;
+
+/// A graph for Graphviz, with a cluster for each container; without what is implied.
+std::string to_dot(const Diagram& diagram);
+/// A drawing: whoever can start at once on the left, whoever comes after further right; without what is
+/// implied.
+std::string to_svg(const Diagram& diagram);
+
+}  // namespace segue::draw

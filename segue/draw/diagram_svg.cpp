@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/markup.hpp>
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include <segue/draw/diagram_style.hpp>
+#include <segue/draw/layout.hpp>
+
+namespace segue::draw {
+
+namespace {
+
+constexpr double kBox = 170;    ///< wide
+constexpr double kCurve = 70;   ///< between two layers, for lines to bend
+constexpr double kLabel = 120;  ///< and for what they say
+constexpr double kLeast = 36;   ///< a box's height
+constexpr double kLane = 14;    ///< a line's
+constexpr double kMargin = 16;
+constexpr double kTop = 78;
+
+/// Cut between characters, not within one.
+std::string shortened(std::string_view name, std::size_t most) {
+  if (name.size() <= most) return std::string(name);
+  std::size_t end = most - 1;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U)
+    --end;
+  return std::string(name.substr(0, end)) + "…";
+}
+
+class Drawing {
+ public:
+  explicit Drawing(const Diagram& diagram)
+      : diagram_(diagram), boxes_(static_cast<std::uint32_t>(std::min(diagram.nodes.size(), kMostDrawn))) {
+    for (std::uint32_t i = 0; i < boxes_; ++i) {
+      for (const Diagram::Dependency& dependency : diagram.nodes[i].before) {
+        if (dependency.implied) continue;
+        lines_.push_back({dependency.from, i});
+        dependencies_.push_back(&dependency);
+      }
+    }
+    layout_ = lay_out(boxes_, lines_, kLeast, kLane);
+  }
+
+  std::string draw() {
+    const double width = std::max(left_of(std::max(layout_.layers, 1U) - 1) + kBox + kMargin, 760.0);
+    const double height = kTop + layout_.bottom + kMargin;
+    fmt::format_to(
+        out(),
+        "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' viewBox='0 0 {0:.0f} "
+        "{1:.0f}' font-family='sans-serif' font-size='11' role='img'>\n<title>{2}</title>\n"
+        "<rect width='100%' height='100%' fill='white'/>\n",
+        width, height, escape_markup(diagram_.name));
+    text(kMargin, 20, "start", diagram_.name, "font-size='15' font-weight='bold'");
+    text(kMargin, 37, "start", caption_of(diagram_), "fill='#555555'");
+    legend();
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+      line(lines_[i], *dependencies_[i]);
+    for (std::uint32_t i = 0; i < boxes_; ++i)
+      box(i);
+    return text_ + "</svg>\n";
+  }
+
+ private:
+  std::back_insert_iterator<std::string> out() { return std::back_inserter(text_); }
+  static double left_of(std::uint32_t layer) { return kMargin + layer * (kBox + kCurve + kLabel); }
+
+  void text(double x, double y, std::string_view anchor, std::string_view content, std::string_view style) {
+    fmt::format_to(out(), "<text x='{:.1f}' y='{:.1f}' text-anchor='{}' {}>{}</text>\n", x, y, anchor, style,
+                   escape_markup(content));
+  }
+
+  /// What occurs.
+  void legend() {
+    std::array<bool, 7> roles{};
+    std::array<bool, Diagram::kKinds> kinds{};
+    for (std::size_t i = 0; i < boxes_; ++i)
+      roles.at(static_cast<std::size_t>(diagram_.nodes[i].role)) = true;
+    for (const Diagram::Dependency* dependency : dependencies_)
+      kinds.at(static_cast<std::size_t>(dependency->causes.front().kind)) = true;
+    double x = kMargin;
+    for (std::size_t i = 0; i < roles.size(); ++i) {
+      if (!roles.at(i)) continue;
+      const auto role = static_cast<Diagram::Role>(i);
+      fmt::format_to(out(),
+                     "<rect x='{:.1f}' y='48' width='12' height='12' rx='2' fill='{}' stroke='#888888'/>\n",
+                     x, style_of(role).fill);
+      text(x + 17, 58, "start", to_string(role), "");
+      x += 34 + 6.2 * static_cast<double>(to_string(role).size());
+    }
+    x += 20;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      if (!kinds.at(i)) continue;
+      const auto kind = static_cast<Diagram::Kind>(i);
+      stroke(x, 54, x + 22, 54, colour_of(kind), true);
+      arrow(x + 22, 54, colour_of(kind));
+      text(x + 28, 58, "start", to_string(kind), "");
+      x += 46 + 6.2 * static_cast<double>(to_string(kind).size());
+    }
+    std::string told;
+    if (std::ranges::any_of(dependencies_, [](const auto* one) { return !one->holds_start; }))
+      told = "dashed: it may run ahead, its result waits; ";
+    if (std::ranges::any_of(lines_, &LayoutLine::cut)) told += "dot: from the node of that number; ";
+    if (!told.empty()) text(x, 58, "start", told.substr(0, told.size() - 2), "fill='#555555'");
+  }
+
+  void stroke(double x1, double y1, double x2, double y2, std::string_view colour, bool firm) {
+    fmt::format_to(out(), "<path d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke='{}' fill='none'{}/>\n", x1, y1, x2,
+                   y2, colour, firm ? "" : " stroke-dasharray='5 3'");
+  }
+  void arrow(double x, double y, std::string_view colour) {
+    fmt::format_to(out(), "<path d='M{0:.1f} {1:.1f}l-6 -3v6z' fill='{2}'/>\n", x, y, colour);
+  }
+
+  /// What the line is about, in short: as much as there is room for, each reason in its colour.
+  void label(double x, double y, const Diagram::Dependency& dependency, std::string_view prefix) {
+    fmt::format_to(out(), "<text x='{:.1f}' y='{:.1f}' text-anchor='end' font-size='10'>", x, y);
+    std::size_t room = 21 - prefix.size();
+    std::size_t left = dependency.causes.size();
+    std::string_view before = prefix;
+    for (const Diagram::Cause& cause : dependency.causes) {
+      const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::Routine;
+      const std::string own = shortened(named ? cause.subject : std::string(to_string(cause.kind)),
+                                        std::max<std::size_t>(room, 6));
+      if (left < dependency.causes.size() && own.size() + 4 > room) break;
+      fmt::format_to(out(), "<tspan fill='{}'>{}{}</tspan>", colour_of(cause.kind), escape_markup(before),
+                     escape_markup(own));
+      room -= std::min(room, own.size() + 2);
+      before = ", ";
+      --left;
+    }
+    if (left > 0) fmt::format_to(out(), "<tspan fill='#555555'>, +{}</tspan>", left);
+    text_ += "</text>\n";
+  }
+
+  void line(const LayoutLine& line, const Diagram::Dependency& dependency) {
+    const std::string_view colour = colour_of(dependency.causes.front().kind);
+    const double end = left_of(layout_.layer[line.to]);
+    const double y = kTop + line.arrives;
+    fmt::format_to(out(), "<g><title>{}</title>\n", escape_markup(tooltip_of(diagram_, dependency, line.to)));
+    std::string prefix;
+    if (line.cut) {
+      stroke(end - kLabel, y, end - 1, y, colour, dependency.holds_start);
+      fmt::format_to(out(), "<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='{}'/>\n", end - kLabel, y, colour);
+      prefix = fmt::format("{}: ", line.from);
+    } else {
+      curve(line, end, colour, dependency.holds_start);
+    }
+    arrow(end, y, colour);
+    label(end - 8, y - 3, dependency, prefix);
+    text_ += "</g>\n";
+  }
+
+  void curve(const LayoutLine& line, double end, std::string_view colour, bool firm) {
+    double x = left_of(layout_.layer[line.from]) + kBox;
+    double y = kTop + line.leaves;
+    std::string path = fmt::format("M{:.1f} {:.1f}", x, y);
+    const auto bend_to = [&](double to) {
+      fmt::format_to(std::back_inserter(path), "C{:.1f} {:.1f} {:.1f} {:.1f} {:.1f} {:.1f}", x + kCurve / 2,
+                     y, x + kCurve / 2, to, x + kCurve, to);
+      y = to;
+    };
+    for (const double via : line.via) {
+      bend_to(kTop + via);
+      x += kBox + kCurve + kLabel;
+      fmt::format_to(std::back_inserter(path), "H{:.1f}", x);
+    }
+    bend_to(kTop + line.arrives);
+    fmt::format_to(out(), "<path d='{}H{:.1f}' stroke='{}' fill='none'{}/>\n", path, end - 1, colour,
+                   firm ? "" : " stroke-dasharray='5 3'");
+  }
+
+  void box(std::uint32_t number) {
+    const Diagram::Node& node = diagram_.nodes[number];
+    const RoleStyle style = style_of(node.role);
+    const double x = left_of(layout_.layer[number]);
+    const double y = kTop + layout_.top[number];
+    const double height = layout_.height[number];
+    fmt::format_to(
+        out(),
+        "<g><title>{}</title>\n<rect x='{:.1f}' y='{:.1f}' width='{}' height='{:.1f}' rx='4' fill='{}' "
+        "stroke='#888888'/>\n",
+        escape_markup(fmt::format("{} {}\n{}", number, node.name, tooltip_of(node))), x, y, kBox, height,
+        style.fill);
+    // The last part of a path tells most.
+    const auto inside = node.container.empty() ? 0 : node.container.size() + 1;
+    const std::string own = node.name.substr(std::min(inside, node.name.size()));
+    const std::string fill = fmt::format("fill='{}'", style.text);
+    text(x + 8, y + height / 2 - 3, "start", fmt::format("{} {}", number, shortened(own, 20)),
+         "font-weight='bold' " + fill);
+    std::string below(node.note == "opaque" ? node.note : to_string(node.role));
+    if (node.duration > Duration::zero()) below += ", " + format_duration(node.duration);
+    if (!node.container.empty())
+      below = shortened(node.container, 26 - std::min<std::size_t>(below.size(), 20)) + ", " + below;
+    text(x + 8, y + height / 2 + 11, "start", shortened(below, 28), "font-size='10' " + fill);
+    text_ += "</g>\n";
+  }
+
+  const Diagram& diagram_;
+  const std::uint32_t boxes_;
+  std::vector<LayoutLine> lines_;
+  std::vector<const Diagram::Dependency*> dependencies_;  ///< by line
+  Layout layout_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string to_svg(const Diagram& diagram) {
+  return Drawing(diagram).draw();
+}
+
+}  // namespace segue::draw

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/draw/diagram.hpp>
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+namespace segue::draw {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+constexpr std::string_view kStrict = "starts when nothing before it can fail any more";
+
+std::string plural(std::size_t count, std::string_view one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : one.ends_with('y') ? "" : "s");
+}
+
+bool waits_for_safety(const Diagram& diagram, const Diagram::Node& node) {
+  return diagram.strict && (node.role == Diagram::Role::Irreversible || node.role == Diagram::Role::Routine);
+}
+
+std::string summary(const Diagram& diagram) {
+  const Diagram::Counts counts = diagram.counts();
+  std::string roles;
+  for (std::size_t i = 0; i < counts.roles.size(); ++i) {
+    if (counts.roles.at(i) == 0) continue;
+    if (!roles.empty()) roles += ", ";
+    roles += fmt::format("{} {}", counts.roles.at(i), to_string(static_cast<Diagram::Role>(i)));
+  }
+  return fmt::format("{}: {}{}; {} dependencies, {} of them implied by others\n", diagram.name,
+                     plural(diagram.nodes.size(), "node"), roles.empty() ? "" : " (" + roles + ")",
+                     counts.dependencies, counts.implied);
+}
+
+void append(std::string& text, const Diagram& diagram, const Diagram::Dependency& dependency) {
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "    after {} {}", dependency.from, diagram.nodes[dependency.from].name);
+  char separator = ':';
+  for (const Diagram::Cause& cause : dependency.causes) {
+    fmt::format_to(out, "{} {}", separator, to_string(cause));
+    separator = ';';
+  }
+  if (!dependency.holds_start) text += "; may run ahead";
+  text += dependency.implied ? " [implied]\n" : "\n";
+}
+
+Value to_value(const Diagram& diagram, const Diagram::Dependency& dependency) {
+  Value::List causes;
+  for (const Diagram::Cause& cause : dependency.causes) {
+    ValueMap map;
+    map.append("kind", std::string(to_string(cause.kind)));
+    map.append("subject", cause.subject);
+    map.append(cause.kind == Diagram::Kind::Data ? "output" : "detail", cause.detail);
+    causes.emplace_back(std::move(map));
+  }
+  ValueMap map;
+  map.append("number", static_cast<std::uint64_t>(dependency.from));
+  map.append("node", diagram.nodes[dependency.from].name);
+  map.append("holds_start", dependency.holds_start);
+  map.append("implied", dependency.implied);
+  map.append("because", std::move(causes));
+  return map;
+}
+
+}  // namespace
+
+std::string to_text(const Diagram& diagram) {
+  std::string text = summary(diagram);
+  const auto out = std::back_inserter(text);
+  for (std::size_t i = 0; i < diagram.nodes.size(); ++i) {
+    const Diagram::Node& node = diagram.nodes[i];
+    fmt::format_to(out, "{} {}: {}", i, node.name, to_string(node.role));
+    if (!node.note.empty()) fmt::format_to(out, ", {}", node.note);
+    if (node.duration > Duration::zero()) fmt::format_to(out, ", {}", format_duration(node.duration));
+    if (waits_for_safety(diagram, node)) fmt::format_to(out, "; strict: {}", kStrict);
+    text += '\n';
+    for (const bool implied : {false, true}) {
+      for (const Diagram::Dependency& dependency : node.before)
+        if (dependency.implied == implied) append(text, diagram, dependency);
+    }
+  }
+  if (diagram.nodes_in_all > diagram.nodes.size())
+    fmt::format_to(out, "{} more nodes are not shown\n", diagram.nodes_in_all - diagram.nodes.size());
+  if (!diagram.waits_for.empty())
+    fmt::format_to(out, "It goes on when it is known: {}\n", diagram.waits_for);
+  else if (!diagram.complete)
+    text += "It goes on; this is as far as the horizon reaches\n";
+  return text;
+}
+
+Value to_value(const Diagram& diagram) {
+  Value::List nodes;
+  for (std::size_t i = 0; i < diagram.nodes.size(); ++i) {
+    const Diagram::Node& node = diagram.nodes[i];
+    Value::List before;
+    for (const Diagram::Dependency& dependency : node.before)
+      before.push_back(to_value(diagram, dependency));
+    ValueMap map;
+    map.append("number", static_cast<std::uint64_t>(i));
+    map.append("name", node.name);
+    map.append("role", std::string(to_string(node.role)));
+    map.append("note", node.note);
+    map.append("in", node.container);
+    map.append("duration_s", std::chrono::duration<double>(node.duration).count());
+    map.append("strict", waits_for_safety(diagram, node));
+    map.append("after", std::move(before));
+    nodes.emplace_back(std::move(map));
+  }
+  const Diagram::Counts counts = diagram.counts();
+  ValueMap map;
+  map.append("name", diagram.name);
+  map.append("nodes", std::move(nodes));
+  map.append("nodes_in_all", static_cast<std::uint64_t>(diagram.nodes_in_all));
+  map.append("dependencies", static_cast<std::uint64_t>(counts.dependencies));
+  map.append("implied", static_cast<std::uint64_t>(counts.implied));
+  map.append("complete", diagram.complete);
+  map.append("waits_for", diagram.waits_for);
+  return map;
+}
+
+}  // namespace segue::draw

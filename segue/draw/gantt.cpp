@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/draw/gantt.hpp>
+
+#include <algorithm>
+
+namespace segue::draw {
+
+void Gantt::arrange() {
+  std::ranges::stable_sort(bars, {}, &Bar::from);
+  std::vector<TimePoint> free;
+  for (std::uint32_t i = 0; i < bars.size(); ++i) {
+    Bar& bar = bars[i];
+    const auto lane = std::ranges::find_if(free, [&](TimePoint until) { return until <= bar.from; });
+    bar.lane = static_cast<std::size_t>(lane - free.begin());
+    if (lane == free.end())
+      free.push_back(bar.until);
+    else
+      *lane = bar.until;
+    Node& node = nodes[bar.node];
+    node.bars.push_back(i);
+    for (const std::uint32_t resource : node.resources)
+      resources[resource].bars.push_back(i);
+  }
+}
+
+namespace {
+
+Gantt::Node node_of(const cdtn::Network& network, const cdtn::RunResult& result,
+                    const cdtn::WaitFinder& waits, cdtn::NodeId id) {
+  const cdtn::NodeResult& own = result.nodes[index(id)];
+  Gantt::Node node;
+  node.name = network.label(id);
+  node.kind = network[id].kind;
+  node.status = own.status;
+  const bool ended = own.status != cdtn::NodeStatus::NotReached && own.status != cdtn::NodeStatus::Skipped;
+  if (!ended) return node;
+  node.outcome = network.outcomes.name(static_cast<std::uint32_t>(own.outcome));
+  node.ahead = own.status == cdtn::NodeStatus::Done && waits.ran_ahead(id);
+  node.waits = waits.of(id);
+  return node;
+}
+
+}  // namespace
+
+Gantt gantt_of(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+               const cdtn::RunSummary& summary) {
+  const cdtn::WaitFinder waits(network, order, result);
+  Gantt gantt;
+  gantt.name = network.name;
+  gantt.outcome = outcome_of(result);
+  gantt.makespan = result.makespan;
+  gantt.summary = summary;
+  gantt.statistics = result.statistics;
+  for (std::uint32_t i = 0; i < network.resources.size(); ++i)
+    gantt.resources.push_back({network.resources.name(cdtn::ResourceId{i})});
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const cdtn::NodeResult& own = result.nodes[i];
+    Gantt::Node node = node_of(network, result, waits, cdtn::NodeId{i});
+    for (const cdtn::Claim& claim : network.claims(cdtn::NodeId{i})) {
+      if (std::ranges::find(node.resources, index(claim.resource)) == node.resources.end())
+        node.resources.push_back(index(claim.resource));
+    }
+    if (own.attempts > 0 && !node.outcome.empty()) gantt.bars.push_back({i, own.started, own.ended});
+    gantt.nodes.push_back(std::move(node));
+  }
+  for (const cdtn::WastedRun& run : result.wasted)
+    gantt.bars.push_back({index(run.node), run.started, run.ended, 0, true});
+  for (const cdtn::NodeId node : critical_chain(result, waits))
+    gantt.nodes[index(node)].critical = true;
+  gantt.arrange();
+  return gantt;
+}
+
+}  // namespace segue::draw

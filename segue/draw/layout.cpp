@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/draw/layout.hpp>
+
+#include <algorithm>
+
+namespace segue::draw {
+
+namespace {
+
+constexpr double kGap = 14;
+constexpr int kSweeps = 8;
+
+/// A box, or where a line passes a layer.
+struct Item {
+  std::uint32_t layer = 0;
+  double height = 0;
+  double middle = 0;
+  std::vector<std::uint32_t> before;
+  std::vector<std::uint32_t> after;
+};
+
+class LayoutMaker {
+ public:
+  LayoutMaker(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane)
+      : boxes_(boxes), lines_(lines), lane_(lane), items_(boxes), inner_(lines.size()) {
+    for (Item& item : items_)
+      item.height = least;
+  }
+
+  Layout make() {
+    find_layers();
+    connect();
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      arrange(sweep % 2 == 0);
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      place(sweep % 2 == 0);
+    spread();
+    return result();
+  }
+
+ private:
+  /// Whoever comes after nothing in the first, the others behind the last that they come after.
+  void find_layers() {
+    std::vector<std::uint32_t> arriving(boxes_);
+    std::vector<std::vector<std::uint32_t>> after(boxes_);
+    for (const LayoutLine& line : lines_) {
+      ++arriving[line.to];
+      after[line.from].push_back(line.to);
+    }
+    for (std::size_t i = 0; i < boxes_; ++i) {
+      for (const std::uint32_t to : after[i])
+        items_[to].layer = std::max(items_[to].layer, items_[i].layer + 1);
+      items_[i].height = std::max(items_[i].height, lane_ * (arriving[i] + 1));
+    }
+  }
+
+  void connect() {
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      LayoutLine& line = lines_[i];
+      const std::uint32_t first = items_[line.from].layer;
+      const std::uint32_t last = items_[line.to].layer;
+      line.cut = last - first > kLongestLine;
+      if (line.cut) continue;
+      std::uint32_t at = line.from;
+      for (std::uint32_t layer = first + 1; layer < last; ++layer) {
+        const auto next = static_cast<std::uint32_t>(items_.size());
+        items_.push_back({layer, lane_ / 2, 0, {}, {}});
+        inner_[i].push_back(next);
+        link(at, next);
+        at = next;
+      }
+      link(at, line.to);
+    }
+    for (std::uint32_t i = 0; i < items_.size(); ++i) {
+      layers_.resize(std::max<std::size_t>(layers_.size(), items_[i].layer + 1));
+      layers_[items_[i].layer].push_back(i);
+    }
+    for (const auto& layer : layers_)
+      stack(layer);
+  }
+  void link(std::uint32_t from, std::uint32_t to) {
+    items_[from].after.push_back(to);
+    items_[to].before.push_back(from);
+  }
+
+  void stack(const std::vector<std::uint32_t>& layer) {
+    double y = 0;
+    for (const std::uint32_t i : layer) {
+      items_[i].middle = y + items_[i].height / 2;
+      y += items_[i].height + kGap;
+    }
+  }
+
+  [[nodiscard]] double wanted(std::uint32_t item, bool rightwards) const {
+    const auto& others = rightwards ? items_[item].before : items_[item].after;
+    if (others.empty()) return items_[item].middle;
+    double sum = 0;
+    for (const std::uint32_t other : others)
+      sum += items_[other].middle;
+    return sum / static_cast<double>(others.size());
+  }
+
+  template <class Visit>
+  void sweep(bool rightwards, Visit visit) {
+    if (rightwards)
+      std::for_each(layers_.begin(), layers_.end(), visit);
+    else
+      std::for_each(layers_.rbegin(), layers_.rend(), visit);
+  }
+
+  void arrange(bool rightwards) {
+    std::vector<double> wants(items_.size());
+    sweep(rightwards, [&](std::vector<std::uint32_t>& layer) {
+      for (const std::uint32_t i : layer)
+        wants[i] = wanted(i, rightwards);
+      std::ranges::stable_sort(layer, {}, [&](std::uint32_t i) { return wants[i]; });
+      stack(layer);
+    });
+  }
+
+  /// Least squares under the distances that must be kept: neighbours that would come too near move as one.
+  void place(bool rightwards) {
+    struct Block {
+      double sum = 0;
+      std::size_t count = 0;
+      [[nodiscard]] double at() const { return sum / static_cast<double>(count); }
+    };
+    std::vector<Block> blocks;
+    sweep(rightwards, [&](std::vector<std::uint32_t>& layer) {
+      blocks.clear();
+      double offset = 0;
+      std::vector<double> offsets;
+      for (std::size_t k = 0; k < layer.size(); ++k) {
+        if (k > 0) offset += (items_[layer[k - 1]].height + items_[layer[k]].height) / 2 + kGap;
+        offsets.push_back(offset);
+        blocks.push_back({wanted(layer[k], rightwards) - offset, 1});
+        while (blocks.size() > 1 && blocks[blocks.size() - 2].at() > blocks.back().at()) {
+          const Block last = blocks.back();
+          blocks.pop_back();
+          blocks.back().sum += last.sum;
+          blocks.back().count += last.count;
+        }
+      }
+      std::size_t k = 0;
+      for (const Block& block : blocks) {
+        for (std::size_t n = 0; n < block.count; ++n, ++k)
+          items_[layer[k]].middle = block.at() + offsets[k];
+      }
+    });
+  }
+
+  /// Lines meet a box at heights of their own, in the order of where they come from.
+  void spread() {
+    std::vector<std::vector<std::size_t>> arriving(boxes_);
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+      arriving[lines_[i].to].push_back(i);
+    const auto came_from = [&](std::size_t i) {
+      return inner_[i].empty() ? items_[lines_[i].from].middle : items_[inner_[i].back()].middle;
+    };
+    for (std::size_t box = 0; box < boxes_; ++box) {
+      auto& own = arriving[box];
+      if (own.empty()) continue;
+      std::ranges::stable_sort(own, {}, came_from);
+      double y = items_[box].middle - lane_ * static_cast<double>(own.size() - 1) / 2;
+      for (const std::size_t i : own) {
+        lines_[i].arrives = y;
+        lines_[i].leaves = items_[lines_[i].from].middle;
+        for (const std::uint32_t inner : inner_[i])
+          lines_[i].via.push_back(items_[inner].middle);
+        y += lane_;
+      }
+    }
+  }
+
+  Layout result() {
+    Layout layout;
+    layout.layers = static_cast<std::uint32_t>(layers_.size());
+    double highest = 0;
+    for (const Item& item : items_)
+      highest = std::min(highest, item.middle - item.height / 2);
+    for (std::size_t i = 0; i < boxes_; ++i) {
+      layout.layer.push_back(items_[i].layer);
+      layout.height.push_back(items_[i].height);
+      layout.top.push_back(items_[i].middle - items_[i].height / 2 - highest);
+    }
+    for (const Item& item : items_)
+      layout.bottom = std::max(layout.bottom, item.middle + item.height / 2 - highest);
+    for (LayoutLine& line : lines_) {
+      line.leaves -= highest;
+      line.arrives -= highest;
+      for (double& y : line.via)
+        y -= highest;
+    }
+    return layout;
+  }
+
+  const std::size_t boxes_;
+  std::vector<LayoutLine>& lines_;
+  const double lane_;
+  std::vector<Item> items_;                        ///< boxes first
+  std::vector<std::vector<std::uint32_t>> inner_;  ///< by line
+  std::vector<std::vector<std::uint32_t>> layers_;
+};
+
+}  // namespace
+
+Layout lay_out(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane) {
+  return LayoutMaker(boxes, lines, least, lane).make();
+}
+
+}  // namespace segue::draw

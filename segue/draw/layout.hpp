@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+/// Where the boxes of an acyclic graph go: in layers from left to right, so that lines cross and bend little.
+namespace segue::draw {
+
+/// A line between two boxes.
+struct LayoutLine {
+  std::uint32_t from = 0;
+  std::uint32_t to = 0;
+  bool cut = false;           ///< it would be too long: only its end is to be drawn
+  std::vector<double> via{};  ///< the heights at which it passes the layers between
+  double leaves = 0;          ///< heights at the boxes
+  double arrives = 0;
+};
+
+struct Layout {
+  std::vector<std::uint32_t> layer;  ///< by box
+  std::vector<double> top;           ///< by box
+  std::vector<double> height;        ///< by box: room for all lines that arrive
+  std::uint32_t layers = 0;
+  double bottom = 0;
+};
+
+/// Lines that pass more layers than this are cut.
+inline constexpr std::uint32_t kLongestLine = 8;
+
+/// Lines must lead from lower to higher numbers; fills in the rest of them. `least` is the height of a box,
+/// `lane` that of a line. Layers as of Sugiyama, Tagawa and Toda, "Methods for visual understanding of
+/// hierarchical system structures" (1981): longest paths, then barycentres, then heights as near to the
+/// neighbours' as the order allows. Time grows with boxes and lines, times the logarithm of a layer's size.
+Layout lay_out(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane);
+
+}  // namespace segue::draw

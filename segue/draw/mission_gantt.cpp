@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/draw/mission_gantt.hpp>
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace segue::draw {
+
+namespace {
+
+using cdtn::kNone;
+using mission::History;
+using mission::StateKind;
+
+cdtn::NodeStatus status_of(const History::Item& item) {
+  if (!item.ended) return cdtn::NodeStatus::NotReached;
+  if (item.outcome == mission::kAborted) return cdtn::NodeStatus::Failed;
+  return item.outcome == mission::kPreempted ? cdtn::NodeStatus::Preempted : cdtn::NodeStatus::Done;
+}
+
+cdtn::NodeClass class_of(const mission::Action& action) {
+  if (action.sensing) return cdtn::NodeClass::Sensing;
+  return action.pure ? cdtn::NodeClass::Pure : cdtn::NodeClass::Irreversible;
+}
+
+class MachineGantt {
+ public:
+  MachineGantt(const mission::Program& program, const History& history, TimePoint begin, TimePoint end)
+      : program_(program), history_(history), begin_(begin), end_(end), places_(history.items().size()) {}
+
+  Gantt make(const mission::Outcome& outcome) {
+    gantt_.name = program_.mission().name;
+    gantt_.outcome = program_.outcome_name(0, outcome);
+    gantt_.makespan = end_ - begin_;
+    find_ends();
+    for (std::uint32_t i = 0; i < items().size(); ++i) {
+      places_[i].before = leaf_before(i);
+      if (is_leaf(program_, items()[i].state)) add(i);
+    }
+    mark_critical();
+    gantt_.arrange();
+    return std::move(gantt_);
+  }
+
+ private:
+  /// Of an item: the leaf in it that ended last, the one whose end let it begin, its node.
+  struct Place {
+    std::uint32_t last = kNone;
+    std::uint32_t before = kNone;
+    std::uint32_t node = kNone;
+  };
+
+  [[nodiscard]] const std::vector<History::Item>& items() const { return history_.items(); }
+  [[nodiscard]] TimePoint end_of(std::uint32_t item) const {
+    return items()[item].ended ? items()[item].end : end_;
+  }
+
+  /// Items come after those around them.
+  void find_ends() {
+    for (auto i = static_cast<std::uint32_t>(items().size()); i-- > 0;) {
+      const History::Item& item = items()[i];
+      if (is_leaf(program_, item.state)) places_[i].last = i;
+      if (item.parent == History::kNone || places_[i].last == kNone) continue;
+      std::uint32_t& around = places_[item.parent].last;
+      if (around == kNone || end_of(places_[i].last) > end_of(around)) around = places_[i].last;
+    }
+  }
+
+  /// In a hierarchy the last of the child before; of a decider the last of all beside it; else what let the
+  /// container begin.
+  std::uint32_t leaf_before(std::uint32_t i) {
+    const History::Item& item = items()[i];
+    if (item.parent == History::kNone) return kNone;
+    const StateKind kind = program_.node(items()[item.parent].state).kind;
+    std::uint32_t& latest = latest_[item.parent];
+    const bool follows = kind == StateKind::Hierarchy || program_.node(item.state).kind == StateKind::Decider;
+    const std::uint32_t before = follows && latest > 0 ? places_[latest].last : places_[item.parent].before;
+    // Zero is the root, which is nobody's child.
+    const auto end_in = [&](std::uint32_t one) {
+      return places_[one].last == kNone ? TimePoint{} : end_of(places_[one].last);
+    };
+    if (kind == StateKind::Hierarchy || latest == 0 || end_in(i) > end_in(latest)) latest = i;
+    return before == kNone ? places_[item.parent].before : before;
+  }
+
+  void add(std::uint32_t i) {
+    const History::Item& item = items()[i];
+    const mission::Action& action = program_.mission().actions[program_.node(item.state).action];
+    const TimePoint from = since_begin(item.began);
+    const TimePoint until = since_begin(end_of(i));
+    Gantt::Node node;
+    node.name = history_.path(program_, i);
+    if (node.name.empty()) node.name = gantt_.name;
+    if (item.iteration > 0) node.name += '#' + std::to_string(item.iteration);
+    node.kind = class_of(action);
+    node.status = status_of(item);
+    if (item.ended) node.outcome = program_.outcome_name(item.state, item.outcome);
+    if (places_[i].before != kNone) node.waits.push_back(wait_for(places_[i].before, from));
+    for (const mission::ResourceUse& use : action.resources)
+      use_resource(node, use.resource);
+    gantt_.summary.sequential += until - from;
+    places_[i].node = static_cast<std::uint32_t>(gantt_.nodes.size());
+    gantt_.bars.push_back({places_[i].node, from, until});
+    gantt_.nodes.push_back(std::move(node));
+  }
+
+  void use_resource(Gantt::Node& node, const std::string& name) {
+    const auto [known, added] = resources_.emplace(name, static_cast<std::uint32_t>(gantt_.resources.size()));
+    if (added) gantt_.resources.push_back({name});
+    if (std::ranges::find(node.resources, known->second) == node.resources.end())
+      node.resources.push_back(known->second);
+  }
+
+  /// Only when the one before had begun could it be next.
+  [[nodiscard]] cdtn::Wait wait_for(std::uint32_t before, TimePoint until) const {
+    const History::Item& item = items()[before];
+    return {cdtn::Wait::Kind::Condition, cdtn::NodeId{places_[before].node},
+            program_.outcome_name(item.state, item.outcome), since_begin(item.began), until};
+  }
+
+  void mark_critical() {
+    if (items().empty()) return;
+    for (std::uint32_t leaf = places_[0].last; leaf != kNone; leaf = places_[leaf].before) {
+      gantt_.nodes[places_[leaf].node].critical = true;
+      gantt_.summary.critical_path += end_of(leaf) - items()[leaf].began;
+    }
+  }
+
+  [[nodiscard]] TimePoint since_begin(TimePoint when) const { return TimePoint{} + (when - begin_); }
+
+  const mission::Program& program_;
+  const History& history_;
+  const TimePoint begin_;
+  const TimePoint end_;
+  std::vector<Place> places_;                                ///< by item
+  std::unordered_map<std::uint32_t, std::uint32_t> latest_;  ///< by item: the child that ends last so far
+  std::unordered_map<std::string, std::uint32_t> resources_;
+  Gantt gantt_;
+};
+
+}  // namespace
+
+bool is_leaf(const mission::Program& program, mission::StateIndex state) {
+  const auto kind = program.node(state).kind;
+  return kind == StateKind::Execution || kind == StateKind::Decider;
+}
+
+Gantt gantt_of(const mission::Program& program, const mission::History& history,
+               const mission::Outcome& outcome, TimePoint begin, TimePoint end) {
+  return MachineGantt(program, history, begin, end).make(outcome);
+}
+
+}  // namespace segue::draw

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/draw/plan_diagram.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace segue::draw {
+
+namespace {
+
+using convert::Plan;
+using convert::PlannedNode;
+using convert::Role;
+using convert::RoutineReason;
+
+std::string note_of(const Plan& plan, const PlannedNode& planned) {
+  const auto id = [&](mission::StateIndex state) { return plan.program().state(state).id.str(); };
+  if (planned.role == Role::Global) return "the variable " + planned.global;
+  if (planned.role == Role::Join) return fmt::format("of {} ways", planned.joined.size());
+  if (planned.role != Role::Routine) return {};
+  const RoutineReason reason = plan.routine_reason(planned.state);
+  switch (reason.kind) {
+    case RoutineReason::Kind::Preemptive:
+      return "since the first of its states that ends preempts the others";
+    case RoutineReason::Kind::HandlesPreemption:
+      return "since a preemption of " + id(reason.state) + " is handled in it";
+    case RoutineReason::Kind::OpaqueBeside:
+      return "since " + id(reason.state) + " in it, side by side with others, may touch anything";
+    case RoutineReason::Kind::None:
+      break;
+  }
+  return {};
+}
+
+/// Names that the plan makes up, as a reader of the mission takes them.
+std::string readable(const std::string& name, const Plan& plan, const PlannedNode& planned) {
+  if (name.starts_with(convert::kCountOutput))
+    return "executions" + name.substr(convert::kCountOutput.size());
+  for (std::size_t i = 0; i < planned.branches.size(); ++i) {
+    if (name.starts_with(fmt::format("branch{}.", i)))
+      return "end of " + plan.program().state(planned.branches[i].state).id.str();
+  }
+  return name.starts_with('#') ? name.substr(1) : name;
+}
+
+void name_causes(Diagram::Node& node, const Plan& plan, const PlannedNode& planned) {
+  for (Diagram::Dependency& dependency : node.before) {
+    for (Diagram::Cause& cause : dependency.causes) {
+      if (cause.kind == Diagram::Kind::Data) {
+        const PlannedNode& from = plan[cdtn::NodeId{dependency.from}];
+        const bool global = from.role == Role::Global;
+        cause.subject = global ? "default" : readable(cause.subject, plan, planned);
+        cause.detail = readable(cause.detail, plan, from);
+      } else if (cause.kind == Diagram::Kind::Opaque && plan[cdtn::NodeId{cause.node}].role == Role::Global) {
+        cause.detail = "it reads a global variable, which anything may write";
+      }
+    }
+  }
+}
+
+Diagram::Role role_of(Role role, Diagram::Role otherwise) {
+  switch (role) {
+    case Role::Routine:
+      return Diagram::Role::Routine;
+    case Role::Join:
+      return Diagram::Role::Join;
+    case Role::Copy:
+      return Diagram::Role::Copy;
+    case Role::Global:
+      return Diagram::Role::Global;
+    case Role::Action:
+      break;
+  }
+  return otherwise;
+}
+
+}  // namespace
+
+Diagram diagram_of(const Plan& plan) {
+  std::vector<cdtn::Dependency> further;
+  const cdtn::Order order = cdtn::derive_order(plan.network(), cdtn::OrderRule::Epoch, &further);
+  Diagram diagram = diagram_of(plan.network(), order, further);
+  for (std::uint32_t i = 0; i < diagram.nodes.size(); ++i) {
+    const PlannedNode& planned = plan[cdtn::NodeId{i}];
+    Diagram::Node& node = diagram.nodes[i];
+    node.role = role_of(planned.role, node.role);
+    if (planned.role != Role::Action) node.note = note_of(plan, planned);
+    if (!planned.refused.empty()) node.note = "will not begin: " + planned.refused;
+    if (const auto slash = planned.path.rfind('/'); slash != std::string::npos)
+      node.container = planned.path.substr(0, slash);
+    name_causes(node, plan, planned);
+  }
+  diagram.complete = plan.finished();
+  if (!diagram.complete) diagram.waits_for = plan.waits_for();
+  return diagram;
+}
+
+}  // namespace segue::draw

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/pddl/pddl.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/pddl/pddl_task.hpp>
+
+namespace segue::pddl {
+
+std::optional<cdtn::Network> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
+                                       Diagnostics& diagnostics) {
+  const std::size_t before = diagnostics.error_count();
+  const auto domain_terms = detail::parse_pddl(domain.text, domain.file, diagnostics);
+  const auto problem_terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
+  const auto plan_terms = detail::parse_pddl(plan.text, plan.file, diagnostics);
+  if (!domain_terms || !problem_terms || !plan_terms) return std::nullopt;
+  std::optional<cdtn::Network> network(std::in_place);
+  detail::PddlTask task(*network, diagnostics);
+  task.read_domain(*domain_terms);
+  task.read_problem(*problem_terms);
+  if (diagnostics.error_count() == before) task.read_plan(*plan_terms);
+  if (diagnostics.error_count() > before) return std::nullopt;
+  return network;
+}
+
+std::optional<cdtn::Network> load_pddl(const std::filesystem::path& domain,
+                                       const std::filesystem::path& problem,
+                                       const std::filesystem::path& plan, Diagnostics& diagnostics) {
+  std::string texts[3];
+  const std::filesystem::path* files[3] = {&domain, &problem, &plan};
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto text = read_file(*files[i]);
+    if (!text) {
+      diagnostics.error("unreadable-file", text.error().message, {files[i]->string(), 0, 0});
+      return std::nullopt;
+    }
+    texts[i] = std::move(*text);
+  }
+  return read_pddl({texts[0], domain.string()}, {texts[1], problem.string()}, {texts[2], plan.string()},
+                   diagnostics);
+}
+
+}  // namespace segue::pddl

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/pddl/pddl_task.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace segue::pddl::detail {
+
+void PddlTask::error(std::string code, std::string message, const SourceLocation& where) {
+  diagnostics_.error(std::move(code), std::move(message), where);
+}
+
+const std::vector<PddlTerm>* PddlTask::definition(const std::vector<PddlTerm>& terms, std::string_view kind) {
+  const bool fine = terms.size() == 1 && terms[0].begins_with("define") && terms[0].list.size() > 1 &&
+                    terms[0].list[1].begins_with(kind);
+  if (fine) return &terms[0].list;
+  error("bad-definition", fmt::format("expected (define ({} ...) ...)", kind),
+        terms.empty() ? SourceLocation{} : terms[0].where);
+  return nullptr;
+}
+
+void PddlTask::read_domain(const std::vector<PddlTerm>& terms) {
+  const auto* sections = definition(terms, "domain");
+  if (sections == nullptr) return;
+  for (const PddlTerm& section : *sections) {
+    if (section.begins_with(":types")) read_types(section);
+  }
+  for (const PddlTerm& section : *sections) {
+    if (section.begins_with(":constants")) read_constants(section);
+    if (section.begins_with(":predicates")) read_predicates(section);
+    if (section.begins_with(":action")) read_action(section);
+    if (section.begins_with(":durative-action") || section.begins_with(":derived"))
+      error("unsupported", section.list.front().word + " is not supported", section.where);
+  }
+}
+
+void PddlTask::read_types(const PddlTerm& section) {
+  for (const PddlTyped& type : read_typed_list(section.list, 1, diagnostics_)) {
+    if (type.name == cdtn::FactTable::kObject) continue;
+    const auto declared = network_.facts.declare_type(type.name, type.types.front());
+    if (!declared) error("bad-type", declared.error().message, type.where);
+  }
+}
+
+void PddlTask::read_constants(const PddlTerm& section) {
+  for (const PddlTyped& constant : read_typed_list(section.list, 1, diagnostics_)) {
+    const auto declared = network_.facts.declare_constant(constant.name, constant.types);
+    if (declared)
+      objects_.push_back(constant.name);
+    else if (declared.error().code != ErrorCode::AlreadyExists)  // domain and problem may both name it
+      error("bad-constant", declared.error().message, constant.where);
+  }
+}
+
+void PddlTask::read_predicates(const PddlTerm& section) {
+  for (std::size_t i = 1; i < section.list.size(); ++i) {
+    const PddlTerm& predicate = section.list[i];
+    if (predicate.list.empty() || predicate.list.front().word.empty()) {
+      error("bad-predicate", "a predicate is a list of its name and parameters", predicate.where);
+      continue;
+    }
+    std::vector<std::vector<std::string>> parameters;
+    for (const PddlTyped& parameter : read_typed_list(predicate.list, 1, diagnostics_))
+      parameters.push_back(parameter.types);
+    const auto declared =
+        network_.facts.declare_predicate(predicate.list.front().word, std::move(parameters));
+    if (!declared) error("bad-predicate", declared.error().message, predicate.where);
+  }
+}
+
+void PddlTask::read_action(const PddlTerm& section) {
+  Action action;
+  const auto& parts = section.list;
+  if (parts.size() < 2 || parts[1].word.empty())
+    return error("bad-action", "an action needs a name", section.where);
+  for (std::size_t i = 2; i + 1 < parts.size(); i += 2) {
+    if (parts[i].word == ":parameters")
+      action.parameters = read_typed_list(parts[i + 1].list, 0, diagnostics_);
+    else if (parts[i].word == ":precondition")
+      action.precondition = parts[i + 1];
+    else if (parts[i].word == ":effect")
+      action.effect = parts[i + 1];
+    else
+      error("bad-action", "unknown part " + quote(parts[i].word) + " of action " + quote(parts[1].word),
+            parts[i].where);
+  }
+  if (!actions_.emplace(parts[1].word, std::move(action)).second)
+    error("bad-action", "a second action " + quote(parts[1].word), section.where);
+}
+
+void PddlTask::read_problem(const std::vector<PddlTerm>& terms) {
+  const auto* sections = definition(terms, "problem");
+  if (sections == nullptr) return;
+  if ((*sections)[1].list.size() > 1) network_.name = (*sections)[1].list[1].word;
+  for (const PddlTerm& section : *sections) {
+    if (section.begins_with(":objects")) read_constants(section);
+  }
+  for (const PddlTerm& section : *sections) {
+    if (section.begins_with(":init")) read_initial(section);
+    if (section.begins_with(":goal") && section.list.size() == 2)
+      collect(section.list[1], {}, true, network_.goal);
+  }
+}
+
+void PddlTask::read_initial(const PddlTerm& section) {
+  for (std::size_t i = 1; i < section.list.size(); ++i) {
+    if (section.list[i].begins_with("=")) continue;  // costs
+    const bool negative = section.list[i].begins_with("not") && section.list[i].list.size() == 2;
+    const auto fact = ground(negative ? section.list[i].list[1] : section.list[i], {});
+    if (fact && !negative) network_.initial_world.set({*fact, true});
+  }
+  world_ = network_.initial_world;
+}
+
+std::string PddlTask::value_of(const PddlTerm& term, const Binding& binding) {
+  if (!term.word.starts_with('?')) return term.word;
+  const auto bound = binding.find(term.word);
+  if (bound != binding.end()) return bound->second;
+  error("unbound-variable", "nothing gives " + quote(term.word) + " a value", term.where);
+  return {};
+}
+
+std::optional<cdtn::FactId> PddlTask::ground(const PddlTerm& atom, const Binding& binding) {
+  if (atom.list.empty() || atom.list.front().word.empty()) {
+    error("bad-fact", "a fact is a list of a predicate and its arguments", atom.where);
+    return std::nullopt;
+  }
+  const std::string& predicate = atom.list.front().word;
+  if (!network_.facts.has_predicate(predicate)) {
+    error("unknown-predicate", "no predicate " + quote(predicate), atom.where);
+    return std::nullopt;
+  }
+  std::vector<std::string> arguments;
+  for (std::size_t i = 1; i < atom.list.size(); ++i)
+    arguments.push_back(value_of(atom.list[i], binding));
+  const auto fact = network_.facts.intern(predicate, arguments);
+  if (fact) return *fact;
+  error("bad-fact", fact.error().message, atom.where);
+  return std::nullopt;
+}
+
+std::optional<bool> PddlTask::equal(const PddlTerm& term, const Binding& binding) {
+  if (term.list.size() == 3 && !term.list[1].is_list() && !term.list[2].is_list())
+    return value_of(term.list[1], binding) == value_of(term.list[2], binding);
+  error("unsupported", "numbers cannot be compared here", term.where);
+  return std::nullopt;
+}
+
+/// A conjunction of literals; an equality that does not hold is an error, since the plan says that it does.
+void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool positive,
+                       std::vector<cdtn::Literal>& literals) {
+  if (condition.is_list() && condition.list.empty()) return;
+  if (condition.begins_with("and") && positive) {
+    for (std::size_t i = 1; i < condition.list.size(); ++i)
+      collect(condition.list[i], binding, true, literals);
+    return;
+  }
+  if (condition.begins_with("not") && condition.list.size() == 2)
+    return collect(condition.list[1], binding, !positive, literals);
+  if (condition.begins_with("=")) {
+    const auto same = equal(condition, binding);
+    if (same && *same != positive) error("false-precondition", "this does not hold", condition.where);
+    return;
+  }
+  for (const std::string_view word : {"and", "or", "imply", "forall", "exists", "when"}) {
+    if (condition.begins_with(word))
+      return error("unsupported", quote(word) + " is not supported here", condition.where);
+  }
+  if (const auto fact = ground(condition, binding)) literals.push_back({*fact, positive});
+}
+
+void PddlTask::demand(Step& step, const cdtn::Literal& literal) {
+  auto& all = step.spec.preconditions;
+  if (std::ranges::find(all, literal) == all.end()) all.push_back(literal);
+}
+
+void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& step) {
+  if (effect.is_list() && effect.list.empty()) return;
+  if (effect.begins_with("and")) {
+    for (std::size_t i = 1; i < effect.list.size(); ++i)
+      add_effect(effect.list[i], binding, step);
+    return;
+  }
+  if (effect.begins_with("increase") || effect.begins_with("decrease") || effect.begins_with("assign"))
+    return;
+  if (effect.begins_with("when")) return add_conditional(effect, binding, step);
+  if (effect.begins_with("forall")) return add_for_all(effect, binding, step);
+  const bool positive = !(effect.begins_with("not") && effect.list.size() == 2);
+  const auto fact = ground(positive ? effect : effect.list[1], binding);
+  if (fact) step.spec.effects.push_back({*fact, positive});
+}
+
+/// Where the condition holds, all of it must go on to hold; else one literal that is false must stay so.
+void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, Step& step) {
+  if (effect.list.size() != 3) return error("bad-effect", "expected (when CONDITION EFFECT)", effect.where);
+  std::vector<cdtn::Literal> condition;
+  const std::size_t before = diagnostics_.error_count();
+  collect(effect.list[1], binding, true, condition);
+  if (diagnostics_.error_count() > before) return;
+  const auto unmet = std::ranges::find_if(
+      condition, [&](const cdtn::Literal& literal) { return !step.before.holds(literal); });
+  if (unmet != condition.end()) return demand(step, {unmet->fact, !unmet->value});
+  for (const cdtn::Literal& literal : condition)
+    demand(step, literal);
+  add_effect(effect.list[2], binding, step);
+}
+
+void PddlTask::add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, std::size_t variable) {
+  if (effect.list.size() != 3)
+    return error("bad-effect", "expected (forall (VARIABLES) EFFECT)", effect.where);
+  const auto variables = read_typed_list(effect.list[1].list, 0, diagnostics_);
+  if (variable == variables.size()) return add_effect(effect.list[2], binding, step);
+  for (const std::string& object : objects_) {
+    if (!network_.facts.is_a(object, variables[variable].types)) continue;
+    Binding inner = binding;
+    inner[variables[variable].name] = object;
+    add_for_all(effect, inner, step, variable + 1);
+  }
+}
+
+bool PddlTask::bind(const Action& action, const PddlTerm& term, Binding& binding) {
+  if (term.list.size() != action.parameters.size() + 1) {
+    error(
+        "bad-step",
+        fmt::format("the action takes {} arguments, not {}", action.parameters.size(), term.list.size() - 1),
+        term.where);
+    return false;
+  }
+  for (std::size_t i = 0; i < action.parameters.size(); ++i) {
+    const PddlTerm& argument = term.list[i + 1];
+    if (!network_.facts.is_a(argument.word, action.parameters[i].types)) {
+      error(
+          "bad-step",
+          fmt::format("{} is no object of type {}", quote(argument.word), listed(action.parameters[i].types)),
+          argument.where);
+      return false;
+    }
+    binding[action.parameters[i].name] = argument.word;
+  }
+  return true;
+}
+
+void PddlTask::read_plan(const std::vector<PddlTerm>& terms) {
+  std::uint32_t number = 0;
+  for (const PddlTerm& term : terms) {
+    if (!term.is_list() && (term.word.ends_with(':') || term.word.starts_with('['))) continue;  // "0:", "[1]"
+    read_step(term, number++);
+  }
+  for (const cdtn::Literal& literal : network_.goal) {
+    if (!world_.holds(literal)) {
+      error("goal-missed", "the plan does not reach the goal " + network_.facts.text(literal),
+            terms.empty() ? SourceLocation{} : terms.back().where);
+    }
+  }
+}
+
+void PddlTask::read_step(const PddlTerm& term, std::uint32_t number) {
+  const auto found = term.list.empty() ? actions_.end() : actions_.find(term.list.front().word);
+  if (found == actions_.end())
+    return error("unknown-action", "a step is a list of an action of the domain and its objects", term.where);
+  Binding binding;
+  if (!bind(found->second, term, binding)) return;
+  Step step;
+  step.before = world_;
+  for (const PddlTerm& word : term.list)
+    step.spec.name += (step.spec.name.empty() ? "" : " ") + word.word;
+  step.spec.iteration = number;
+  step.spec.duration = std::chrono::seconds(1);
+  collect(found->second.precondition, binding, true, step.spec.preconditions);
+  add_effect(found->second.effect, binding, step);
+  for (const cdtn::Literal& literal : step.spec.preconditions) {
+    if (!world_.holds(literal))
+      error("false-precondition", network_.facts.text(literal) + " does not hold before this step",
+            term.where);
+  }
+  for (const cdtn::Literal& literal : step.spec.effects) {
+    if (!literal.value) world_.set(literal);
+  }
+  for (const cdtn::Literal& literal : step.spec.effects) {
+    if (literal.value) world_.set(literal);
+  }
+  network_.append(step.spec);
+}
+
+}  // namespace segue::pddl::detail

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/cdtn/network.hpp>
+#include <segue/pddl/pddl_text.hpp>
+
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace segue::pddl::detail {
+
+/// A PDDL task being read into a network: declarations of domain and problem, then the plan, carried out step
+/// by step. Internal to read_pddl.
+class PddlTask {
+ public:
+  PddlTask(cdtn::Network& network, Diagnostics& diagnostics) : network_(network), diagnostics_(diagnostics) {}
+  void read_domain(const std::vector<PddlTerm>& terms);
+  void read_problem(const std::vector<PddlTerm>& terms);
+  void read_plan(const std::vector<PddlTerm>& terms);
+
+ private:
+  using Binding = std::map<std::string, std::string>;
+  struct Action {
+    std::vector<PddlTyped> parameters;
+    PddlTerm precondition;
+    PddlTerm effect;
+  };
+  /// What one step does in the world where the plan puts it.
+  struct Step {
+    cdtn::NodeSpec spec;
+    cdtn::World before;
+  };
+
+  void error(std::string code, std::string message, const SourceLocation& where);
+  const std::vector<PddlTerm>* definition(const std::vector<PddlTerm>& terms, std::string_view kind);
+  void read_types(const PddlTerm& section);
+  void read_constants(const PddlTerm& section);
+  void read_predicates(const PddlTerm& section);
+  void read_action(const PddlTerm& section);
+  void read_initial(const PddlTerm& section);
+  void read_step(const PddlTerm& term, std::uint32_t number);
+  bool bind(const Action& action, const PddlTerm& term, Binding& binding);
+
+  std::optional<cdtn::FactId> ground(const PddlTerm& atom, const Binding& binding);
+  std::string value_of(const PddlTerm& term, const Binding& binding);
+  std::optional<bool> equal(const PddlTerm& term, const Binding& binding);
+  void collect(const PddlTerm& condition, const Binding& binding, bool positive,
+               std::vector<cdtn::Literal>& literals);
+  void add_effect(const PddlTerm& effect, const Binding& binding, Step& step);
+  void add_conditional(const PddlTerm& effect, const Binding& binding, Step& step);
+  void add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, std::size_t variable = 0);
+  void demand(Step& step, const cdtn::Literal& literal);
+
+  cdtn::Network& network_;
+  Diagnostics& diagnostics_;
+  std::unordered_map<std::string, Action> actions_;
+  std::vector<std::string> objects_;
+  cdtn::World world_;
+};
+
+}  // namespace segue::pddl::detail
