@@ -3,7 +3,7 @@
 
 #include <segue/base/descriptor.hpp>
 #include <segue/base/file.hpp>
-#include <segue/base/private_folder.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 
 #include <cerrno>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_run.hpp"
 
+#include <segue/base/virtual_clock.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/script_runner.hpp>
 #include <segue/type/yaml.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/child_process.hpp>
 
-#include <segue/base/system_error.hpp>
+#include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 
 #include <fcntl.h>

@@ -2,21 +2,20 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
+#include <string>
 
 namespace segue {
 
 using Duration = std::chrono::nanoseconds;
-/// Monotonic time (CLOCK_MONOTONIC); for VirtualClock the epoch is 0.
+/// Monotonic time (CLOCK_MONOTONIC); the epoch of a VirtualClock is 0.
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
-/// Where time comes from, so that tests need not wait. All functions may be called from any thread.
+/// A source of time, so that tests need not wait. All functions may be called from any thread.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual TimePoint now() const = 0;
-  /// Blocks the calling thread until `when`; returns at once if it has passed.
+  /// Blocks the calling thread until `when`; returns at once if that has passed.
   virtual void sleep_until(TimePoint when) = 0;
 };
 
@@ -25,22 +24,11 @@ class RealClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override { return std::chrono::steady_clock::now(); }
   void sleep_until(TimePoint when) override;
-  /// One for all.
+  /// The instance that everybody uses.
   static RealClock& instance();
 };
 
-/// Time that moves only when it is told to.
-class VirtualClock final : public Clock {
- public:
-  [[nodiscard]] TimePoint now() const override;
-  void sleep_until(TimePoint when) override;
-  /// Moves time forward and wakes whoever waits for it.
-  void advance(Duration step);
-
- private:
-  mutable std::mutex mutex_;
-  std::condition_variable moved_;
-  TimePoint now_{};
-};
+/// "2026-11-22T01:02:03.456Z": ISO 8601, UTC.
+std::string iso_time(std::chrono::system_clock::time_point time);
 
 }  // namespace segue

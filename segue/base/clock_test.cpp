@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/clock.hpp>
+#include <segue/base/virtual_clock.hpp>
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,33 @@
 #include <segue/base/error.hpp>
 
 #include <array>
+#include <cerrno>
+#include <system_error>
 #include <utility>
 
 namespace segue {
+
+namespace {
+
+ErrorCode code_of(int reason) {
+  switch (reason) {
+    case EACCES:
+    case EPERM:
+      return ErrorCode::PermissionDenied;
+    case ENOENT:
+      return ErrorCode::NotFound;
+    case EMFILE:
+    case ENFILE:
+    case ENOMEM:
+    case EAGAIN:
+    case ENOSPC:
+      return ErrorCode::ResourceExhausted;
+    default:
+      return ErrorCode::IoError;
+  }
+}
+
+}  // namespace
 
 std::string to_string(const SourceLocation& where) {
   std::string text = where.file;
@@ -36,6 +60,10 @@ std::string to_string(const Error& error) {
   text += error.message;
   if (error.cause) text += " (" + to_string(*error.cause) + ")";
   return text;
+}
+
+Error system_error(const std::string& what, int reason) {
+  return Error{code_of(reason), what + ": " + std::generic_category().message(reason), {}, {}, nullptr};
 }
 
 }  // namespace segue

@@ -5,8 +5,7 @@
 #include <string>
 #include <string_view>
 
-/// Errors as values. The vocabulary of `base` lives directly in namespace `segue`, since every folder speaks
-/// it.
+/// Errors as values. Names of `base` live directly in namespace `segue`, since every folder uses them.
 namespace segue {
 
 /// A place in a file. Lines and columns count from 1; 0 means unknown.
@@ -25,26 +24,26 @@ std::string to_string(const SourceLocation& where);
 enum class ErrorCode {
   InvalidArgument,    ///< the caller's value is wrong
   NotFound,           ///< no such file, task, port, component ...
-  AlreadyExists,      ///< a second thing of an identity that must be unique
-  ParseError,         ///< text that does not follow its format
+  AlreadyExists,      ///< the name or identity is taken
+  ParseError,         ///< text that violates its format
   TypeMismatch,       ///< data types differ
   InvalidState,       ///< the life cycle does not allow it now
-  Unsupported,        ///< known, but not possible here
+  Unsupported,        ///< recognised, but not possible here
   PermissionDenied,   ///< the system or a rule forbids it
   ResourceExhausted,  ///< memory, descriptors, pool slots ...
-  DeadlineExceeded,   ///< it took too long; the true state must be read again
-  Cancelled,          ///< given up on request
-  Superseded,         ///< a newer request took its place
+  DeadlineExceeded,   ///< it took too long; its outcome is unknown until the state is read again
+  Cancelled,          ///< cancelled on request
+  Superseded,         ///< replaced by a newer request
   Unavailable,        ///< the peer cannot be reached
-  IoError,            ///< the operating system said no
+  IoError,            ///< the operating system reported a failure
   HookFailed,         ///< a component's hook failed or threw
-  Internal            ///< a defect of Segue
+  Internal            ///< a defect in Segue
 };
 
 /// "not-found", "type-mismatch" ...: stable names for tools.
 std::string_view to_string(ErrorCode code);
 
-/// One failure: what, where (file or the task or action it concerns), and what caused it.
+/// One failure: its message, the place in a file or the task or action that it concerns, and its cause.
 struct Error {
   ErrorCode code = ErrorCode::Internal;
   std::string message;
@@ -52,11 +51,14 @@ struct Error {
   std::string subject;  ///< id of the task, connection or action; may be empty
   std::shared_ptr<const Error> cause;
 
-  /// This error as the cause of a wider one.
+  /// This error, caused by `inner`.
   [[nodiscard]] Error because_of(Error inner) &&;
 };
 
 /// One readable line: "where: subject: message (cause)".
 std::string to_string(const Error& error);
+
+/// "WHAT: No such file or directory", with the code that fits the system's reason (an errno). Any thread.
+Error system_error(const std::string& what, int reason);
 
 }  // namespace segue

@@ -2,7 +2,7 @@
 #include <segue/base/lock_file.hpp>
 
 #include <segue/base/process_state.hpp>
-#include <segue/base/system_error.hpp>
+#include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 
 #include <fcntl.h>

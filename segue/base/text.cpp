@@ -26,7 +26,7 @@ struct SizeUnit {
   std::string_view name;
   std::uint64_t bytes;
 };
-/// Decreasing; what is written is the first that divides.
+/// In decreasing order: format_size() takes the first that divides the number.
 constexpr std::array<SizeUnit, 9> kSizeUnits = {{{"TiB", std::uint64_t{1} << 40},
                                                  {"TB", 1'000'000'000'000},
                                                  {"GiB", std::uint64_t{1} << 30},
@@ -73,6 +73,26 @@ std::string quote(std::string_view text) {
     }
   }
   return result + (text.size() > kLongestQuote ? "...'" : "'");
+}
+
+std::string escape_markup(std::string_view text) {
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '"')
+      safe += "&quot;";
+    else if (c == '\'')
+      safe += "&#39;";
+    else
+      safe += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+  }
+  return safe;
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {

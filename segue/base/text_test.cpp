@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/id.hpp>
-#include <segue/base/iso_time.hpp>
+#include <segue/base/clock.hpp>
 #include <segue/base/life_cycle.hpp>
-#include <segue/base/markup.hpp>
 #include <segue/base/text.hpp>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/markup.hpp>
 #include <segue/base/text.hpp>
 
 #include <fmt/format.h>

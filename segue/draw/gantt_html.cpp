@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/markup.hpp>
+#include <segue/base/text.hpp>
 #include <segue/draw/gantt.hpp>
 #include <segue/draw/gantt_page.hpp>
 #include <segue/type/json.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/draw/svg.hpp>
 
-#include <segue/base/markup.hpp>
+#include <segue/base/text.hpp>
 
 #include <fmt/format.h>
 

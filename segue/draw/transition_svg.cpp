@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/draw/transition_picture.hpp>
 
-#include <segue/base/markup.hpp>
+#include <segue/base/text.hpp>
 
 #include <fmt/format.h>
 

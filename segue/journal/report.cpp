@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/iso_time.hpp>
+#include <segue/base/clock.hpp>
 #include <segue/journal/report.hpp>
 
 namespace segue::journal {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/virtual_clock.hpp>
 #include <segue/link/local.hpp>
 #include <segue/link/shared_test_support.hpp>
 #include <segue/task/manual_executor.hpp>

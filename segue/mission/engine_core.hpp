@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/virtual_clock.hpp>
 #include <segue/mission/activation.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/mailbox.hpp>

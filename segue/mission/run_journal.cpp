@@ -2,7 +2,7 @@
 #include <segue/mission/run_journal.hpp>
 
 #include <segue/base/file.hpp>
-#include <segue/base/system_error.hpp>
+#include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/type/json.hpp>

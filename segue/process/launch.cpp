@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/private_folder.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 #include <segue/process/launch.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/system_error.hpp>
+#include <segue/base/error.hpp>
 #include <segue/process/process_watch.hpp>
 
 #include <pthread.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/child_process.hpp>
-#include <segue/base/install_prefix.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/process/assignment.hpp>
 #include <segue/process/spawn.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/report.hpp>
 
-#include <segue/base/iso_time.hpp>
+#include <segue/base/clock.hpp>
 #include <segue/base/text.hpp>
 #include <segue/journal/report.hpp>
 #include <segue/model/files.hpp>

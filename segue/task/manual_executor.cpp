@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/virtual_clock.hpp>
 #include <segue/task/bell.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/run_queue.hpp>

@@ -7,6 +7,10 @@
 #include <memory>
 #include <thread>
 
+namespace segue {
+class VirtualClock;
+}
+
 namespace segue::task {
 
 /// Runs jobs when it is told to, on a virtual clock: for tests, simulation and single stepping. Any thread

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/virtual_clock.hpp>
 #include <segue/task/probe_component.hpp>
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/virtual_clock.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/task.hpp>

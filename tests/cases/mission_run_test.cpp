@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/base/virtual_clock.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>

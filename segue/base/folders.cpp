@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/private_folder.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 
+#include <dlfcn.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,7 +23,7 @@ std::filesystem::path folder_by_environment() {
   return "/tmp/segue-" + std::to_string(::geteuid());
 }
 
-/// In /tmp anybody may have made the folder before us, or put a link there.
+/// Anybody may have created the folder in /tmp before us, or have put a link there.
 Result<void> check_folder(const std::filesystem::path& folder) {
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0) {
@@ -57,6 +58,21 @@ Result<std::filesystem::path> runtime_folder() {
   auto folder = folder_by_environment();
   if (auto made = make_private_folder(folder); !made) return std::move(made.error());
   return folder;
+}
+
+std::vector<std::filesystem::path> install_prefixes() {
+  namespace fs = std::filesystem;
+  std::vector<fs::path> prefixes;
+  std::error_code failed;
+  const fs::path self = fs::read_symlink("/proc/self/exe", failed);
+  if (!failed) prefixes.push_back(self.parent_path().parent_path());
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&install_prefixes), &info) != 0 && info.dli_fname != nullptr) {
+    const fs::path own = fs::absolute(info.dli_fname, failed).parent_path();
+    prefixes.push_back(own.parent_path());
+    prefixes.push_back(own.parent_path().parent_path());
+  }
+  return prefixes;
 }
 
 }  // namespace segue

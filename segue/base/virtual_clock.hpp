@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+
+#include <condition_variable>
+#include <mutex>
+
+namespace segue {
+
+/// A clock that moves only when advance() is called: for tests and simulation.
+class VirtualClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const override;
+  void sleep_until(TimePoint when) override;
+  /// Moves time forward and wakes the threads that were waiting for it.
+  void advance(Duration step);
+
+ private:
+  mutable std::mutex mutex_;  ///< guards now_
+  std::condition_variable moved_;
+  TimePoint now_{};
+};
+
+}  // namespace segue
