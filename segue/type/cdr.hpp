@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+// Built only with the CMake option SEGUE_CDR.
 namespace segue::type {
 
 /// OMG CDR (XCDR1 with the 4-byte encapsulation header, little endian), as ROS 2 puts it on the wire: enums
