@@ -8,8 +8,8 @@
 
 namespace segue {
 
-/// The folder for the sockets of running processes: `$XDG_RUNTIME_DIR/segue`, else `/tmp/segue-UID`. Created with
-/// mode 0700; PermissionDenied where it belongs to somebody else. Any thread.
+/// The folder for the sockets of running processes: `$XDG_RUNTIME_DIR/segue`, else `/tmp/segue-UID`. Created
+/// with mode 0700; PermissionDenied where it belongs to somebody else. Any thread.
 Result<std::filesystem::path> runtime_folder();
 
 /// Creates a folder (not its parents) that only this user may enter; an existing one is made private.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/lock_file.hpp>
 
-#include <segue/base/process_state.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/process_state.hpp>
 #include <segue/base/text.hpp>
 
 #include <fcntl.h>

@@ -15,8 +15,8 @@ namespace segue {
 /// 'text' in single quotes for a message: control characters are escaped, long text is shortened.
 std::string quote(std::string_view text);
 
-/// The text as the content or a quoted attribute of an XML or HTML element. Control characters other than line
-/// feeds become spaces.
+/// The text as the content or a quoted attribute of an XML or HTML element. Control characters other than
+/// line feeds become spaces.
 std::string escape_markup(std::string_view text);
 
 /// ", did you mean 'x'?" with the most similar of `candidates`, or "" if none is similar.
@@ -37,8 +37,8 @@ Result<std::uint64_t> parse_size(std::string_view text);
 /// The shortest exact form with a unit: "512MB", "64MiB", "4097B".
 std::string format_size(std::uint64_t bytes);
 
-/// Whether `text` is an identifier and cannot be a path: at most 255 bytes; a letter, digit or '_' first, then
-/// letters, digits, '_', '-', '.' or ':' (as in "demo::Filter").
+/// Whether `text` is an identifier and cannot be a path: at most 255 bytes; a letter, digit or '_' first,
+/// then letters, digits, '_', '-', '.' or ':' (as in "demo::Filter").
 bool is_identifier(std::string_view text);
 
 /// Whether `text` matches a shell-style pattern with '*' and '?'.

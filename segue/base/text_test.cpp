@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/id.hpp>
 #include <segue/base/clock.hpp>
+#include <segue/base/id.hpp>
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/convert/action_environment.hpp>
 #include <segue/base/virtual_clock.hpp>
+#include <segue/convert/action_environment.hpp>
 #include <segue/convert/fault.hpp>
 #include <segue/mission/index.hpp>
 

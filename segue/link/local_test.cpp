@@ -300,15 +300,15 @@ TEST_F(Local, PortsOfAnyTypeCountAndDrop) {
   EXPECT_EQ(any.type_name(), "/rock/Unknown");
 }
 
-TEST_F(Local, BlankSamplesReadAsDefaultValues) {
-  OutputPortBase blank(writer, "blank", nullptr, "/rock/Unknown");
+TEST_F(Local, UntypedSamplesReadAsDefaultValues) {
+  OutputPortBase untyped(writer, "untyped", nullptr, "/rock/Unknown");
   InputPort<demo::Pose> in(reader, "in");
-  connected(blank, in, buffer(2));
-  EXPECT_EQ(blank.write_default(), WriteResult::Written);
+  connected(untyped, in, buffer(2));
+  EXPECT_EQ(untyped.write_default(), WriteResult::Written);
   demo::Pose pose{3, 4};
   EXPECT_EQ(in.read(pose), ReadStatus::NewData);
   EXPECT_EQ(pose.x, 0);
-  EXPECT_EQ(blank.write_default(), WriteResult::Written);
+  EXPECT_EQ(untyped.write_default(), WriteResult::Written);
   EXPECT_EQ(in.take()->y, 0);
 }
 

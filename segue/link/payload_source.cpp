@@ -7,7 +7,7 @@
 namespace segue::link {
 
 SampleForm form_of(const type::TypeInfo* info) {
-  if (info == nullptr) return SampleForm::Blank;
+  if (info == nullptr) return SampleForm::Untyped;
   return info->trivially_copyable ? SampleForm::Raw : SampleForm::Flat;
 }
 
@@ -20,7 +20,7 @@ PayloadSource::~PayloadSource() {
 
 std::optional<Payload> PayloadSource::take(task::SampleSlot& sample) noexcept {
   if (auto payload = in_place(sample)) return payload;
-  if (newest_ != sample.sequence || block_.offset == RingEntry::kBlank) {
+  if (newest_ != sample.sequence || block_.offset == RingEntry::kNoPayload) {
     give_back(std::exchange(block_, {}));
     auto payload = written(sample);
     if (!payload) return std::nullopt;
@@ -39,13 +39,13 @@ std::optional<Payload> PayloadSource::take_apart(task::SampleSlot& sample) const
 void PayloadSource::give_back(const Payload& payload) const noexcept {
   if (payload.slot != nullptr) {
     payload.slot->release();
-  } else if (payload.offset != RingEntry::kBlank) {
+  } else if (payload.offset != RingEntry::kNoPayload) {
     pool_->blocks().release(payload.offset);
   }
 }
 
 std::optional<Payload> PayloadSource::in_place(task::SampleSlot& sample) const noexcept {
-  if (form_ == SampleForm::Blank) return Payload{};
+  if (form_ == SampleForm::Untyped) return Payload{};
   const auto offset = form_ == SampleForm::Raw ? pool_->offset_of(sample.value) : std::nullopt;
   if (!offset) return std::nullopt;
   sample.retain();

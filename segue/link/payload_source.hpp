@@ -12,13 +12,13 @@
 namespace segue::link {
 
 /// How samples of a port look in shared memory.
-enum class SampleForm : std::uint8_t { Blank, Raw, Flat };
+enum class SampleForm : std::uint8_t { Untyped, Raw, Flat };
 SampleForm form_of(const type::TypeInfo* info);
 
 /// A payload that a connection holds: of a slot in the pool, or a block of its own.
 struct Payload {
   task::SampleSlot* slot = nullptr;  ///< retained
-  std::uint64_t offset = RingEntry::kBlank;
+  std::uint64_t offset = RingEntry::kNoPayload;
   std::uint64_t size = 0;
 };
 

@@ -207,7 +207,8 @@ TEST(RealTime, SlotsOfConnectionsThatComeAfterPrimingAllocateNothing) {
   EXPECT_EQ(second.in.drain(), 20U);
 }
 
-/// A periodic task writes to one in the other memory, which writes back: both kinds of samples, and bells.
+/// A periodic task writes to one in the other memory, which writes back: both kinds of samples, and
+/// doorbells.
 void run_between_memories(const Policy& policy) {
   caught = 0;
   const auto first = *SharedMemory::create();

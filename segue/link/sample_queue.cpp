@@ -20,16 +20,16 @@ SampleQueue::~SampleQueue() {
 SampleQueue::Push SampleQueue::push(SampleSlot& sample) noexcept {
   sample.retain();
   std::uint64_t before = 0;
-  const Push pushed = ring_.push(cargo_of(sample), before);
+  const Push pushed = ring_.push(token_of(sample), before);
   if (pushed == Push::Refused) sample.release();
   if (pushed == Push::Replaced) slot_of(before)->release();
   return pushed;
 }
 
 SampleRef SampleQueue::pull() noexcept {
-  const std::uint64_t cargo = ring_.pull();
-  if (cargo == 0) return {};
-  SampleRef sample = SampleRef::adopt(slot_of(cargo));
+  const std::uint64_t token = ring_.pull();
+  if (token == 0) return {};
+  SampleRef sample = SampleRef::adopt(slot_of(token));
   if (kind_ != BufferKind::Data) return sample;
   // offer_older() may come after a newer sample was read.
   if (sample->sequence <= newest_read_) return {};
@@ -39,7 +39,7 @@ SampleRef SampleQueue::pull() noexcept {
 
 bool SampleQueue::offer_older(SampleSlot& sample) noexcept {
   sample.retain();
-  if (ring_.offer(cargo_of(sample))) return true;
+  if (ring_.offer(token_of(sample))) return true;
   sample.release();
   return false;
 }

@@ -38,13 +38,13 @@ class SampleQueue {
  private:
   // What a word carries is a slot's address, whose last six bits are zero and of which user space has 47.
   static constexpr unsigned kAddressShift = 6;
-  static std::uint64_t cargo_of(const task::SampleSlot& slot) noexcept {
+  static std::uint64_t token_of(const task::SampleSlot& slot) noexcept {
     return reinterpret_cast<std::uintptr_t>(&slot) >> kAddressShift;
   }
-  static task::SampleSlot* slot_of(std::uint64_t cargo) noexcept {
+  static task::SampleSlot* slot_of(std::uint64_t token) noexcept {
     // NOLINTNEXTLINE(performance-no-int-to-ptr): the word holds it with its position so that both change as
     // one
-    return reinterpret_cast<task::SampleSlot*>(cargo << kAddressShift);
+    return reinterpret_cast<task::SampleSlot*>(token << kAddressShift);
   }
 
   const BufferKind kind_;

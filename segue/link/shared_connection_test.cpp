@@ -69,10 +69,10 @@ TEST(SharedConnection, SamplesOfAnyTypeOnlyCount) {
   EXPECT_EQ(any.read_value(value), ReadStatus::NewData);
   EXPECT_EQ(value, type::Value{});
 
-  task::OutputPortBase blank(owner, "blank", nullptr);
+  task::OutputPortBase untyped(owner, "untyped", nullptr);
   Sink<Pose> sink;
-  ASSERT_TRUE(pair.connect(blank, sink.in, {}).ok);
-  blank.write_default();
+  ASSERT_TRUE(pair.connect(untyped, sink.in, {}).ok);
+  untyped.write_default();
   const auto sample = sink.in.take();
   ASSERT_TRUE(sample);
   EXPECT_EQ(*sample, Pose());
@@ -571,7 +571,7 @@ TEST(SharedConnection, PeriodicTaskIsNotWokenBySamples) {
   for (int i = 0; i < 100; ++i)
     source.out.write(Pose(i));
   EXPECT_EQ(counter->updates, 1U);
-  EXPECT_EQ(pair.reader->usage().control_used, usage.control_used) << "it has no bell at all";
+  EXPECT_EQ(pair.reader->usage().control_used, usage.control_used) << "it has no doorbell at all";
 }
 
 TEST(SharedConnection, ManualExecutorAnswersWhenItRuns) {

@@ -80,7 +80,7 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
     entry.sequence = 1;
     entry.generation = link.place.generation;
     std::uint64_t before = 0;
-    ASSERT_EQ(ring.words().push(ring.cargo_of(0), before), WordRing::Push::Taken);
+    ASSERT_EQ(ring.words().push(ring.token_of(0), before), WordRing::Push::Taken);
     EXPECT_FALSE(sink.in.take());
     EXPECT_EQ(link.input->corrupt(), ++expected);
   }
@@ -89,8 +89,8 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   entry.offset = 64;
   entry.size = sizeof(Pose);
   std::uint64_t before = 0;
-  ring.words().push(ring.cargo_of(0), before);
-  ring.words().push(ring.cargo_of(0), before);
+  ring.words().push(ring.token_of(0), before);
+  ring.words().push(ring.token_of(0), before);
   const auto held = sink.in.take();
   EXPECT_TRUE(held);
   EXPECT_FALSE(sink.in.take());
@@ -100,7 +100,7 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
   late.offset = 128;
   late.size = sizeof(Pose);
   late.generation = link.place.generation + 1;
-  ring.words().push(ring.cargo_of(1), before);
+  ring.words().push(ring.token_of(1), before);
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), ++expected);
 }
@@ -116,10 +116,10 @@ TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
   entry.size = sizeof(Pose);
   entry.generation = link.place.generation;
   entry.sequence = 3;
-  ASSERT_TRUE(ring.words().offer(ring.cargo_of(3)));
+  ASSERT_TRUE(ring.words().offer(ring.token_of(3)));
   EXPECT_FALSE(sink.in.take());
   entry.sequence = 6;
-  ASSERT_TRUE(ring.words().offer(ring.cargo_of(3)));
+  ASSERT_TRUE(ring.words().offer(ring.token_of(3)));
   EXPECT_TRUE(sink.in.take());
 }
 

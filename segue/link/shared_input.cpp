@@ -15,11 +15,11 @@ using task::SampleSlot;
 
 SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
                          std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy,
-                         bool blank)
+                         bool untyped)
     : state_(std::move(state)),
       writer_(std::move(writer)),
       port_(port),
-      info_(blank ? nullptr : port.type()),
+      info_(untyped ? nullptr : port.type()),
       form_(form_of(info_)),
       policy_(policy),
       offset_(*state_->control()->offset_of(&(*ring)->header())),
@@ -78,9 +78,9 @@ SampleRef SharedInput::pull() noexcept {
   }
   // Each word that makes no sense costs one round; there are not more of them than places.
   for (std::size_t i = 0; i <= ring.words().places(); ++i) {
-    const std::uint64_t cargo = ring.words().pull();
-    if (cargo == 0) return {};
-    const std::size_t entry = ring.entry_of(cargo);
+    const std::uint64_t token = ring.words().pull();
+    if (token == 0) return {};
+    const std::size_t entry = ring.entry_of(token);
     if (entry == ring.entries().size()) {
       corrupt_.fetch_add(1, std::memory_order_relaxed);
       continue;
@@ -112,7 +112,7 @@ SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
     return {};
   }
   const void* value = nullptr;
-  if (form_ != SampleForm::Blank) {
+  if (form_ != SampleForm::Untyped) {
     const bool fits = flat || size == info_->size;
     value = fits ? writer_->payload(offset, size, flat ? BlockPool::kUnit : info_->alignment) : nullptr;
     if (value == nullptr) {
@@ -151,37 +151,37 @@ void SharedInput::reject(std::size_t entry) noexcept {
 void SharedInput::set_listener(task::SampleListener* listener) {
   const std::lock_guard lock(mutex_);
   if (!ring_) return;
-  std::atomic<std::uint64_t>& announced = (*ring_)->header().bell;
+  std::atomic<std::uint64_t>& announced = (*ring_)->header().doorbell;
   if (listener == nullptr) {
     announced.store(0, std::memory_order_seq_cst);
     return;
   }
   take_line(listener->runner());
-  if (!bell_) return;
-  const auto offset = state_->control()->offset_of(bell_->words().get());
-  announced.store(BellLine{*offset, line_}.word(), std::memory_order_seq_cst);
+  if (!doorbell_) return;
+  const auto offset = state_->control()->offset_of(doorbell_->words().get());
+  announced.store(DoorbellLine{*offset, line_}.word(), std::memory_order_seq_cst);
 }
 
-/// A line of the bell of `runner`, which may be another than before. Under mutex_.
+/// A line of the doorbell of `runner`, which may be another than before. Under mutex_.
 void SharedInput::take_line(task::Executor& runner) {
-  auto bell = runner.bell([this] { return state_->control()->make_bell(); });
-  if (bell && *bell == bell_) return;
+  auto doorbell = runner.doorbell([this] { return state_->control()->make_doorbell(); });
+  if (doorbell && *doorbell == doorbell_) return;
   give_line_back();
-  const bool is_ours = bell && state_->control()->offset_of((*bell)->words().get()).has_value();
-  const auto line = is_ours ? (*bell)->add(port_) : std::nullopt;
+  const bool is_ours = doorbell && state_->control()->offset_of((*doorbell)->words().get()).has_value();
+  const auto line = is_ours ? (*doorbell)->add(port_) : std::nullopt;
   if (!line) {
     log(LogLevel::Error, port_name_,
-        bell ? "cannot be woken by another process: its thread hears too many connections already"
-             : "cannot be woken by another process: " + to_string(bell.error()));
+        doorbell ? "cannot be woken by another process: its thread hears too many connections already"
+                 : "cannot be woken by another process: " + to_string(doorbell.error()));
     return;
   }
-  bell_ = std::move(*bell);
+  doorbell_ = std::move(*doorbell);
   line_ = *line;
 }
 
 void SharedInput::give_line_back() {
-  if (bell_) bell_->remove(line_);
-  bell_.reset();
+  if (doorbell_) doorbell_->remove(line_);
+  doorbell_.reset();
 }
 
 void SharedInput::disconnect() {
@@ -191,7 +191,7 @@ void SharedInput::disconnect() {
     port_.detach(*this);
     open_ = false;
     (*ring_)->header().closed.store(1, std::memory_order_seq_cst);
-    (*ring_)->header().bell.store(0, std::memory_order_seq_cst);
+    (*ring_)->header().doorbell.store(0, std::memory_order_seq_cst);
     give_line_back();
     final_ = (*ring_)->counters();
     samples_.reset();

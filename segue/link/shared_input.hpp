@@ -21,7 +21,7 @@ class SharedInput final : public RegisteredEndpoint,
                           public std::enable_shared_from_this<SharedInput> {
  public:
   SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
-              std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy, bool blank);
+              std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy, bool untyped);
   Result<void> open();
   [[nodiscard]] InputPlace place() const;
 
@@ -39,7 +39,7 @@ class SharedInput final : public RegisteredEndpoint,
 
   void abandon() override;
   bool settle() override;
-  [[nodiscard]] std::size_t left_out(const task::OutputPortBase& /*port*/) const override { return 0; }
+  [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& /*port*/) const override { return 0; }
   void release(const InputPlace& place) override;
 
  private:
@@ -71,7 +71,7 @@ class SharedInput final : public RegisteredEndpoint,
   std::shared_ptr<OwnedRing> ring_;  ///< until it has ended; the reader's thread reads it while attached
   bool open_ = false;
   bool released_ = false;  ///< the writer will not touch the ring any more
-  std::shared_ptr<task::Bell> bell_;
+  std::shared_ptr<task::Doorbell> doorbell_;
   unsigned line_ = 0;
   Counters final_;
 };

@@ -160,10 +160,10 @@ void SharedState::release(const InputPlace& place) {
   settle();
 }
 
-std::size_t SharedState::left_out(const task::OutputPortBase& port) const {
+std::size_t SharedState::in_flight(const task::OutputPortBase& port) const {
   std::size_t count = 0;
   for (const auto& endpoint : snapshot(ended_))
-    count += endpoint->left_out(port);
+    count += endpoint->in_flight(port);
   return count;
 }
 

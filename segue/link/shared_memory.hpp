@@ -34,7 +34,7 @@ struct MemoryUsage {
 ///
 /// Payload pool: where samples lie that leave the process, written by it alone; output ports take theirs from
 /// there from their first connection to another process on. Control pool: the rings of connections into this
-/// process and the bells by which other processes wake its threads. All functions are thread safe.
+/// process and the doorbells by which other processes wake its threads. All functions are thread safe.
 class SharedMemory {
  public:
   /// One for each process (more are possible, but a thread is woken through the first alone that has a

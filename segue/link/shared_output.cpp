@@ -19,11 +19,11 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       port_(port),
       policy_(policy),
       reader_port_(place.port),
-      blank_(place.any_type),
+      untyped_(place.any_type),
       source_(state_->source_of(port)),
       ring_(ring, policy, place.generation),
-      left_out_(state_->left_out(port)),
-      given_(std::make_unique<Given[]>(ring_.entries().size())) {
+      in_flight_before_(state_->in_flight(port)),
+      lent_(std::make_unique<LentEntry[]>(ring_.entries().size())) {
   // The last one is kept for offer_last().
   const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
   free_.reserve(ring_.entries().size());
@@ -49,13 +49,13 @@ Result<void> SharedOutput::attach_to_port() {
 }
 
 std::size_t SharedOutput::capacity() const {
-  const bool holds_slots = form_of(port_.type()) == SampleForm::Raw && !blank_;
-  return holds_slots ? ring_.entries().size() + left_out_ : 0;
+  const bool holds_slots = form_of(port_.type()) == SampleForm::Raw && !untyped_;
+  return holds_slots ? ring_.entries().size() + in_flight_before_ : 0;
 }
 
-std::size_t SharedOutput::left_out(const task::OutputPortBase& port) const {
+std::size_t SharedOutput::in_flight(const task::OutputPortBase& port) const {
   const std::lock_guard lock(mutex_);
-  return attached_ || &port != &port_ ? 0 : count_out();
+  return attached_ || &port != &port_ ? 0 : count_lent();
 }
 
 bool SharedOutput::same_as(const WriterEnd& other) const {
@@ -84,49 +84,49 @@ SharedOutput::Delivery SharedOutput::deliver(task::SampleSlot& sample) noexcept 
   if (ring_.words().full()) return Delivery::Refused;
   if (free_.empty()) collect(ring_.returned().size());
   if (free_.empty()) return Delivery::Refused;
-  const auto payload = blank_ ? Payload{} : source_->take(sample);
+  const auto payload = untyped_ ? Payload{} : source_->take(sample);
   if (!payload) return Delivery::Refused;
   const std::size_t entry = free_.back();
   free_.pop_back();
-  give(entry, *payload, sample.sequence);
+  lend(entry, *payload, sample.sequence);
   std::uint64_t before = 0;
-  switch (ring_.words().push(ring_.cargo_of(entry), before)) {
+  switch (ring_.words().push(ring_.token_of(entry), before)) {
     case WordRing::Push::Taken:
       return Delivery::Taken;
     case WordRing::Push::Replaced:
       count_one(policy_.kind == BufferKind::Data ? ring_.header().overwritten : ring_.header().dropped);
-      take_back_cargo(before);
+      reclaim_token(before);
       return Delivery::Taken;
     case WordRing::Push::Refused:
-      take_back_cargo(ring_.cargo_of(entry));
+      reclaim_token(ring_.token_of(entry));
       return Delivery::Refused;
   }
   return Delivery::Refused;
 }
 
-void SharedOutput::give(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept {
-  RingEntry& told = ring_.entries()[entry];
-  told.offset.store(payload.offset, std::memory_order_relaxed);
-  told.size.store(payload.size, std::memory_order_relaxed);
-  told.sequence.store(sequence, std::memory_order_relaxed);
-  told.generation.store(ring_.generation(), std::memory_order_relaxed);
-  given_[entry].payload = payload;
-  given_[entry].out.store(true, std::memory_order_release);
+void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept {
+  RingEntry& shared = ring_.entries()[entry];
+  shared.offset.store(payload.offset, std::memory_order_relaxed);
+  shared.size.store(payload.size, std::memory_order_relaxed);
+  shared.sequence.store(sequence, std::memory_order_relaxed);
+  shared.generation.store(ring_.generation(), std::memory_order_relaxed);
+  lent_[entry].payload = payload;
+  lent_[entry].out.store(true, std::memory_order_release);
 }
 
 /// False: it is not out; the reader told nonsense.
-bool SharedOutput::take_back(std::size_t entry) noexcept {
-  Given& given = given_[entry];
-  if (!given.out.load(std::memory_order_acquire)) return false;
-  const Payload payload = given.payload;
-  if (!given.out.exchange(false, std::memory_order_acq_rel)) return false;
+bool SharedOutput::reclaim(std::size_t entry) noexcept {
+  LentEntry& lent = lent_[entry];
+  if (!lent.out.load(std::memory_order_acquire)) return false;
+  const Payload payload = lent.payload;
+  if (!lent.out.exchange(false, std::memory_order_acq_rel)) return false;
   source_->give_back(payload);
   return true;
 }
 
-void SharedOutput::take_back_cargo(std::uint64_t cargo) noexcept {
-  const std::size_t entry = ring_.entry_of(cargo);
-  if (entry < ring_.entries().size() && take_back(entry)) {
+void SharedOutput::reclaim_token(std::uint64_t token) noexcept {
+  const std::size_t entry = ring_.entry_of(token);
+  if (entry < ring_.entries().size() && reclaim(entry)) {
     free_.push_back(static_cast<std::uint32_t>(entry));
   } else {
     corrupt_.fetch_add(1, std::memory_order_relaxed);
@@ -141,27 +141,27 @@ void SharedOutput::collect(std::size_t most_words) noexcept {
     if (returned[at].load(std::memory_order_relaxed) == 0) continue;
     std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
     for (; bits != 0; bits &= bits - 1)
-      take_back_cargo(ring_.cargo_of(at * 64 + static_cast<std::size_t>(std::countr_zero(bits))));
+      reclaim_token(ring_.token_of(at * 64 + static_cast<std::size_t>(std::countr_zero(bits))));
   }
 }
 
 void SharedOutput::ring_reader() const noexcept {
-  const std::uint64_t word = ring_.header().bell.load(std::memory_order_seq_cst);
+  const std::uint64_t word = ring_.header().doorbell.load(std::memory_order_seq_cst);
   if (word == 0) return;
-  const BellLine bell = BellLine::of(word);
-  std::byte* words = reader_->control(bell.offset, sizeof(task::BellWords));
-  if (words != nullptr) task::ring(*reinterpret_cast<task::BellWords*>(words), bell.line);
+  const DoorbellLine doorbell = DoorbellLine::of(word);
+  std::byte* words = reader_->control(doorbell.offset, sizeof(task::DoorbellWords));
+  if (words != nullptr) task::ring(*reinterpret_cast<task::DoorbellWords*>(words), doorbell.line);
 }
 
 /// While the writer may already push: the entry is one that only this uses, the word goes in only where
 /// nothing waits, and nothing of it is touched any more once it is in.
 void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
   const std::size_t entry = ring_.entries().size() - 1;
-  const auto payload = blank_ ? Payload{} : source_->take_apart(last);
+  const auto payload = untyped_ ? Payload{} : source_->take_apart(last);
   if (!payload) return;
-  give(entry, *payload, last.sequence);
-  if (!ring_.words().offer(ring_.cargo_of(entry))) {
-    take_back(entry);
+  lend(entry, *payload, last.sequence);
+  if (!ring_.words().offer(ring_.token_of(entry))) {
+    reclaim(entry);
     return;
   }
   count_one(ring_.header().initial);
@@ -203,32 +203,32 @@ bool SharedOutput::settle() {
   if (attached_) return false;
   if (abandoned_ || !ring_.current()) {
     for (std::size_t entry = 0; entry < ring_.entries().size(); ++entry)
-      take_back(entry);
+      reclaim(entry);
   } else {
     collect_all();
   }
-  if (count_out() > 0) return false;
+  if (count_lent() > 0) return false;
   source_.reset();
   return true;
 }
 
-std::size_t SharedOutput::count_out() const noexcept {
-  const auto is_out = [](const Given& given) { return given.out.load(std::memory_order_relaxed); };
-  return static_cast<std::size_t>(std::count_if(given_.get(), given_.get() + ring_.entries().size(), is_out));
+std::size_t SharedOutput::count_lent() const noexcept {
+  const auto is_out = [](const LentEntry& entry) { return entry.out.load(std::memory_order_relaxed); };
+  return static_cast<std::size_t>(std::count_if(lent_.get(), lent_.get() + ring_.entries().size(), is_out));
 }
 
 void SharedOutput::collect_all() noexcept {
   const bool closed = ring_.header().closed.load(std::memory_order_acquire) != 0;
   for (std::size_t i = 0; closed && i < ring_.words().places(); ++i) {
     const std::size_t entry = ring_.entry_of(ring_.words().remove(i));
-    if (entry < ring_.entries().size()) take_back(entry);
+    if (entry < ring_.entries().size()) reclaim(entry);
   }
   const auto returned = ring_.returned();
   for (std::size_t at = 0; at < returned.size(); ++at) {
     std::uint64_t bits = returned[at].exchange(0, std::memory_order_acq_rel);
     for (; bits != 0; bits &= bits - 1) {
       const std::size_t entry = at * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      if (entry < ring_.entries().size()) take_back(entry);
+      if (entry < ring_.entries().size()) reclaim(entry);
     }
   }
 }

@@ -40,12 +40,12 @@ class SharedOutput final : public RegisteredEndpoint,
 
   void abandon() override;
   bool settle() override;
-  [[nodiscard]] std::size_t left_out(const task::OutputPortBase& port) const override;
+  [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& port) const override;
   void release(const InputPlace& /*place*/) override {}
 
  private:
   /// An entry of the ring. While `out`, the payload belongs to whoever clears that.
-  struct Given {
+  struct LentEntry {
     std::atomic<bool> out{false};
     Payload payload;
   };
@@ -53,12 +53,12 @@ class SharedOutput final : public RegisteredEndpoint,
 
   Result<void> attach_to_port();
   Delivery deliver(task::SampleSlot& sample) noexcept;
-  void give(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept;
-  bool take_back(std::size_t entry) noexcept;
-  void take_back_cargo(std::uint64_t cargo) noexcept;
+  void lend(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept;
+  bool reclaim(std::size_t entry) noexcept;
+  void reclaim_token(std::uint64_t token) noexcept;
   void collect(std::size_t most_words) noexcept;
   void collect_all() noexcept;
-  [[nodiscard]] std::size_t count_out() const noexcept;
+  [[nodiscard]] std::size_t count_lent() const noexcept;
   void offer_last(task::SampleSlot& last) noexcept;
   void ring_reader() const noexcept;
   [[nodiscard]] bool anybody_there() const noexcept;
@@ -68,13 +68,13 @@ class SharedOutput final : public RegisteredEndpoint,
   task::OutputPortBase& port_;  ///< valid while attached
   const Policy policy_;
   const std::string reader_port_;
-  const bool blank_;
+  const bool untyped_;
   std::shared_ptr<PayloadSource> source_;  ///< until it has settled
   SharedRing ring_;
-  std::size_t left_out_;  ///< of earlier connections of the port, when this one was made
+  std::size_t in_flight_before_;  ///< of earlier connections of the port, when this one was made
 
   // The writer's, and nobody's once it has ended.
-  std::unique_ptr<Given[]> given_;
+  std::unique_ptr<LentEntry[]> lent_;
   std::vector<std::uint32_t> free_;  ///< entries that are not out
   std::size_t next_word_ = 0;        ///< of the returned bits, to be looked at
   std::atomic<std::uint64_t> corrupt_{0};

@@ -95,11 +95,11 @@ std::shared_ptr<std::byte> ControlPool::allocate(std::size_t size) {
   return {memory, [self = shared_from_this(), offset](std::byte*) { self->blocks_->release(offset); }};
 }
 
-std::shared_ptr<task::Bell> ControlPool::make_bell() {
-  std::shared_ptr<std::byte> memory = allocate(sizeof(task::BellWords));
+std::shared_ptr<task::Doorbell> ControlPool::make_doorbell() {
+  std::shared_ptr<std::byte> memory = allocate(sizeof(task::DoorbellWords));
   if (!memory) return nullptr;
-  auto* words = new (memory.get()) task::BellWords;
-  return std::make_shared<task::Bell>(std::shared_ptr<task::BellWords>(std::move(memory), words));
+  auto* words = new (memory.get()) task::DoorbellWords;
+  return std::make_shared<task::Doorbell>(std::shared_ptr<task::DoorbellWords>(std::move(memory), words));
 }
 
 std::optional<std::uint64_t> ControlPool::offset_of(const void* address) const noexcept {

@@ -6,7 +6,7 @@
 #include <segue/link/mapping.hpp>
 #include <segue/link/shared_memory.hpp>
 #include <segue/link/shared_ring.hpp>
-#include <segue/task/bell.hpp>
+#include <segue/task/doorbell.hpp>
 #include <segue/task/sample.hpp>
 
 #include <cstddef>
@@ -46,14 +46,14 @@ class PayloadPool final : public task::SampleMemory {
   std::unique_ptr<BlockPool> blocks_;
 };
 
-/// Where the rings of connections into this process lie, and its bells. Peers write there, too.
+/// Where the rings of connections into this process lie, and its doorbells. Peers write there, too.
 class ControlPool : public std::enable_shared_from_this<ControlPool> {
  public:
   static Result<std::shared_ptr<ControlPool>> create(Incarnation owner, std::size_t size);
   /// Zeros; nullptr where no room is left. Given back when the last copy goes.
   std::shared_ptr<std::byte> allocate(std::size_t size);
-  /// A bell whose words lie here; nullptr where no room is left.
-  std::shared_ptr<task::Bell> make_bell();
+  /// A doorbell whose words lie here; nullptr where no room is left.
+  std::shared_ptr<task::Doorbell> make_doorbell();
 
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
   [[nodiscard]] const BlockPool& blocks() const noexcept { return *blocks_; }
@@ -89,15 +89,15 @@ class PeerMemory {
   Mapping control_;
 };
 
-/// A line of a bell as one word, for the header of a ring.
-struct BellLine {
+/// A line of a doorbell as one word, for the header of a ring.
+struct DoorbellLine {
   static constexpr unsigned kLineBits = 12;
-  static_assert(task::BellWords::kLines == 1U << kLineBits);
+  static_assert(task::DoorbellWords::kLines == 1U << kLineBits);
   std::uint64_t offset = 0;  ///< in the reader's control pool
   unsigned line = 0;
   [[nodiscard]] std::uint64_t word() const { return offset << kLineBits | line; }
-  static BellLine of(std::uint64_t word) {
-    return {word >> kLineBits, static_cast<unsigned>(word % task::BellWords::kLines)};
+  static DoorbellLine of(std::uint64_t word) {
+    return {word >> kLineBits, static_cast<unsigned>(word % task::DoorbellWords::kLines)};
   }
 };
 

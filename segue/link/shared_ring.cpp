@@ -46,9 +46,9 @@ SharedRing::SharedRing(std::byte* memory, const Policy& policy, std::uint64_t ge
       returned_(reinterpret_cast<Word*>(memory + Layout(policy).returned), Layout(policy).returned_count),
       entries_(reinterpret_cast<RingEntry*>(memory + Layout(policy).entries), Layout(policy).entry_count) {}
 
-std::size_t SharedRing::entry_of(std::uint64_t cargo) const noexcept {
-  const std::uint64_t entry = cargo & ((std::uint64_t{1} << kEntryBits) - 1);
-  return cargo >> kEntryBits == mark_ && entry < entries_.size() ? entry : entries_.size();
+std::size_t SharedRing::entry_of(std::uint64_t token) const noexcept {
+  const std::uint64_t entry = token & ((std::uint64_t{1} << kEntryBits) - 1);
+  return token >> kEntryBits == mark_ && entry < entries_.size() ? entry : entries_.size();
 }
 
 void SharedRing::give_back(std::size_t entry) const noexcept {

@@ -20,8 +20,8 @@ struct RingHeader {
   std::atomic<std::uint64_t> size{0};
   std::atomic<std::uint64_t> init{0};
   // Of the reader, at any time.
-  alignas(64) std::atomic<std::uint64_t> bell{0};  ///< of BellLine; 0: nobody waits
-  std::atomic<std::uint64_t> closed{0};            ///< 1: the reader's endpoint has ended
+  alignas(64) std::atomic<std::uint64_t> doorbell{0};  ///< of DoorbellLine; 0: nobody waits
+  std::atomic<std::uint64_t> closed{0};                ///< 1: the reader's endpoint has ended
   std::atomic<std::uint64_t> read{0};
   // Of the writer.
   alignas(64) std::atomic<std::uint64_t> head{0};
@@ -33,7 +33,7 @@ struct RingHeader {
 
 /// A sample on its way: where its payload lies in the writer's pool.
 struct RingEntry {
-  static constexpr std::uint64_t kBlank = ~std::uint64_t{0};  ///< as offset: there is none
+  static constexpr std::uint64_t kNoPayload = ~std::uint64_t{0};  ///< as offset: there is none
   std::atomic<std::uint64_t> offset;
   std::atomic<std::uint64_t> size;
   std::atomic<std::uint64_t> sequence;
@@ -66,18 +66,18 @@ class SharedRing {
 
   /// What a word carries: an entry's number under a mark of the generation, so that whoever writes to a place
   /// that has passed to another connection is found out.
-  [[nodiscard]] std::uint64_t cargo_of(std::size_t entry) const noexcept {
+  [[nodiscard]] std::uint64_t token_of(std::size_t entry) const noexcept {
     return mark_ << kEntryBits | entry;
   }
-  /// The number of an entry; entries().size() where the cargo makes no sense.
-  [[nodiscard]] std::size_t entry_of(std::uint64_t cargo) const noexcept;
+  /// The number of an entry; entries().size() where the token makes no sense.
+  [[nodiscard]] std::size_t entry_of(std::uint64_t token) const noexcept;
   /// The reader gives an entry back. Any thread, idempotent.
   void give_back(std::size_t entry) const noexcept;
   [[nodiscard]] Counters counters() const noexcept;
 
  private:
   static constexpr unsigned kEntryBits = 20;
-  static constexpr unsigned kMarkBits = WordRing::kCargoBits - kEntryBits;
+  static constexpr unsigned kMarkBits = WordRing::kTokenBits - kEntryBits;
 
   const std::uint64_t generation_;
   const std::uint64_t mark_;

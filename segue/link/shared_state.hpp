@@ -23,7 +23,7 @@ class RegisteredEndpoint : public SharedEndpoint {
   /// It has ended: takes back what the peer has given back meanwhile. True: it waits for nothing any more.
   virtual bool settle() = 0;
   /// Samples of `port` that it has not got back although it has ended.
-  [[nodiscard]] virtual std::size_t left_out(const task::OutputPortBase& port) const = 0;
+  [[nodiscard]] virtual std::size_t in_flight(const task::OutputPortBase& port) const = 0;
   /// The peer will not touch its ring any more.
   virtual void release(const InputPlace& place) = 0;
 };
@@ -56,7 +56,7 @@ class SharedState final {
   void settle();
   void release(const InputPlace& place);
   /// Samples of a port that ended endpoints have not got back yet.
-  [[nodiscard]] std::size_t left_out(const task::OutputPortBase& port) const;
+  [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& port) const;
   /// What the shared connections of an output port have in common.
   std::shared_ptr<PayloadSource> source_of(const task::OutputPortBase& port);
   [[nodiscard]] MemoryUsage usage();

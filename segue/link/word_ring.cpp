@@ -5,18 +5,18 @@
 
 namespace segue::link {
 
-WordRing::Push WordRing::push(std::uint64_t cargo, std::uint64_t& before) noexcept {
+WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexcept {
   const std::uint64_t position = next_;
   std::atomic<Word>& place = word(position);
   // Sequentially consistent, so that either a starting reader finds the sample or the writer finds the reader
   // to be woken.
   if (kind_ == BufferKind::Buffer) {
     if (place.load(std::memory_order_acquire) != 0) return Push::Refused;
-    place.store(pack(cargo, position), std::memory_order_seq_cst);
+    place.store(pack(token, position), std::memory_order_seq_cst);
     head_->store(++next_, std::memory_order_relaxed);
     return Push::Taken;
   }
-  const Word replaced = place.exchange(pack(cargo, position), std::memory_order_seq_cst);
+  const Word replaced = place.exchange(pack(token, position), std::memory_order_seq_cst);
   head_->store(++next_, std::memory_order_release);
   before = replaced >> kPositionBits;
   return replaced == 0 ? Push::Taken : Push::Replaced;
@@ -71,9 +71,9 @@ std::uint64_t WordRing::pull_oldest() noexcept {
   return 0;
 }
 
-bool WordRing::offer(std::uint64_t cargo) noexcept {
+bool WordRing::offer(std::uint64_t token) noexcept {
   Word expected = 0;
-  return word(0).compare_exchange_strong(expected, pack(cargo, 0), std::memory_order_seq_cst);
+  return word(0).compare_exchange_strong(expected, pack(token, 0), std::memory_order_seq_cst);
 }
 
 }  // namespace segue::link

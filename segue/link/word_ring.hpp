@@ -16,7 +16,7 @@ namespace segue::link {
 class WordRing {
  public:
   using Word = std::uint64_t;  ///< 0: empty
-  static constexpr unsigned kCargoBits = 42;
+  static constexpr unsigned kTokenBits = 42;
   enum class Push { Taken, Replaced, Refused };
 
   /// `words`: as many as places(); `head`: how many were ever put in, 0 at first like the words.
@@ -26,30 +26,30 @@ class WordRing {
     return kind == BufferKind::Data ? 1 : size;
   }
 
-  /// The writer; real-time safe. Replaced: `before` is the cargo that was pushed out.
-  Push push(std::uint64_t cargo, std::uint64_t& before) noexcept;
+  /// The writer; real-time safe. Replaced: `before` is the token that was pushed out.
+  Push push(std::uint64_t token, std::uint64_t& before) noexcept;
   /// The writer: whether push() would refuse.
   [[nodiscard]] bool full() const noexcept {
     return kind_ == BufferKind::Buffer && word(next_).load(std::memory_order_acquire) != 0;
   }
-  /// The reader; real-time safe: the cargo whose turn it is, 0 where nothing waits, or where words that make
+  /// The reader; real-time safe: the token whose turn it is, 0 where nothing waits, or where words that make
   /// no sense are in the way.
   std::uint64_t pull() noexcept;
   /// The reader's thread, or any where the policy is data.
   [[nodiscard]] bool pending() const noexcept { return word(tail_).load(std::memory_order_seq_cst) != 0; }
   /// Data only, any thread but at most one: puts it in unless something waits. True: it waits now.
-  bool offer(std::uint64_t cargo) noexcept;
-  /// Takes the cargo at a place (below places()) out, 0 where there is none. The reader must not pull().
+  bool offer(std::uint64_t token) noexcept;
+  /// Takes the token at a place (below places()) out, 0 where there is none. The reader must not pull().
   std::uint64_t remove(std::size_t place) noexcept {
     return words_[place].exchange(0, std::memory_order_acq_rel) >> kPositionBits;
   }
   [[nodiscard]] std::size_t places() const noexcept { return size_; }
 
  private:
-  static constexpr unsigned kPositionBits = 64 - kCargoBits;
+  static constexpr unsigned kPositionBits = 64 - kTokenBits;
   static constexpr Word kPositionMask = (Word{1} << kPositionBits) - 1;
-  static Word pack(std::uint64_t cargo, std::uint64_t position) noexcept {
-    return cargo << kPositionBits | (position & kPositionMask);
+  static Word pack(std::uint64_t token, std::uint64_t position) noexcept {
+    return token << kPositionBits | (position & kPositionMask);
   }
   std::atomic<Word>& word(std::uint64_t position) const noexcept { return words_[position % size_]; }
   std::uint64_t pull_newest() noexcept;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/run_journal.hpp>
 
-#include <segue/base/file.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/type/json.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/child_process.hpp>
-#include <segue/base/folders.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/mission/script_process.hpp>
 
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/log.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/process/process_limits.hpp>
 

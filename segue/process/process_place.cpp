@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/error.hpp>
 #include <segue/base/lock_file.hpp>
 #include <segue/base/process_state.hpp>
-#include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/unix_socket.hpp>
 #include <segue/process/pidfd.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/log.hpp>
-#include <segue/base/folders.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/folders.hpp>
+#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/process/pidfd.hpp>
 #include <segue/process/process_cgroup.hpp>

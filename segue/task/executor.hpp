@@ -14,7 +14,7 @@
 
 namespace segue::task {
 
-class Bell;
+class Doorbell;
 
 namespace detail {
 class RunQueue;
@@ -79,10 +79,10 @@ class Executor {
   virtual void rearm(Job& job, int descriptor) noexcept = 0;
   virtual void unwatch(int descriptor) noexcept = 0;
 
-  /// The bell by which other processes wake this executor, for good; `make` makes it when it is first asked
-  /// for (nullptr: it cannot). Any thread; allocates. ResourceExhausted.
-  using BellMaker = std::function<std::shared_ptr<Bell>()>;
-  virtual Result<std::shared_ptr<Bell>> bell(const BellMaker& make) = 0;
+  /// The doorbell by which other processes wake this executor, for good; `make` makes it when it is first
+  /// asked for (nullptr: it cannot). Any thread; allocates. ResourceExhausted.
+  using DoorbellMaker = std::function<std::shared_ptr<Doorbell>()>;
+  virtual Result<std::shared_ptr<Doorbell>> doorbell(const DoorbellMaker& make) = 0;
 
   /// Whether the caller is the thread that runs the jobs.
   [[nodiscard]] virtual bool is_current() const noexcept = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/virtual_clock.hpp>
-#include <segue/task/bell.hpp>
+#include <segue/task/doorbell.hpp>
 #include <segue/task/manual_executor.hpp>
 #include <segue/task/run_queue.hpp>
 
@@ -26,9 +26,9 @@ struct ManualExecutor::Implementation {
   std::thread::id owner = std::this_thread::get_id();
   detail::RunQueue queue;
   std::vector<Watched> watched;
-  std::mutex bell_mutex;
-  std::shared_ptr<Bell> bell;  ///< set once
-  std::atomic<Bell*> rung{nullptr};
+  std::mutex doorbell_mutex;
+  std::shared_ptr<Doorbell> doorbell;  ///< set once
+  std::atomic<Doorbell*> rung{nullptr};
   std::size_t jobs = 0;
 };
 
@@ -49,7 +49,7 @@ std::size_t ManualExecutor::run_ready(std::size_t limit) {
   std::size_t count = 0;
   while (count < limit) {
     TimePoint now = implementation_->clock.now();
-    if (Bell* bell = implementation_->rung.load(std::memory_order_acquire)) bell->answer();
+    if (Doorbell* doorbell = implementation_->rung.load(std::memory_order_acquire)) doorbell->answer();
     implementation_->look_at_descriptors();
     implementation_->queue.fire(now);
     if (!implementation_->queue.run_one(now)) break;
@@ -101,15 +101,15 @@ void ManualExecutor::unwatch(int descriptor) noexcept {
   std::erase_if(implementation_->watched, [&](const auto& one) { return one.descriptor == descriptor; });
 }
 
-Result<std::shared_ptr<Bell>> ManualExecutor::bell(const BellMaker& make) {
-  const std::lock_guard lock(implementation_->bell_mutex);
-  if (!implementation_->bell) {
-    auto made = check_bell(make());
+Result<std::shared_ptr<Doorbell>> ManualExecutor::doorbell(const DoorbellMaker& make) {
+  const std::lock_guard lock(implementation_->doorbell_mutex);
+  if (!implementation_->doorbell) {
+    auto made = check_doorbell(make());
     if (!made) return made;
-    implementation_->bell = std::move(*made);
-    implementation_->rung.store(implementation_->bell.get(), std::memory_order_release);
+    implementation_->doorbell = std::move(*made);
+    implementation_->rung.store(implementation_->doorbell.get(), std::memory_order_release);
   }
-  return implementation_->bell;
+  return implementation_->doorbell;
 }
 
 bool ManualExecutor::is_current() const noexcept {

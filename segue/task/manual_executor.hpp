@@ -33,7 +33,7 @@ class ManualExecutor final : public Executor {
   void rearm(Job& job, int descriptor) noexcept override;
   void unwatch(int descriptor) noexcept override;
   /// Answered in run_ready().
-  Result<std::shared_ptr<Bell>> bell(const BellMaker& make) override;
+  Result<std::shared_ptr<Doorbell>> doorbell(const DoorbellMaker& make) override;
   [[nodiscard]] bool is_current() const noexcept override;
   [[nodiscard]] Clock& clock() noexcept override;
   /// Nothing: virtual time takes no processor.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/descriptor.hpp>
-#include <segue/task/bell.hpp>
+#include <segue/task/doorbell.hpp>
 #include <segue/task/run_queue.hpp>
 #include <segue/task/thread_executor.hpp>
 #include <segue/task/thread_start.hpp>
@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint32_t kAwake = 0;
 constexpr std::uint32_t kInFutex = 1;
 constexpr std::uint32_t kInPoll = 2;
-constexpr std::uint32_t kInBell = 3;  ///< a futex that other processes can wake
+constexpr std::uint32_t kInDoorbell = 3;  ///< a futex that other processes can wake
 
 /// After so many jobs without a pause, descriptors are looked at all the same.
 constexpr int kJobsBetweenPolls = 32;
@@ -50,7 +50,7 @@ struct ThreadExecutor::State {
   void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
   void collect_events(const timespec* timeout, TimePoint now) noexcept;
   void make_room() noexcept;
-  void sleep_in_futex(Bell* ringing, TimePoint until) noexcept;
+  void sleep_in_futex(Doorbell* ringing, TimePoint until) noexcept;
   void note_sleep(TimePoint begin) noexcept;
   Result<void> prepare_poll(const std::shared_ptr<State>& self);
   Result<void> open_poll();
@@ -66,11 +66,11 @@ struct ThreadExecutor::State {
   std::atomic<std::size_t> jobs{0};
   std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
   std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
-  std::atomic<Bell*> bell{nullptr};          ///< set once
+  std::atomic<Doorbell*> doorbell{nullptr};  ///< set once
   std::mutex descriptors_mutex;              ///< guards what follows
   int poll_descriptor = -1;
   int wake_descriptor = -1;
-  std::shared_ptr<Bell> hung;
+  std::shared_ptr<Doorbell> hung;
   std::optional<pthread_t> bridge;  ///< passes rings on while the thread waits for descriptors
   std::string name;
   Activity activity;
@@ -144,7 +144,7 @@ void ThreadExecutor::State::wake() noexcept {
   const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
   if (how == kInFutex) detail::futex_wake(sleeping, 1);
   if (how == kInPoll) eventfd_write(wake_descriptor, 1);
-  if (how == kInBell) bell.load(std::memory_order_acquire)->wake();
+  if (how == kInDoorbell) doorbell.load(std::memory_order_acquire)->wake();
 }
 
 void ThreadExecutor::State::loop() noexcept {
@@ -153,7 +153,7 @@ void ThreadExecutor::State::loop() noexcept {
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
-    Bell* const ringing = bell.load(std::memory_order_acquire);
+    Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
     if (ringing != nullptr && ringing->rung()) ringing->answer();
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
@@ -170,12 +170,12 @@ void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   make_room();
   const TimePoint until = queue.next_due();
   const bool in_poll = polls.load(std::memory_order_acquire);
-  Bell* const ringing = bell.load(std::memory_order_acquire);
-  if (ringing != nullptr) ringing->set_sleep(in_poll ? Bell::Sleep::InPoll : Bell::Sleep::InFutex);
-  const std::uint32_t how = in_poll ? kInPoll : ringing == nullptr ? kInFutex : kInBell;
+  Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
+  if (ringing != nullptr) ringing->set_sleep(in_poll ? Doorbell::Sleep::InPoll : Doorbell::Sleep::InFutex);
+  const std::uint32_t how = in_poll ? kInPoll : ringing == nullptr ? kInFutex : kInDoorbell;
   sleeping.store(how, std::memory_order_seq_cst);
   const bool changed =
-      polls.load(std::memory_order_seq_cst) != in_poll || bell.load(std::memory_order_seq_cst) != ringing;
+      polls.load(std::memory_order_seq_cst) != in_poll || doorbell.load(std::memory_order_seq_cst) != ringing;
   const bool rung = ringing != nullptr && ringing->rung();
   const bool stays = queue.has_posted() || stop.load(std::memory_order_seq_cst) || changed || rung;
   if (!stays) {
@@ -187,7 +187,7 @@ void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
     }
   }
   sleeping.store(kAwake, std::memory_order_relaxed);
-  if (ringing != nullptr) ringing->set_sleep(Bell::Sleep::Awake);
+  if (ringing != nullptr) ringing->set_sleep(Doorbell::Sleep::Awake);
   time = RealClock::instance().now();
   if (stays) return;
   awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
@@ -201,7 +201,7 @@ void ThreadExecutor::State::note_sleep(TimePoint begin) noexcept {
   awake_since.store(0, std::memory_order_relaxed);
 }
 
-void ThreadExecutor::State::sleep_in_futex(Bell* ringing, TimePoint until) noexcept {
+void ThreadExecutor::State::sleep_in_futex(Doorbell* ringing, TimePoint until) noexcept {
   if (ringing == nullptr) {
     detail::futex_wait(sleeping, kInFutex, until);
   } else {
@@ -293,21 +293,21 @@ Result<void> ThreadExecutor::State::start_bridge(const std::shared_ptr<State>& s
 void* ThreadExecutor::State::bridge_main(void* argument) {
   const std::unique_ptr<std::shared_ptr<State>> owner(static_cast<std::shared_ptr<State>*>(argument));
   State& state = **owner;
-  const std::shared_ptr<Bell> bell = state.hung;  // set before this thread was started
+  const std::shared_ptr<Doorbell> doorbell = state.hung;  // set before this thread was started
   while (!state.stop.load(std::memory_order_seq_cst)) {
-    const std::uint32_t seen = bell->rings();
+    const std::uint32_t seen = doorbell->rings();
     if (state.stop.load(std::memory_order_seq_cst)) break;
-    if (bell->rung()) state.wake();
-    bell->wait_for_ring(seen);
+    if (doorbell->rung()) state.wake();
+    doorbell->wait_for_ring(seen);
   }
   return nullptr;
 }
 
-Result<std::shared_ptr<Bell>> ThreadExecutor::bell(const BellMaker& make) {
+Result<std::shared_ptr<Doorbell>> ThreadExecutor::doorbell(const DoorbellMaker& make) {
   State& state = *state_;
   const std::lock_guard lock(state.descriptors_mutex);
   if (state.hung) return state.hung;
-  auto made = check_bell(make());
+  auto made = check_doorbell(make());
   if (!made) return made;
   state.hung = std::move(*made);
   if (state.polls.load(std::memory_order_relaxed)) {
@@ -316,7 +316,7 @@ Result<std::shared_ptr<Bell>> ThreadExecutor::bell(const BellMaker& make) {
       return std::move(started.error());
     }
   }
-  state.bell.store(state.hung.get(), std::memory_order_seq_cst);
+  state.doorbell.store(state.hung.get(), std::memory_order_seq_cst);
   state.wake();
   return state.hung;
 }

@@ -25,7 +25,7 @@ class ThreadExecutor final : public Executor {
   Result<void> watch(Job& job, int descriptor) override;
   void rearm(Job& job, int descriptor) noexcept override;
   void unwatch(int descriptor) noexcept override;
-  Result<std::shared_ptr<Bell>> bell(const BellMaker& make) override;
+  Result<std::shared_ptr<Doorbell>> doorbell(const DoorbellMaker& make) override;
   [[nodiscard]] bool is_current() const noexcept override;
   [[nodiscard]] Clock& clock() noexcept override { return RealClock::instance(); }
   [[nodiscard]] Usage usage() const override;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/task/bell.hpp>
 #include <segue/task/channel.hpp>
+#include <segue/task/doorbell.hpp>
 #include <segue/task/futex.hpp>
 #include <segue/task/port.hpp>
 
@@ -30,14 +30,14 @@ std::size_t take_lowest(std::uint64_t& bits) {
 
 }  // namespace
 
-void ring(BellWords& words, unsigned line) noexcept {
-  const std::size_t leaf = line / 64 % BellWords::kLeaves;
+void ring(DoorbellWords& words, unsigned line) noexcept {
+  const std::size_t leaf = line / 64 % DoorbellWords::kLeaves;
   words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
   words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
   std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
   const std::uint32_t mode = seen & kModeMask;
   if (mode == 0) return;
-  if (mode == static_cast<std::uint32_t>(Bell::Sleep::InPoll)) {
+  if (mode == static_cast<std::uint32_t>(Doorbell::Sleep::InPoll)) {
     // First the wake, then the note that it was woken: who dies in between leaves the next one to wake it
     // again.
     words.rings.fetch_add(1, std::memory_order_seq_cst);
@@ -51,18 +51,19 @@ void ring(BellWords& words, unsigned line) noexcept {
   futex_wake(words.sleeping, 1, FutexScope::Host);
 }
 
-Result<std::shared_ptr<Bell>> check_bell(std::shared_ptr<Bell> made) {
+Result<std::shared_ptr<Doorbell>> check_doorbell(std::shared_ptr<Doorbell> made) {
   if (made) return made;
   return fail(ErrorCode::ResourceExhausted,
               "no shared memory is left for waking a thread; give the process a larger control pool");
 }
 
-Bell::Bell(std::shared_ptr<BellWords> words)
-    : words_(std::move(words)), ports_(std::make_unique<std::atomic<InputPortBase*>[]>(BellWords::kLines)) {}
+Doorbell::Doorbell(std::shared_ptr<DoorbellWords> words)
+    : words_(std::move(words)),
+      ports_(std::make_unique<std::atomic<InputPortBase*>[]>(DoorbellWords::kLines)) {}
 
-std::optional<unsigned> Bell::add(InputPortBase& port) {
+std::optional<unsigned> Doorbell::add(InputPortBase& port) {
   const std::lock_guard lock(mutex_);
-  if (free_.empty() && next_ == BellWords::kLines) return std::nullopt;
+  if (free_.empty() && next_ == DoorbellWords::kLines) return std::nullopt;
   unsigned line = next_;
   if (free_.empty()) {
     ++next_;
@@ -75,7 +76,7 @@ std::optional<unsigned> Bell::add(InputPortBase& port) {
   return line;
 }
 
-void Bell::remove(unsigned line) {
+void Doorbell::remove(unsigned line) {
   const std::lock_guard lock(mutex_);
   ports_[line].store(nullptr, std::memory_order_seq_cst);
   const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
@@ -83,7 +84,7 @@ void Bell::remove(unsigned line) {
   free_.push_back(line);
 }
 
-void Bell::answer() noexcept {
+void Doorbell::answer() noexcept {
   const std::uint64_t count = section_.load(std::memory_order_relaxed);
   section_.store(count + 1, std::memory_order_seq_cst);
   std::uint64_t leaves = words_->summary.exchange(0, std::memory_order_seq_cst);
@@ -98,26 +99,26 @@ void Bell::answer() noexcept {
   section_.store(count + 2, std::memory_order_release);
 }
 
-void Bell::set_sleep(Sleep how) noexcept {
+void Doorbell::set_sleep(Sleep how) noexcept {
   if (how != Sleep::Awake) ++sleeps_;
   announced_ = sleeps_ << 2U | static_cast<std::uint32_t>(how);
   words_->sleeping.store(announced_, std::memory_order_seq_cst);
 }
 
-void Bell::wait(TimePoint deadline) const noexcept {
+void Doorbell::wait(TimePoint deadline) const noexcept {
   futex_wait(words_->sleeping, announced_, deadline, FutexScope::Host);
 }
 
-void Bell::wake() noexcept {
+void Doorbell::wake() noexcept {
   words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);
   futex_wake(words_->sleeping, 1, FutexScope::Host);
 }
 
-void Bell::wait_for_ring(std::uint32_t seen) const noexcept {
+void Doorbell::wait_for_ring(std::uint32_t seen) const noexcept {
   futex_wait(words_->rings, seen, detail::kNever, FutexScope::Host);
 }
 
-void Bell::ring_through() noexcept {
+void Doorbell::ring_through() noexcept {
   words_->rings.fetch_add(1, std::memory_order_seq_cst);
   futex_wake(words_->rings, 1, FutexScope::Host);
 }

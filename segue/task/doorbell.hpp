@@ -19,7 +19,7 @@ class InputPortBase;
 
 /// What other processes need to wake an executor, in memory that they may write. Whatever they write there
 /// can at worst wake it in vain or too late.
-struct BellWords {
+struct DoorbellWords {
   static constexpr std::size_t kLeaves = 64;
   static constexpr unsigned kLines = kLeaves * 64;
 
@@ -31,26 +31,26 @@ struct BellWords {
   std::array<std::atomic<std::uint64_t>, kLeaves> leaves{};  ///< a bit for each line that was rung
 };
 
-/// Rings a line (taken modulo kLines) from any process; real-time safe. Whoever dies inside leaves a bell
+/// Rings a line (taken modulo kLines) from any process; real-time safe. Whoever dies inside leaves a doorbell
 /// that others can still ring.
-void ring(BellWords& words, unsigned line) noexcept;
+void ring(DoorbellWords& words, unsigned line) noexcept;
 
 /// By which other processes tell an executor that samples wait at input ports of its tasks. Each connection
 /// has a line. The executor's thread calls what has no other remark.
-class Bell {
+class Doorbell {
  public:
   enum class Sleep : std::uint8_t { Awake, InFutex, InPoll };
 
-  /// The words must be zero, or those of a bell that is gone; the pointer keeps their memory.
-  explicit Bell(std::shared_ptr<BellWords> words);
-  Bell(const Bell&) = delete;
-  Bell& operator=(const Bell&) = delete;
+  /// The words must be zero, or those of a doorbell that is gone; the pointer keeps their memory.
+  explicit Doorbell(std::shared_ptr<DoorbellWords> words);
+  Doorbell(const Doorbell&) = delete;
+  Doorbell& operator=(const Doorbell&) = delete;
 
   /// Any thread: a line for a port; nullopt if all are taken. Allocates.
   std::optional<unsigned> add(InputPortBase& port);
   /// Any thread: the port is not told any more when it returns.
   void remove(unsigned line);
-  [[nodiscard]] const std::shared_ptr<BellWords>& words() const { return words_; }
+  [[nodiscard]] const std::shared_ptr<DoorbellWords>& words() const { return words_; }
 
   [[nodiscard]] bool rung() const noexcept { return words_->summary.load(std::memory_order_seq_cst) != 0; }
   /// Tells the ports whose lines were rung. Bounded, whatever the words say.
@@ -69,7 +69,7 @@ class Bell {
   void ring_through() noexcept;
 
  private:
-  const std::shared_ptr<BellWords> words_;
+  const std::shared_ptr<DoorbellWords> words_;
   const std::unique_ptr<std::atomic<InputPortBase*>[]> ports_;
   std::atomic<std::uint64_t> section_{0};  ///< odd: inside answer()
   std::uint32_t announced_ = 0;
@@ -79,7 +79,7 @@ class Bell {
   unsigned next_ = 0;           ///< the first that was never taken
 };
 
-/// For executors: what bell() answers where `made` is what its `make` made.
-Result<std::shared_ptr<Bell>> check_bell(std::shared_ptr<Bell> made);
+/// For executors: what doorbell() answers where `made` is what its `make` made.
+Result<std::shared_ptr<Doorbell>> check_doorbell(std::shared_ptr<Doorbell> made);
 
 }  // namespace segue::task
