@@ -17,7 +17,7 @@ namespace bench {
 namespace {
 
 /// A word to sleep on.
-struct alignas(64) Seat {
+struct alignas(64) Station {
   std::atomic<std::uint32_t> word{0};
 
   void wait(std::uint32_t old) {
@@ -41,16 +41,16 @@ bool pin_to(int cpu) {
 }
 
 Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cpu) {
-  auto seats = std::make_unique<Seat[]>(hops);
+  auto stations = std::make_unique<Station[]>(hops);
   std::vector<Duration> durations(repeats);
   std::atomic<std::size_t> arrived{0};
   segue::TimePoint begin;
-  auto relay = [&](std::size_t seat) {
+  auto relay = [&](std::size_t station) {
     if (cpu) pin_to(*cpu);
     for (std::size_t round = 0; round < repeats; ++round) {
-      seats[seat].wait(static_cast<std::uint32_t>(round));
-      if (seat + 1 < hops) {
-        seats[seat + 1].hand_over(static_cast<std::uint32_t>(round + 1));
+      stations[station].wait(static_cast<std::uint32_t>(round));
+      if (station + 1 < hops) {
+        stations[station + 1].hand_over(static_cast<std::uint32_t>(round + 1));
       } else {
         durations[round] = segue::RealClock::instance().now() - begin;
         arrived.store(round + 1, std::memory_order_release);
@@ -64,7 +64,7 @@ Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cp
   for (std::size_t round = 0; round < repeats; ++round) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));  // until everybody sleeps
     begin = segue::RealClock::instance().now();
-    seats[0].hand_over(static_cast<std::uint32_t>(round + 1));
+    stations[0].hand_over(static_cast<std::uint32_t>(round + 1));
     while (arrived.load(std::memory_order_acquire) <= round)
       std::this_thread::sleep_for(std::chrono::microseconds(200));
   }

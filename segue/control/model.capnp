@@ -65,7 +65,7 @@ struct Pair {
 struct Deployment {
   host @0 :Text;
   process @1 :Text;
-  seats @2 :List(Pair);  # task, its name inside the process
+  placements @2 :List(Pair);  # task, its name inside the process
   deployer @3 :Text;
   scheduler @4 :UInt8;
   optional @5 :Bool;

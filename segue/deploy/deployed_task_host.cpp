@@ -5,7 +5,6 @@
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/routing.hpp>
 #include <segue/deploy/wiring.hpp>
-#include <segue/model/seats.hpp>
 
 #include <algorithm>
 
@@ -35,14 +34,14 @@ void check_hosts(const model::Network& network, const std::vector<model::HostNam
 }
 
 void check_links(const model::Network& network, Diagnostics& findings) {
-  const auto seats = model::seats_of(network);
-  const auto seat_of = [&](const model::TaskId& task) {
-    const auto seat = seats.find(task);
-    return seat == seats.end() ? model::DeploymentKey{} : seat->second;
+  const auto processes = model::task_processes(network);
+  const auto process_of = [&](const model::TaskId& task) {
+    const auto process = processes.find(task);
+    return process == processes.end() ? model::DeploymentKey{} : process->second;
   };
   for (const auto& connection : network.connections) {
-    const auto from = seat_of(connection.from.task);
-    const auto to = seat_of(connection.to.task);
+    const auto from = process_of(connection.from.task);
+    const auto to = process_of(connection.to.task);
     const auto possible = from == to ? Result<void>() : detail::check_link(connection, from, to);
     if (!possible) {
       findings.error("link", to_string(connection) + ": " + possible.error().message, connection.where);
@@ -123,10 +122,11 @@ void DeployedTaskHost::expect(const model::Network& target) {
 }
 
 void DeployedTaskHost::get_ready(const model::Network& target) {
-  const auto seats = model::seats_of(target);
+  const auto processes = model::task_processes(target);
   const auto record_of = [&](const model::TaskId& task) {
-    const auto seat = seats.find(task);
-    return implementation_->fleet->find(seat == seats.end() ? model::DeploymentKey{} : seat->second);
+    const auto process = processes.find(task);
+    return implementation_->fleet->find(process == processes.end() ? model::DeploymentKey{}
+                                                                   : process->second);
   };
   std::vector<detail::Pair> pairs;
   for (const auto& connection : target.connections) {

@@ -246,8 +246,8 @@ class Move : public ::testing::Test {
   std::vector<model::TaskId> tasks_of(const char* process) {
     std::vector<model::TaskId> tasks;
     for (const auto& deployment : robot_.host.observe().deployments) {
-      for (const auto& seat : deployment.tasks) {
-        if (deployment.process.str() == process) tasks.push_back(seat.task);
+      for (const auto& placement : deployment.tasks) {
+        if (deployment.process.str() == process) tasks.push_back(placement.task);
       }
     }
     return tasks;

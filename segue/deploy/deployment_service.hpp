@@ -42,7 +42,7 @@ struct EndpointReport {
 
 /// All that a process holds, at one moment.
 struct Snapshot {
-  model::Network network;  ///< its tasks with true states, its seats, connections inside
+  model::Network network;  ///< its tasks with true states, its placements, connections inside
   std::vector<host::TaskReport> tasks;
   std::vector<host::ConnectionReport> connections;  ///< inside
   std::vector<EndpointReport> endpoints;

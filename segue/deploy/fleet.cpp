@@ -3,7 +3,6 @@
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
-#include <segue/model/seats.hpp>
 
 #include <algorithm>
 
@@ -99,7 +98,7 @@ std::vector<RecordPtr> Fleet::all() const {
 }
 
 Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const {
-  const auto place = seats_.find(id, which);
+  const auto place = placements_.find(id, which);
   if (!place) {
     return place.error();
   }
@@ -111,22 +110,22 @@ Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const
   return Located{std::move(record), place->task};
 }
 
-void Fleet::learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot) {
+void Fleet::update_placements(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot) {
   std::set<model::TaskId> tasks;
   for (const auto& task : snapshot.network.tasks) {
     tasks.insert(task.id);
   }
-  seats_.learn(record.key(), tasks, look);
+  placements_.update(record.key(), tasks, look);
 }
 
 namespace {
 
 /// What of a network a process needs to know: its tasks, and connections at them, by plain ids.
 model::Network part_of(const model::Network& network, const model::DeploymentKey& key) {
-  const auto seats = model::seats_of(network);
+  const auto processes = model::task_processes(network);
   const auto is_here = [&](const model::TaskId& task) {
-    const auto seat = seats.find(task);
-    return seat == seats.end() ? key.is_runtime() : seat->second == key;
+    const auto process = processes.find(task);
+    return process == processes.end() ? key.is_runtime() : process->second == key;
   };
   model::Network part;
   part.name = network.name;

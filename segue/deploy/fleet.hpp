@@ -4,8 +4,8 @@
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/event_queue.hpp>
 #include <segue/deploy/merged_view.hpp>
+#include <segue/deploy/placement_table.hpp>
 #include <segue/deploy/process_record.hpp>
-#include <segue/deploy/seats.hpp>
 #include <segue/deploy/worker_pool.hpp>
 
 #include <condition_variable>
@@ -55,8 +55,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
     RecordPtr record;
     model::TaskId task;
   };
-  Result<Located> locate(const model::TaskId& id, Which which = Which::Standing) const;
-  [[nodiscard]] Seats& seats() { return seats_; }
+  Result<Located> locate(const model::TaskId& id, Which which = Which::Current) const;
+  [[nodiscard]] PlacementTable& placements() { return placements_; }
 
   [[nodiscard]] WorkerPool& pool() { return pool_; }
   [[nodiscard]] EventQueue& events() { return events_; }
@@ -103,7 +103,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void tell(const ProcessRecord& record, const ProcessRecord::Change& change);
   void tell_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
   void tell_task(const model::TaskId& task, TaskState state, std::string message);
-  void learn_seats(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot);
+  void update_placements(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot);
   void watch();
 
   process::ProcessService& processes_;
@@ -113,7 +113,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   const RecordPtr own_;
   WorkerPool pool_{12, 64};
   EventQueue events_;
-  Seats seats_;
+  PlacementTable placements_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -201,7 +201,7 @@ void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
         const auto from = which.lock();
         if (self && from && !from->leaving() && !from->ended()) {
           host::TaskEvent named = event;
-          named.task = self->seats_.name(event.task, from->key());
+          named.task = self->placements_.name(event.task, from->key());
           self->events_.push(std::move(named));
         }
       });

@@ -53,7 +53,7 @@ std::vector<ProcessView> Fleet::look() {
 
 MergedView Fleet::merged_look() {
   return merge(look(), [this](const model::TaskId& task, const model::DeploymentKey& process) {
-    return seats_.name(task, process);
+    return placements_.name(task, process);
   });
 }
 
@@ -79,10 +79,10 @@ void Fleet::look_again(const std::vector<RecordPtr>& records) {
 void Fleet::take_looks(const RecordPtr& record) {
   for (bool more = true; more;) {
     const std::uint64_t number = record->next();
-    const std::uint64_t look = seats_.begin_look();
+    const std::uint64_t look = placements_.begin_poll();
     auto snapshot = look_at(record);
     if (snapshot != nullptr) {
-      learn_seats(*record, look, *snapshot);
+      update_placements(*record, look, *snapshot);
     }
     const auto finished = record->finish(number, std::move(snapshot));
     tell(*record, finished.change);
@@ -185,7 +185,7 @@ std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record)
   if (found != records_.end() && found->second == record) {
     records_.erase(found);
   }
-  return seats_.drop(record->key());
+  return placements_.drop(record->key());
 }
 
 void Fleet::release(const RecordPtr& record) {
@@ -218,11 +218,11 @@ void Fleet::tell(const ProcessRecord& record, const ProcessRecord::Change& chang
     tell_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
-    tell_task(seats_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
+    tell_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
   }
   for (const auto& task : change.hanging_no_more) {
     if (const model::Task* found = view.snapshot->network.find_task(task)) {
-      tell_task(seats_.name(task, record.key()), found->state, "its hook has returned");
+      tell_task(placements_.name(task, record.key()), found->state, "its hook has returned");
     }
   }
 }
@@ -233,7 +233,7 @@ void Fleet::tell_all_tasks(const ProcessView& view, std::optional<TaskState> sta
     return;
   }
   for (const auto& task : view.snapshot->network.tasks) {
-    tell_task(seats_.name(task.id, view.deployment.key()), state.value_or(task.state), message);
+    tell_task(placements_.name(task.id, view.deployment.key()), state.value_or(task.state), message);
   }
 }
 

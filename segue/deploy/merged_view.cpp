@@ -125,8 +125,8 @@ class Merger {
   static std::map<model::TaskId, std::string> names_in(const model::Network& network) {
     std::map<model::TaskId, std::string> names;
     for (const auto& deployment : network.deployments) {
-      for (const auto& seat : deployment.tasks) {
-        names.emplace(seat.task, seat.name);
+      for (const auto& placement : deployment.tasks) {
+        names.emplace(placement.task, placement.name);
       }
     }
     return names;

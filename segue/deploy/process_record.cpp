@@ -36,19 +36,19 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
     return snapshot_;
   }
   auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
-  model::Deployment seats;
+  model::Deployment placements;
   for (const auto& [number, made] : made_) {
     if (known->network.find_task(made.definition.id) != nullptr) {
       continue;
     }
     known->network.tasks.push_back(made.definition);
-    seats.tasks.push_back({made.definition.id, made.name});
+    placements.tasks.push_back({made.definition.id, made.name});
     host::TaskReport report;
     report.id = made.definition.id;
     report.component = made.definition.component;
     known->tasks.push_back(std::move(report));
   }
-  known->network.deployments.push_back(std::move(seats));
+  known->network.deployments.push_back(std::move(placements));
   return known;
 }
 

@@ -41,9 +41,9 @@ Which which_of(ActionKind kind) {
     case ActionKind::Stop:
     case ActionKind::Cleanup:
     case ActionKind::Disconnect:
-      return Which::Standing;
+      return Which::Current;
     default:
-      return Which::Newest;
+      return Which::Next;
   }
 }
 
@@ -182,11 +182,11 @@ Result<void> Router::place(std::size_t index, const model::Action& action, Plan&
 }
 
 Result<void> Router::place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const {
-  auto from = fleet_.locate(what.from, Which::Standing);
+  auto from = fleet_.locate(what.from, Which::Current);
   if (!from) {
     return std::move(from.error());
   }
-  auto to = fleet_.locate(what.to, Which::Newest);
+  auto to = fleet_.locate(what.to, Which::Next);
   if (!to) {
     return std::move(to.error());
   }
@@ -220,7 +220,7 @@ Result<void> Router::place_config(std::size_t index, const model::ConfigAction& 
     return fail(ErrorCode::InvalidState,
                 "process " + quote(to_string(what.process)) + " is not deployed; deploy it first");
   }
-  if (auto free = fleet_.seats().free_place(what.definition.id, what.process); !free) {
+  if (auto free = fleet_.placements().free_place(what.definition.id, what.process); !free) {
     return std::move(free.error());
   }
   plan.at_process[record].push_back(index);
@@ -286,7 +286,7 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
                        [this, record, actions, asked, outcomes](std::vector<host::Completed> ended) {
                          for (auto& one : ended) {
                            one.index = asked[one.index];
-                           note_seat(actions[one.index], record, one.outcome);
+                           note_placement(actions[one.index], record, one.outcome);
                          }
                          outcomes->add(std::move(ended));
                        });
@@ -294,28 +294,29 @@ std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, con
   return service;
 }
 
-void Router::note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome) {
+void Router::note_placement(const model::Action& action, const RecordPtr& record,
+                            const Result<void>& outcome) {
   const auto* config = std::get_if<model::ConfigAction>(&action.what);
   if (config == nullptr) {
     return;
   }
-  const Seats::Place place = Seats::place_of(config->definition.id, record->key());
+  const PlacementTable::Place place = PlacementTable::place_of(config->definition.id, record->key());
   if (outcome) {
     record->note_task(std::get<model::ConfigAction>(plain(action).what));
-    fleet_.seats().put(place);
+    fleet_.placements().put(place);
   } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
              outcome.error().code == ErrorCode::Unavailable) {
-    fleet_.seats().put_unsure(place);  // where nobody knows whether it was made, it is looked for there
+    fleet_.placements().put_unconfirmed(place);
   }
 }
 
 void Router::withdraw() {
-  fleet_.seats().withdraw();
+  fleet_.placements().withdraw();
 }
 
 void Router::conclude(const model::Transition& transition) {
   std::map<RecordPtr, model::Transition> parts;
-  for (const auto& [task, process] : fleet_.seats().conclude()) {
+  for (const auto& [task, process] : fleet_.placements().conclude()) {
     if (const auto record = fleet_.find(process)) {
       parts[record].removes.push_back(task);
     }
@@ -340,7 +341,7 @@ void Router::conclude(const model::Transition& transition) {
         return;  // the next look says what it holds
       }
       for (const auto& task : part.removes) {
-        fleet_.seats().drop({task, record->key()});
+        fleet_.placements().drop({task, record->key()});
         record->note_removed(task);
       }
     });

@@ -66,7 +66,7 @@ class Router {
   std::shared_ptr<DeploymentService> begin_at(const RecordPtr& record, const Indices& indices,
                                               std::span<const model::Action> actions, TimePoint deadline,
                                               const Outcomes& outcomes);
-  void note_seat(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
+  void note_placement(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 
   Fleet& fleet_;
   Wiring& wiring_;

@@ -104,15 +104,15 @@ void LocalTaskHost::perform_all(std::span<const model::Action> actions, TimePoin
 model::Network LocalTaskHost::observe() const {
   model::Network network;
   network.deployments = implementation_->table.processes();
-  std::map<model::DeploymentKey, model::Deployment*> seats;
+  std::map<model::DeploymentKey, model::Deployment*> deployments;
   for (auto& deployment : network.deployments) {
-    seats.emplace(deployment.key(), &deployment);
+    deployments.emplace(deployment.key(), &deployment);
   }
   for (auto& entry : implementation_->table.all()) {
     network.tasks.push_back(entry.definition);
     network.tasks.back().state = entry.state();
-    if (const auto seat = seats.find(entry.process); seat != seats.end()) {
-      seat->second->tasks.push_back({entry.definition.id, entry.name});
+    if (const auto found = deployments.find(entry.process); found != deployments.end()) {
+      found->second->tasks.push_back({entry.definition.id, entry.name});
     }
   }
   implementation_->table.for_each_wire(

@@ -123,8 +123,8 @@ class TaskHost {
   /// The same; outcomes in the order of `actions`, when all have ended.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
-  /// What truly runs, as a network: every configured or named task with its true state, properties and seat,
-  /// every connection, every deployment.
+  /// What truly runs, as a network: every configured or named task with its true state, properties and
+  /// placement, every connection, every deployment.
   [[nodiscard]] virtual model::Network observe() const = 0;
 
   [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;

@@ -87,11 +87,11 @@ void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
 }
 
 /// Names inside the process by tasks.
-using Seats = std::unordered_map<std::string_view, std::string_view>;
+using Placements = std::unordered_map<std::string_view, std::string_view>;
 
-/// The seats of tasks that the network has.
-Seats seats(const Deployment& deployment, const std::unordered_set<std::string_view>& tasks) {
-  Seats result;
+/// The placements of tasks that the network has.
+Placements placements(const Deployment& deployment, const std::unordered_set<std::string_view>& tasks) {
+  Placements result;
   for (const Placement& placement : deployment.tasks) {
     const std::string_view task = placement.task.str();
     if (tasks.contains(task)) result.try_emplace(task, placement.name);
@@ -107,7 +107,8 @@ std::unordered_set<std::string_view> task_ids(const Network& network) {
   return ids;
 }
 
-void compare_seats(const std::string& process, const Seats& a, const Seats& b, Findings& findings) {
+void compare_placements(const std::string& process, const Placements& a, const Placements& b,
+                        Findings& findings) {
   for (const auto& [task, name] : a) {
     auto other = b.find(task);
     if (other == b.end()) {
@@ -139,7 +140,8 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
     if (!deployment->same_process(*other->second)) {
       findings.add("process " + to_string(key) + ": attributes differ");
     }
-    compare_seats(to_string(key), seats(*deployment, tasks_a), seats(*other->second, tasks_b), findings);
+    compare_placements(to_string(key), placements(*deployment, tasks_a), placements(*other->second, tasks_b),
+                       findings);
   }
   for (const auto& [key, deployment] : in_b) {
     if (findings.full()) return;

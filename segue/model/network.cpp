@@ -66,4 +66,14 @@ std::string to_string(const Connection& connection) {
   return extras.empty() ? text : text + ")";
 }
 
+std::map<TaskId, DeploymentKey> task_processes(const Network& network) {
+  std::map<TaskId, DeploymentKey> processes;
+  for (const auto& deployment : network.deployments) {
+    for (const auto& placement : deployment.tasks) {
+      processes.emplace(placement.task, deployment.key());
+    }
+  }
+  return processes;
+}
+
 }  // namespace segue::model

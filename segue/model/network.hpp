@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -66,7 +67,7 @@ struct Connection {
 std::string to_string(
     const Connection& connection);  ///< "a.out -> b.in" and the policy where it is not plain data
 
-/// A task's seat in a deployment.
+/// That a deployment holds a task.
 struct Placement {
   TaskId task;
   std::string name;  ///< its name inside the process; usually the task's id
@@ -125,9 +126,13 @@ struct Network {
   friend bool operator==(const Network& a, const Network& b);
 };
 
-/// Whether both describe the same controller: names of networks, order of lists, and seats of tasks that the
-/// network lacks do not count. Linear in the size of the networks.
+/// Whether both describe the same controller: names of networks, order of lists, and placements of tasks that
+/// the network lacks do not count. Linear in the size of the networks.
 bool equivalent(const Network& a, const Network& b);
+
+/// The process of each task that a deployment holds; tasks of the runtime's own process are left out. Where
+/// several deployments name a task, the first counts. Linear in the size of the network.
+std::map<TaskId, DeploymentKey> task_processes(const Network& network);
 
 /// The first few differences as sentences ("task 'slam' is missing"), for messages and tests; empty if
 /// equivalent().

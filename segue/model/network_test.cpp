@@ -80,7 +80,7 @@ TEST(NetworkTest, connectionTellsOnlyWhatIsNotPlain) {
   EXPECT_EQ(to_string(connection), "a.out -> b.in (buffer of 10, shm)");
 }
 
-TEST(EquivalenceTest, seatOfATaskThatTheNetworkLacksDoesNotCount) {
+TEST(EquivalenceTest, placementOfATaskThatTheNetworkLacksDoesNotCount) {
   Network one = two_tasks();
   one.deployments.resize(1);
   one.deployments[0].process = ProcessName("p");

@@ -19,7 +19,7 @@ class StructureCheck {
 
   void run() {
     wires_.reserve(network_.connections.size());
-    seated_.reserve(network_.tasks.size());
+    deployment_of_.reserve(network_.tasks.size());
     for (const Task& task : network_.tasks)
       check_task(task);
     for (const Deployment& deployment : network_.deployments)
@@ -103,14 +103,14 @@ class StructureCheck {
 
   void check_placement(const Placement& placement, const Deployment& deployment, const std::string& what) {
     const std::string task = "task " + quote(placement.task.str());
-    const auto [first, fresh] = seated_.try_emplace(placement.task.str(), &deployment);
+    const auto [first, fresh] = deployment_of_.try_emplace(placement.task.str(), &deployment);
     if (!fresh) {
       error("task-in-two-deployments",
             task + " is in " + what + " and in process " + to_string(first->second->key()), deployment.where);
     }
     if (index_.task(placement.task) != nullptr) return;
     warning(
-        "unknown-seat",
+        "unknown-placement",
         what + " names " + task + ", which the network lacks" + index_.task_suggestion(placement.task.str()),
         deployment.where);
   }
@@ -186,7 +186,7 @@ class StructureCheck {
   Diagnostics& diagnostics_;
   std::unordered_map<std::string_view, const Task*> heirs_;
   std::unordered_map<DeploymentKey, const Deployment*> processes_;
-  std::unordered_map<std::string_view, const Deployment*> seated_;
+  std::unordered_map<std::string_view, const Deployment*> deployment_of_;
   std::unordered_map<std::string, const Task*> threads_;
   std::unordered_set<const Connection*, SameEnds, SameEnds> wires_;
 };

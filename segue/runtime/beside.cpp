@@ -39,12 +39,12 @@ std::set<std::string> identities(const model::Network& network) {
   return all;
 }
 
-void add_seats(model::Deployment& deployment, const model::Deployment& other) {
-  for (const auto& seat : other.tasks) {
+void add_placements(model::Deployment& deployment, const model::Deployment& other) {
+  for (const auto& placement : other.tasks) {
     const bool known = std::any_of(deployment.tasks.begin(), deployment.tasks.end(),
-                                   [&](const model::Placement& mine) { return mine.task == seat.task; });
+                                   [&](const model::Placement& mine) { return mine.task == placement.task; });
     if (!known) {
-      deployment.tasks.push_back(seat);
+      deployment.tasks.push_back(placement);
     }
   }
 }
@@ -64,7 +64,7 @@ model::Network together(model::Network first, const model::Network& second) {
     if (found == places.end()) {
       first.deployments.push_back(deployment);
     } else {
-      add_seats(first.deployments[found->second], deployment);
+      add_placements(first.deployments[found->second], deployment);
     }
   }
   const auto known = identities(first);
@@ -89,7 +89,8 @@ model::Network without(const model::Network& all, const model::Network& part) {
   const auto places = places_of(part);
   for (model::Deployment deployment : all.deployments) {
     const bool common = places.contains(deployment.key());
-    std::erase_if(deployment.tasks, [&](const model::Placement& seat) { return !left.contains(seat.task); });
+    std::erase_if(deployment.tasks,
+                  [&](const model::Placement& placement) { return !left.contains(placement.task); });
     if (!common || !deployment.tasks.empty()) {
       rest.deployments.push_back(std::move(deployment));
     }

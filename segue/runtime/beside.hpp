@@ -7,12 +7,12 @@
 /// or was left over. Linear in the size of the networks.
 namespace segue::runtime::detail {
 
-/// Everything of `first`, and what of `second` it lacks: tasks by id, processes by key (with the seats of
-/// both), connections. The name is that of `first`.
+/// Everything of `first`, and what of `second` it lacks: tasks by id, processes by key (with the placements
+/// of both), connections. The name is that of `first`.
 model::Network together(model::Network first, const model::Network& second);
 
-/// What of `all` is not in `part`: tasks by id, processes by key (of a common one the seats of the tasks that
-/// are left), connections. Without a name.
+/// What of `all` is not in `part`: tasks by id, processes by key (of a common one the placements of the tasks
+/// that are left), connections. Without a name.
 model::Network without(const model::Network& all, const model::Network& part);
 
 /// Whether `all` has everything of `part`, each exactly as `part` has it.

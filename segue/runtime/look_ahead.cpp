@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/look_ahead.hpp>
 
-#include <segue/model/seats.hpp>
 #include <segue/runtime/beside.hpp>
 #include <segue/solve/look_ahead.hpp>
 
@@ -61,8 +60,8 @@ model::Network without_processes(model::Network network, const Keys& processes) 
     if (!processes.contains(deployment.key())) {
       return false;
     }
-    for (const auto& seat : deployment.tasks) {
-      gone.insert(seat.task);
+    for (const auto& placement : deployment.tasks) {
+      gone.insert(placement.task);
     }
     return true;
   });
@@ -127,15 +126,15 @@ LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wis
 
 model::Network already_there(const model::Network& beside, const model::Network& current) {
   model::Network kept;
-  const auto seats = model::seats_of(beside);
-  const auto places = model::seats_of(current);
+  const auto processes = model::task_processes(beside);
+  const auto current_processes = model::task_processes(current);
   std::set<model::TaskId> ids;
   for (const auto& task : beside.tasks) {
     const model::Task* now = current.find_task(task.id);
-    const auto seat = seats.find(task.id);
-    const auto place = places.find(task.id);
-    const bool same_place = (seat == seats.end()) == (place == places.end()) &&
-                            (seat == seats.end() || seat->second == place->second);
+    const auto process = processes.find(task.id);
+    const auto current_process = current_processes.find(task.id);
+    const bool same_place = (process == processes.end()) == (current_process == current_processes.end()) &&
+                            (process == processes.end() || process->second == current_process->second);
     const bool stays = now != nullptr && now->component == task.component && same_place &&
                        now->same_configuration(task) && is_configured(now->state) && !is_error(now->state);
     if (stays) {
@@ -144,7 +143,8 @@ model::Network already_there(const model::Network& beside, const model::Network&
     }
   }
   for (model::Deployment deployment : beside.deployments) {
-    std::erase_if(deployment.tasks, [&](const model::Placement& seat) { return !ids.contains(seat.task); });
+    std::erase_if(deployment.tasks,
+                  [&](const model::Placement& placement) { return !ids.contains(placement.task); });
     const bool there = std::any_of(current.deployments.begin(), current.deployments.end(),
                                    [&](const model::Deployment& other) {
                                      return other.key() == deployment.key() && other.same_process(deployment);

@@ -26,8 +26,8 @@ std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
     }
   }
   for (const auto& deployment : observed.deployments) {
-    for (const auto& seat : deployment.tasks) {
-      stuck.erase(seat.task);
+    for (const auto& placement : deployment.tasks) {
+      stuck.erase(placement.task);
     }
   }
   return stuck;
@@ -41,7 +41,8 @@ model::Network with_stuck(model::Network target, const model::Network& observed)
   }
   std::erase_if(target.tasks, [&](const model::Task& task) { return stuck.contains(task.id); });
   for (auto& deployment : target.deployments) {
-    std::erase_if(deployment.tasks, [&](const model::Placement& seat) { return stuck.contains(seat.task); });
+    std::erase_if(deployment.tasks,
+                  [&](const model::Placement& placement) { return stuck.contains(placement.task); });
   }
   std::erase_if(target.connections, [&](const model::Connection& wanted) {
     const bool ends_there = stuck.contains(wanted.from.task) || stuck.contains(wanted.to.task);

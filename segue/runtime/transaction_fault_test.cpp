@@ -73,10 +73,10 @@ std::set<model::DeploymentKey> processes_of(const std::vector<model::Action>& ac
   return processes;
 }
 
-model::DeploymentKey seat_of(const model::Network& network, const model::TaskId& task) {
+model::DeploymentKey process_of(const model::Network& network, const model::TaskId& task) {
   for (const auto& deployment : network.deployments) {
-    for (const auto& seat : deployment.tasks) {
-      if (seat.task == task) {
+    for (const auto& placement : deployment.tasks) {
+      if (placement.task == task) {
         return deployment.key();
       }
     }
@@ -99,8 +99,8 @@ void expect_others_untouched(const Case& what, const FaultyHost& host) {
   }
   for (const auto& task : what.before.tasks) {
     const bool planned = planned_tasks.contains(task.id) && !in_prepare;
-    const auto seat = seat_of(what.before, task.id);
-    const bool process_went = !seat.is_runtime() && (ended.contains(seat) || host.place() == seat);
+    const auto process = process_of(what.before, task.id);
+    const bool process_went = !process.is_runtime() && (ended.contains(process) || host.place() == process);
     EXPECT_TRUE(planned || process_went || !touched.contains(task.id)) << "task " << task.id.str();
   }
 }

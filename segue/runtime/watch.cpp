@@ -21,8 +21,8 @@ class Examination {
   Examination(const model::Network& wanted, const model::Network& observed, FailurePolicy otherwise)
       : wanted_(wanted), observed_(observed), otherwise_(otherwise) {
     for (const auto& deployment : wanted.deployments) {
-      for (const auto& seat : deployment.tasks) {
-        seats_.emplace(seat.task, &deployment);
+      for (const auto& placement : deployment.tasks) {
+        deployment_of_.emplace(placement.task, &deployment);
       }
     }
     for (const auto& task : observed.tasks) {
@@ -53,8 +53,8 @@ class Examination {
     const bool gone = found == processes_.end();
     found_.push_back({deployment.key(), deployment.on_failure.value_or(otherwise_),
                       gone ? "is gone" : "does not answer", true});
-    for (const auto& seat : deployment.tasks) {
-      covered_.insert(seat.task);
+    for (const auto& placement : deployment.tasks) {
+      covered_.insert(placement.task);
     }
   }
 
@@ -89,8 +89,9 @@ class Examination {
   }
 
   void add(const model::Task& task, std::string symptom, bool needs_process) {
-    const auto seat = seats_.find(task.id);
-    const auto of_process = seat == seats_.end() ? std::nullopt : seat->second->on_failure;
+    const auto deployment = deployment_of_.find(task.id);
+    const auto of_process =
+        deployment == deployment_of_.end() ? std::nullopt : deployment->second->on_failure;
     const FailurePolicy policy = task.on_failure.value_or(of_process.value_or(otherwise_));
     found_.push_back({task.id, policy, std::move(symptom), needs_process});
     covered_.insert(task.id);
@@ -99,7 +100,7 @@ class Examination {
   const model::Network& wanted_;
   const model::Network& observed_;
   const FailurePolicy otherwise_;
-  std::map<model::TaskId, const model::Deployment*> seats_;
+  std::map<model::TaskId, const model::Deployment*> deployment_of_;
   std::map<model::TaskId, const model::Task*> tasks_;
   std::map<model::DeploymentKey, const model::Deployment*> processes_;
   std::set<model::TaskId> covered_;

@@ -23,8 +23,8 @@ Incarnations running_in(const model::Network& network) {
   for (const model::Task& task : network.tasks)
     found[task.id].component = task.component.str();
   for (const model::Deployment& deployment : network.deployments) {
-    for (const model::Placement& seat : deployment.tasks) {
-      const auto task = found.find(seat.task);
+    for (const model::Placement& placement : deployment.tasks) {
+      const auto task = found.find(placement.task);
       if (task != found.end()) task->second.process = deployment.key();
     }
   }

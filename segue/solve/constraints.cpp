@@ -74,16 +74,16 @@ class Finder {
   }
 
   /// New incarnations that cannot exist beside an old one: of the same id in the same process (or anywhere,
-  /// if that is all that can be executed), or on a seat that another task leaves.
+  /// if that is all that can be executed), or in a place that another task leaves.
   void find_places() {
-    std::optional<SeatIndex> seats;
-    if (index_.seats_renamed) seats.emplace(index_, kCurrent);
+    std::optional<OccupantIndex> occupants;
+    if (index_.tasks_renamed) occupants.emplace(index_, kCurrent);
     for (const int task : index_.target_order) {
       if (!has_new(plan_.task(task).fate)) continue;
       if (is_in_place(task)) found_.in_place[as_index(task)] = true;
       const Incarnation& target = index_.task(task).target();
       if (plan_.process(target.process) != ProcessFate::Kept) continue;
-      const int occupant = seats ? seats->find(target.process, target.name) : kNone;
+      const int occupant = occupants ? occupants->find(target.process, target.name) : kNone;
       if (occupant == kNone || occupant == task) continue;
       found_.in_place[as_index(task)] = true;
       takers_[as_index(occupant)] = task;
@@ -270,7 +270,7 @@ class Finder {
   const Index& index_;
   const Plan& plan_;
   const Nodes& nodes_;
-  std::vector<int> takers_;  ///< per task: who takes its seat
+  std::vector<int> takers_;  ///< per task: who takes its place
   std::unordered_map<std::string, std::size_t> device_numbers_;
   std::vector<Device> devices_;
   Constraints found_;

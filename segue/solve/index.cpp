@@ -48,7 +48,7 @@ class Builder {
       if (auto done = add_deployments(side); !done) return done.error();
       if (auto done = add_wires(side); !done) return done.error();
     }
-    if (auto done = check_seats(); !done) return done.error();
+    if (auto done = check_places(); !done) return done.error();
     index_.ids = std::move(ids_);
     return std::move(index_);
   }
@@ -119,7 +119,7 @@ class Builder {
     index_.processes[as_index(number)].on[side] = &deployment;
     index_.process_order[side].push_back(number);
     for (const model::Placement& placement : deployment.tasks) {
-      if (auto done = seat(side, number, placement, deployment.where); !done) return done;
+      if (auto done = place(side, number, placement, deployment.where); !done) return done;
     }
     return {};
   }
@@ -138,8 +138,8 @@ class Builder {
     return number;
   }
 
-  /// Deployments may name tasks that the network lacks: such seats are empty.
-  Result<> seat(Side side, int process, const model::Placement& placement, const SourceLocation& where) {
+  /// Deployments may name tasks that the network lacks: such placements are empty.
+  Result<> place(Side side, int process, const model::Placement& placement, const SourceLocation& where) {
     const int number = ids_.find(placement.task.str());
     if (number == kNone) return {};
     Incarnation& incarnation = index_.tasks[as_index(number)].on[side];
@@ -153,17 +153,17 @@ class Builder {
     incarnation.process = process;
     if (placement.name.empty() || placement.name == placement.task.str()) return {};
     incarnation.name = placement.name;
-    index_.seats_renamed = true;
+    index_.tasks_renamed = true;
     return {};
   }
 
-  /// Ids are unique, so two tasks can only meet on a seat where names inside processes differ from ids.
-  Result<> check_seats() const {
-    if (!index_.seats_renamed) return {};
-    const SeatIndex seats(index_, kTarget);
+  /// Ids are unique, so two tasks can only meet in a place where names inside processes differ from ids.
+  Result<> check_places() const {
+    if (!index_.tasks_renamed) return {};
+    const OccupantIndex occupants(index_, kTarget);
     for (const int number : index_.target_order) {
       const Incarnation& task = index_.task(number).target();
-      const int first = seats.find(task.process, task.name);
+      const int first = occupants.find(task.process, task.name);
       if (first == number) continue;
       return fail(ErrorCode::InvalidArgument,
                   "tasks " + quote(index_.task(first).target().task->id.str()) + " and " +
@@ -262,21 +262,22 @@ bool is_configured(const Incarnation& incarnation) {
   return segue::is_configured(incarnation.task->state);
 }
 
-SeatIndex::SeatIndex(const Index& index, Side side) : index_(index), side_(side), seats_(index.tasks.size()) {
+OccupantIndex::OccupantIndex(const Index& index, Side side)
+    : index_(index), side_(side), occupants_(index.tasks.size()) {
   for (std::size_t i = 0; i < index.tasks.size(); ++i) {
     const Incarnation& task = index.tasks[i].on[side];
-    if (task.task != nullptr) seats_.insert(hash(task.process, task.name), static_cast<int>(i));
+    if (task.task != nullptr) occupants_.insert(hash(task.process, task.name), static_cast<int>(i));
   }
 }
 
-int SeatIndex::find(int process, std::string_view name) const {
-  return seats_.find(hash(process, name), [&](int number) {
+int OccupantIndex::find(int process, std::string_view name) const {
+  return occupants_.find(hash(process, name), [&](int number) {
     const Incarnation& task = index_.task(number).on[side_];
     return task.process == process && task.name == name;
   });
 }
 
-std::size_t SeatIndex::hash(int process, std::string_view name) {
+std::size_t OccupantIndex::hash(int process, std::string_view name) {
   return model::combine_hashes(std::hash<std::string_view>{}(name), as_index(process));
 }
 

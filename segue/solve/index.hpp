@@ -67,24 +67,24 @@ struct Index {
   std::array<std::vector<int>, 2> process_order;  ///< per network, in its order
   std::array<std::vector<Wire>, 2> wires;         ///< per network, in its order
   std::size_t current_tasks = 0;
-  bool seats_renamed = false;  ///< some task has another name inside its process than its id
+  bool tasks_renamed = false;  ///< some task has another name inside its process than its id
 
   [[nodiscard]] const TaskEntry& task(int number) const { return tasks[as_index(number)]; }
   [[nodiscard]] const ProcessEntry& process(int number) const { return processes[as_index(number)]; }
 };
 
 /// Tasks of one network by their place: (process, name inside it).
-class SeatIndex {
+class OccupantIndex {
  public:
-  SeatIndex(const Index& index, Side side);
-  /// The task on that seat, or kNone.
+  OccupantIndex(const Index& index, Side side);
+  /// The task in that place, or kNone.
   [[nodiscard]] int find(int process, std::string_view name) const;
 
  private:
   static std::size_t hash(int process, std::string_view name);
   const Index& index_;
   Side side_;
-  HashIndex seats_;
+  HashIndex occupants_;
 };
 
 /// Fails (InvalidArgument) where a network names what it does not have or names a thing twice, where a target

@@ -2,8 +2,8 @@
 #include <segue/solve/component_facts.hpp>
 #include <segue/solve/index.hpp>
 #include <segue/solve/look_ahead.hpp>
+#include <segue/solve/placement_index.hpp>
 #include <segue/solve/plan.hpp>
-#include <segue/solve/seats.hpp>
 
 #include <string>
 #include <unordered_map>
@@ -22,8 +22,8 @@ class Warmer {
         wanted_(wanted),
         result_(running),
         components_(catalog),
-        seats_(running),
-        wanted_seats_(wanted) {}
+        placements_(running),
+        wanted_placements_(wanted) {}
 
   model::Network warm() {
     hold_devices();
@@ -40,15 +40,15 @@ class Warmer {
   /// A task in Fatal may hold its devices until its process is gone, which no new task shall live in.
   void hold_devices() {
     for (const model::Task& task : running_.tasks) {
-      if (task.state == TaskState::Fatal) others_.insert(seats_.place_of(task.id).process);
+      if (task.state == TaskState::Fatal) others_.insert(placements_.place_of(task.id).process);
       if (!is_configured(task.state) && task.state != TaskState::Fatal) continue;
-      for (std::string& device : devices_of(task, seats_))
+      for (std::string& device : devices_of(task, placements_))
         held_.insert(std::move(device));
     }
   }
 
-  std::vector<std::string> devices_of(const model::Task& task, const Seats& seats) {
-    return exclusive_devices(task, components_.of(task.component), seats.place_of(task.id).process);
+  std::vector<std::string> devices_of(const model::Task& task, const PlacementIndex& placements) {
+    return exclusive_devices(task, components_.of(task.component), placements.place_of(task.id).process);
   }
 
   void add_processes() {
@@ -68,8 +68,8 @@ class Warmer {
   /// Processes that hold the tasks they were built with go when another component is wanted there.
   void find_full_processes() {
     for (const model::Task& task : wanted_.tasks) {
-      const Place place = wanted_seats_.place_of(task.id);
-      const model::Task* occupant = seats_.occupant(place);
+      const Place place = wanted_placements_.place_of(task.id);
+      const model::Task* occupant = placements_.occupant(place);
       if (occupant == nullptr || place.process.is_runtime() || occupant->component == task.component)
         continue;
       const std::size_t process = processes_.at(place.process);
@@ -78,14 +78,14 @@ class Warmer {
   }
 
   void add_task(const model::Task& task) {
-    const Place place = wanted_seats_.place_of(task.id);
+    const Place place = wanted_placements_.place_of(task.id);
     const bool can_be =
-        !seats_.has_task(task.id) && !others_.contains(place.process) && !seats_.is_taken(place);
+        !placements_.has_task(task.id) && !others_.contains(place.process) && !placements_.is_taken(place);
     if (!can_be) return;
     model::Task made = task;
     made.state =
         is_configured(task.state) && take_devices(task) ? TaskState::Stopped : TaskState::PreOperational;
-    forget_empty_seat(task.id);
+    forget_empty_placement(task.id);
     if (!place.process.is_runtime()) {
       result_.deployments[processes_.at(place.process)].tasks.push_back({task.id, place.name});
     }
@@ -94,16 +94,16 @@ class Warmer {
   }
 
   /// Deployments may name tasks that their network lacks.
-  void forget_empty_seat(const model::TaskId& id) {
-    const auto process = processes_.find(seats_.place_of(id).process);
+  void forget_empty_placement(const model::TaskId& id) {
+    const auto process = processes_.find(placements_.place_of(id).process);
     if (process == processes_.end()) return;
     std::erase_if(result_.deployments[process->second].tasks,
-                  [&](const model::Placement& seat) { return seat.task == id; });
+                  [&](const model::Placement& placement) { return placement.task == id; });
   }
 
   /// All of them, or none where somebody has one.
   bool take_devices(const model::Task& task) {
-    std::vector<std::string> wanted = devices_of(task, wanted_seats_);
+    std::vector<std::string> wanted = devices_of(task, wanted_placements_);
     for (const std::string& device : wanted) {
       if (held_.contains(device)) return false;
     }
@@ -122,7 +122,7 @@ class Warmer {
   bool has_port(const model::PortRef& port, model::Direction direction) {
     const auto made = made_.find(port.task.str());
     if (made == made_.end()) return false;
-    const model::Task& task = *wanted_seats_.task(port.task);
+    const model::Task& task = *wanted_placements_.task(port.task);
     return is_configured(made->second) || !is_dynamic(components_.of(task.component), port.port, direction);
   }
 
@@ -130,8 +130,8 @@ class Warmer {
   const model::Network& wanted_;
   model::Network result_;  ///< grows, so nothing may point into it
   KnownComponents components_;
-  Seats seats_;
-  Seats wanted_seats_;
+  PlacementIndex placements_;
+  PlacementIndex wanted_placements_;
   std::unordered_set<std::string> held_;                             ///< devices
   std::unordered_map<model::DeploymentKey, std::size_t> processes_;  ///< of the result
   std::unordered_set<model::DeploymentKey> others_;                  ///< that nothing can be made in

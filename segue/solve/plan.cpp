@@ -127,8 +127,8 @@ class Planner {
   /// A process that another deployer starts holds the tasks it was built with: another component under a name
   /// that it has needs a new process.
   void redeploy_full_processes() {
-    if (index_.seats_renamed) {
-      redeploy_by_seat();
+    if (index_.tasks_renamed) {
+      redeploy_by_place();
       return;
     }
     for (const TaskEntry& task : index_.tasks) {
@@ -136,11 +136,11 @@ class Planner {
     }
   }
 
-  void redeploy_by_seat() {
-    const SeatIndex seats(index_, kCurrent);
+  void redeploy_by_place() {
+    const OccupantIndex occupants(index_, kCurrent);
     for (const int number : index_.target_order) {
       const Incarnation& task = index_.task(number).target();
-      const int occupant = seats.find(task.process, task.name);
+      const int occupant = occupants.find(task.process, task.name);
       if (occupant != kNone) redeploy_if_other(index_.task(occupant).current(), task);
     }
   }

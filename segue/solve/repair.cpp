@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/solve/component_facts.hpp>
+#include <segue/solve/placement_index.hpp>
 #include <segue/solve/plan.hpp>
 #include <segue/solve/repair.hpp>
-#include <segue/solve/seats.hpp>
 
 #include <algorithm>
 #include <string>
@@ -36,8 +36,8 @@ class Scope {
 
   [[nodiscard]] bool has(const model::TaskId& task) const { return tasks_.contains(task); }
   [[nodiscard]] bool has(const model::DeploymentKey& process) const { return processes_.contains(process); }
-  [[nodiscard]] const Seats& now() const { return now_; }
-  [[nodiscard]] const Seats& then() const { return then_; }
+  [[nodiscard]] const PlacementIndex& now() const { return now_; }
+  [[nodiscard]] const PlacementIndex& then() const { return then_; }
   ComponentFacts component(const model::Task& task) { return components_.of(task.component); }
 
   [[nodiscard]] RepairScope listed() const {
@@ -67,8 +67,8 @@ class Scope {
     }
   }
 
-  std::vector<std::string> devices_of(const model::Task& task, const Seats& seats) {
-    return exclusive_devices(task, components_.of(task.component), seats.place_of(task.id).process);
+  std::vector<std::string> devices_of(const model::Task& task, const PlacementIndex& placements) {
+    return exclusive_devices(task, components_.of(task.component), placements.place_of(task.id).process);
   }
 
   void widen() {
@@ -105,8 +105,8 @@ class Scope {
   const model::Network& observed_;
   const model::Network& belief_;
   KnownComponents components_;
-  Seats now_;
-  Seats then_;
+  PlacementIndex now_;
+  PlacementIndex then_;
   std::unordered_map<model::DeploymentKey, const model::Deployment*> observed_processes_;
   std::unordered_map<std::string, const model::Task*> holders_;
   std::unordered_set<model::TaskId> tasks_;

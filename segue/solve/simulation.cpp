@@ -220,13 +220,13 @@ Result<> Simulation::apply(const model::ConfigAction& action) {
   const int process = find_process(action.process);
   if (process == kNone) return refuse("process " + quote(to_string(action.process)) + " does not run");
   const int newest = find_newest(action.definition.id);
-  const int occupant = find_seat(process, action.name);
+  const int occupant = find_occupant(process, action.name);
   if (occupant != kNone && occupant == newest &&
       task(newest).definition->component == action.definition.component) {
     return apply_again(newest, action);
   }
   if (occupant != kNone) {
-    if (auto done = take_seat(occupant, process, action); !done) return done;
+    if (auto done = take_place(occupant, process, action); !done) return done;
   }
   if (newest != kNone) {
     if (auto done = make_going(pairs_[as_index(task(newest).id)]); !done) return done;
@@ -251,7 +251,7 @@ Result<> Simulation::apply_again(int number, const model::ConfigAction& action) 
 }
 
 /// A new incarnation comes where another sits.
-Result<> Simulation::take_seat(int occupant, int process, const model::ConfigAction& action) {
+Result<> Simulation::take_place(int occupant, int process, const model::ConfigAction& action) {
   const Instance& other = task(occupant);
   if (!is_resting(occupant)) {
     return refuse(state_of(other.definition->id, other.state) + " or connected, and " +

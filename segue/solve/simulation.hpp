@@ -84,7 +84,7 @@ class Simulation {
   Result<> undeploy(const model::DeploymentAction& action);
   Result<> apply(const model::ConfigAction& action);
   Result<> apply_again(int task, const model::ConfigAction& action);
-  Result<> take_seat(int occupant, int process, const model::ConfigAction& action);
+  Result<> take_place(int occupant, int process, const model::ConfigAction& action);
   Result<> make_going(Pair& pair);
 
   int add_task(const model::Task& definition, int process, std::string_view name);
@@ -93,7 +93,7 @@ class Simulation {
   void drop_task(int task);
 
   [[nodiscard]] int find_process(const model::DeploymentKey& key) const;
-  [[nodiscard]] int find_seat(int process, std::string_view name) const;
+  [[nodiscard]] int find_occupant(int process, std::string_view name) const;
   [[nodiscard]] int find_newest(const model::TaskId& id) const;
   [[nodiscard]] int newest_of(const Pair& pair) const;
   [[nodiscard]] int subject_of(const model::Action& action) const;
@@ -121,7 +121,7 @@ class Simulation {
   Interner ids_;
   std::vector<Pair> pairs_;  ///< by the number of the id
   HashIndex process_numbers_;
-  HashIndex seats_;
+  HashIndex occupants_;
   HashIndex wires_by_ends_;
   std::unordered_map<std::string, int> holders_;  ///< per device
 };

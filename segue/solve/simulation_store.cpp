@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/solve/index.hpp>
-#include <segue/solve/seats.hpp>
+#include <segue/solve/placement_index.hpp>
 #include <segue/solve/simulation.hpp>
 
 #include <utility>
@@ -16,7 +16,7 @@ using model::ActionKind;
 /// What the runtime's own process would be deployed as.
 const model::Deployment kRuntimeItself;
 
-std::size_t hash_of_seat(int process, std::string_view name) {
+std::size_t hash_of_place(int process, std::string_view name) {
   return model::combine_hashes(std::hash<std::string_view>{}(name), as_index(process));
 }
 
@@ -27,7 +27,7 @@ Simulation::Simulation(const model::ComponentCatalog& catalog, Interner ids)
       ids_(std::move(ids)),
       pairs_(ids_.size()),
       process_numbers_(0),
-      seats_(ids_.size()),
+      occupants_(ids_.size()),
       wires_by_ends_(ids_.size()) {
   processes_.push_back({&kRuntimeItself, true, {}});
 }
@@ -39,7 +39,7 @@ int Simulation::add_task(const model::Task& definition, int process, std::string
   pairs_[as_index(id)].newest = number;
   tasks_.push_back({&definition, components_.of(definition.component), id, process, name});
   processes_[as_index(process)].tasks.push_back(number);
-  seats_.insert(hash_of_seat(process, name), number);
+  occupants_.insert(hash_of_place(process, name), number);
   return number;
 }
 
@@ -81,8 +81,8 @@ int Simulation::find_process(const model::DeploymentKey& key) const {
   });
 }
 
-int Simulation::find_seat(int process, std::string_view name) const {
-  return seats_.find(hash_of_seat(process, name), [&](int number) {
+int Simulation::find_occupant(int process, std::string_view name) const {
+  return occupants_.find(hash_of_place(process, name), [&](int number) {
     return task(number).exists && task(number).process == process && task(number).name == name;
   });
 }
@@ -186,7 +186,7 @@ Result<model::Network> Simulation::network() const {
   model::Network network;
   network.tasks.reserve(tasks_.size());
   network.connections.reserve(wires_.size());
-  std::vector<std::vector<model::Placement>> seats(processes_.size());
+  std::vector<std::vector<model::Placement>> placements(processes_.size());
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     const Instance& found = tasks_[i];
     const int number = static_cast<int>(i);
@@ -194,7 +194,7 @@ Result<model::Network> Simulation::network() const {
     if (is_newest(number)) {
       network.tasks.push_back(*found.definition);
       network.tasks.back().state = found.state;
-      seats[as_index(found.process)].push_back({found.definition->id, std::string(found.name)});
+      placements[as_index(found.process)].push_back({found.definition->id, std::string(found.name)});
     } else if (!is_resting(number)) {
       return fail(ErrorCode::InvalidState,
                   "the old incarnation of task " + quote(found.definition->id.str()) + " is left in state " +
@@ -205,7 +205,7 @@ Result<model::Network> Simulation::network() const {
   for (std::size_t i = 1; i < processes_.size(); ++i) {
     if (!processes_[i].running) continue;
     network.deployments.push_back(*processes_[i].deployment);
-    network.deployments.back().tasks = std::move(seats[i]);
+    network.deployments.back().tasks = std::move(placements[i]);
   }
   for (const Wire& wire : wires_) {
     if (wire.exists) network.connections.push_back(*wire.connection);

@@ -153,7 +153,7 @@ TEST(Diff, RefusesTwoConnectionsBetweenTheSamePorts) {
   EXPECT_THAT(error_of(current, target).message, HasSubstr("same ports"));
 }
 
-TEST(Diff, RefusesTwoTasksOnOneSeat) {
+TEST(Diff, RefusesTwoTasksInOnePlace) {
   Network target;
   target.tasks = {task("a"), task("b")};
   target.deployments = {process("p", {"a", "b"})};

@@ -157,7 +157,7 @@ RC_GTEST_PROP(TransitionProperties, BreakNoRuleInAnyOrderTheyAllow, (std::uint64
 RC_GTEST_PROP(TransitionProperties, HandOverWhatTasksRemember, (std::uint64_t seed)) {
   segue::testing::PairShape shape;
   shape.devices = false;
-  shape.odd_seats = false;
+  shape.odd_names = false;
   shape.foreign = false;
   shape.same_processes = true;
   shape.errors = false;

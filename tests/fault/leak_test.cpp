@@ -53,8 +53,8 @@ class Leaks : public DeployedRobotTest {
   static std::size_t crossings(const model::Network& network) {
     std::map<model::TaskId, std::string> homes;
     for (const auto& deployment : network.deployments) {
-      for (const auto& seat : deployment.tasks)
-        homes[seat.task] = deployment.process.str();
+      for (const auto& placement : deployment.tasks)
+        homes[placement.task] = deployment.process.str();
     }
     return static_cast<std::size_t>(std::count_if(
         network.connections.begin(), network.connections.end(), [&](const model::Connection& connection) {

@@ -15,7 +15,7 @@ inline NetworkShape everything() {
   NetworkShape shape;
   shape.error_states = true;
   shape.awkward_text = true;
-  shape.foreign_seats = true;
+  shape.foreign_placements = true;
   return shape;
 }
 
@@ -55,7 +55,7 @@ inline model::Action random_action(Random& random, const model::Network& network
       [[fallthrough]];
     default:
       action.kind = model::ActionKind::ApplyConfig;
-      model::ConfigAction config{task, {}, one_in(random, 2) ? task.id.str() : "seat"};
+      model::ConfigAction config{task, {}, one_in(random, 2) ? task.id.str() : "other_name"};
       if (one_in(random, 2)) config.process = {model::HostName("base"), model::ProcessName("p")};
       if (one_in(random, 4)) config.process = {model::kLocalHost, {}};
       action.what = config;

@@ -25,18 +25,18 @@ using Random = std::mt19937_64;
 
 /// What a random network may contain.
 struct NetworkShape {
-  int tasks = 8;               ///< how many tasks, at most
-  int processes = 3;           ///< how many deployments, at most; some tasks stay in the runtime's process
-  int connections = 12;        ///< how many connections, at most
-  int components = 4;          ///< names of components: demo::C0 ...
-  int ports = 3;               ///< out0 ..., in0 ...
-  bool target_states = true;   ///< also PreOperational and Stopped
-  bool error_states = false;   ///< also RunTimeError, Exception and Fatal (beliefs)
-  bool properties = true;      ///< properties and sections
-  bool awkward_text = false;   ///< texts that are hard to quote, extreme numbers
-  bool attributes = true;      ///< activities, devices, takes_over, attributes of processes
-  bool policies = true;        ///< other than plain data
-  bool foreign_seats = false;  ///< deployments may name tasks that the network lacks
+  int tasks = 8;              ///< how many tasks, at most
+  int processes = 3;          ///< how many deployments, at most; some tasks stay in the runtime's process
+  int connections = 12;       ///< how many connections, at most
+  int components = 4;         ///< names of components: demo::C0 ...
+  int ports = 3;              ///< out0 ..., in0 ...
+  bool target_states = true;  ///< also PreOperational and Stopped
+  bool error_states = false;  ///< also RunTimeError, Exception and Fatal (beliefs)
+  bool properties = true;     ///< properties and sections
+  bool awkward_text = false;  ///< texts that are hard to quote, extreme numbers
+  bool attributes = true;     ///< activities, devices, takes_over, attributes of processes
+  bool policies = true;       ///< other than plain data
+  bool foreign_placements = false;  ///< deployments may name tasks that the network lacks
 };
 
 /// From 0 to `most`.
@@ -198,19 +198,19 @@ inline Policy random_policy(Random& random) {
 }
 
 /// Puts most tasks into the deployments, each at most once.
-inline void seat_tasks(Random& random, const NetworkShape& shape, model::Network& network) {
+inline void place_tasks(Random& random, const NetworkShape& shape, model::Network& network) {
   for (model::Deployment& deployment : network.deployments)
     deployment.tasks.clear();
   if (network.deployments.empty()) return;
   for (const model::Task& task : network.tasks) {
     if (one_in(random, 5)) continue;
-    auto& seats = network
-                      .deployments[static_cast<std::size_t>(
-                          up_to(random, static_cast<int>(network.deployments.size()) - 1))]
-                      .tasks;
-    seats.push_back({task.id, one_in(random, 6) ? "seat_of_" + task.id.str() : task.id.str()});
+    auto& placements = network
+                           .deployments[static_cast<std::size_t>(
+                               up_to(random, static_cast<int>(network.deployments.size()) - 1))]
+                           .tasks;
+    placements.push_back({task.id, one_in(random, 6) ? "name_of_" + task.id.str() : task.id.str()});
   }
-  if (shape.foreign_seats && one_in(random, 2)) {
+  if (shape.foreign_placements && one_in(random, 2)) {
     network.deployments.front().tasks.push_back({model::TaskId("absent"), "absent"});
   }
 }
@@ -241,7 +241,7 @@ inline model::Network random_network(Random& random, const NetworkShape& shape =
     network.tasks.push_back(random_task(random, shape, "t" + std::to_string(i)));
   for (int i = up_to(random, shape.processes); i > 0; --i)
     network.deployments.push_back(random_deployment(random, shape, i));
-  seat_tasks(random, shape, network);
+  place_tasks(random, shape, network);
   add_connections(random, shape, network);
   return network;
 }
@@ -269,8 +269,8 @@ inline model::Network random_variation(Random& random, model::Network network,
   for (const model::Task& task : network.tasks)
     left.insert(task.id);
   for (model::Deployment& deployment : network.deployments)
-    std::erase_if(deployment.tasks, [&](const auto& seat) { return !left.contains(seat.task); });
-  if (one_in(random, 3)) seat_tasks(random, shape, network);
+    std::erase_if(deployment.tasks, [&](const auto& placement) { return !left.contains(placement.task); });
+  if (one_in(random, 3)) place_tasks(random, shape, network);
   std::erase_if(network.connections, [&](const model::Connection& connection) {
     return !left.contains(connection.from.task) || !left.contains(connection.to.task) || one_in(random, 4);
   });

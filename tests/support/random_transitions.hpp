@@ -12,7 +12,7 @@
 #include <vector>
 
 /// Pairs of networks that give the solver work: what runs, in any state, and what shall run. Both share names
-/// on purpose: ids change components and processes, seats change hands, devices change holders. Whatever
+/// on purpose: ids change components and processes, places change hands, devices change holders. Whatever
 /// comes out is valid; a seed reproduces it.
 namespace segue::testing {
 
@@ -22,7 +22,7 @@ struct PairShape {
   int connections = 9;
   bool errors = true;           ///< what runs may be in error
   bool devices = true;          ///< exclusive ones
-  bool odd_seats = true;        ///< names in processes that are not ids
+  bool odd_names = true;        ///< names in processes that are not ids
   bool foreign = true;          ///< processes of another deployer
   bool same_processes = false;  ///< processes never change
 };
@@ -81,7 +81,7 @@ class PairGenerator {
     for (int i = 0; i < shape_.processes; ++i) {
       if (!one_in(3)) network.deployments.push_back(process(i));
     }
-    seat(network);
+    place_tasks(network);
     settle_devices(network, catalog);
     wire(network, catalog);
     return network;
@@ -116,19 +116,19 @@ class PairGenerator {
     return process;
   }
 
-  void seat(model::Network& network) {
+  void place_tasks(model::Network& network) {
     for (model::Deployment& process : network.deployments)
       process.tasks.clear();
     const int processes = static_cast<int>(network.deployments.size());
     if (processes == 0) return;
     for (const model::Task& task : network.tasks) {
       if (one_in(4)) continue;
-      auto& seats = network.deployments[static_cast<std::size_t>(up_to(processes - 1))].tasks;
+      auto& placements = network.deployments[static_cast<std::size_t>(up_to(processes - 1))].tasks;
       std::string name = task.id.str();
-      if (shape_.odd_seats && one_in(3)) name = "seat" + std::to_string(up_to(1));
+      if (shape_.odd_names && one_in(3)) name = "name" + std::to_string(up_to(1));
       const bool taken =
-          std::any_of(seats.begin(), seats.end(), [&](const auto& s) { return s.name == name; });
-      seats.push_back({task.id, taken ? task.id.str() : name});
+          std::any_of(placements.begin(), placements.end(), [&](const auto& s) { return s.name == name; });
+      placements.push_back({task.id, taken ? task.id.str() : name});
     }
     if (one_in(4)) network.deployments.front().tasks.push_back({model::TaskId("absent"), "absent"});
   }
@@ -202,7 +202,7 @@ class PairGenerator {
     for (const auto& task : network.tasks)
       left.insert(task.id);
     for (auto& process : network.deployments) {
-      std::erase_if(process.tasks, [&](const auto& seat) { return !left.contains(seat.task); });
+      std::erase_if(process.tasks, [&](const auto& placement) { return !left.contains(placement.task); });
     }
     settle_devices(network, pair.catalog);
     wire(network, pair.catalog);
@@ -233,7 +233,7 @@ class PairGenerator {
         task.properties.as_map().set("gain", 7);
         return;
       case 5:
-        seat(network);
+        place_tasks(network);
         return;
       case 6:
         if (!network.connections.empty()) network.connections.pop_back();
@@ -259,8 +259,8 @@ class PairGenerator {
   void disturb(NetworkPair& pair) {
     std::set<model::TaskId> deployed;
     for (const auto& process : pair.current.deployments) {
-      for (const auto& seat : process.tasks)
-        deployed.insert(seat.task);
+      for (const auto& placement : process.tasks)
+        deployed.insert(placement.task);
     }
     for (model::Task& task : pair.current.tasks) {
       if (!one_in(4)) continue;

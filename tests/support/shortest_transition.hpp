@@ -85,12 +85,12 @@ class ShortestTransition {
     bool now = false;
     bool then = false;
   };
-  struct Seat {
+  struct Occupancy {
     Occupant occupant = kNobody;
     TaskState state = TaskState::PreOperational;
   };
   struct State {
-    std::vector<Seat> slots;
+    std::vector<Occupancy> slots;
     std::vector<Attributes> processes;
     std::vector<bool> wires;
   };
@@ -106,10 +106,10 @@ class ShortestTransition {
     model::DeploymentKey key;
     std::string name = task.id.str();
     for (const auto& deployment : network.deployments) {
-      for (const auto& seat : deployment.tasks) {
-        if (seat.task != task.id) continue;
+      for (const auto& placement : deployment.tasks) {
+        if (placement.task != task.id) continue;
         key = deployment.key();
-        name = seat.name;
+        name = placement.name;
       }
     }
     const auto process = static_cast<std::size_t>(&process_of(key) - processes_.data());
@@ -155,9 +155,9 @@ class ShortestTransition {
   State initial() {
     State state;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      Seat seat;
-      if (slots_[i].now) seat = {same_definition(i) ? kNew : kOld, slots_[i].now->state};
-      state.slots.push_back(seat);
+      Occupancy occupancy;
+      if (slots_[i].now) occupancy = {same_definition(i) ? kNew : kOld, slots_[i].now->state};
+      state.slots.push_back(occupancy);
     }
     for (const auto& process : processes_) {
       const bool same = process.now && process.then && process.now->same_process(*process.then);
@@ -186,9 +186,10 @@ class ShortestTransition {
 
   Key pack(const State& state) const {
     Key key = 0;
-    for (const Seat& seat : state.slots) {
-      key = key * 13 +
-            (seat.occupant == kNobody ? 0 : 1 + 6 * (seat.occupant - 1) + static_cast<Key>(seat.state));
+    for (const Occupancy& occupancy : state.slots) {
+      key = key * 13 + (occupancy.occupant == kNobody
+                            ? 0
+                            : 1 + 6 * (occupancy.occupant - 1) + static_cast<Key>(occupancy.state));
     }
     for (const Attributes attributes : state.processes)
       key = key * 3 + attributes;
@@ -198,7 +199,7 @@ class ShortestTransition {
   }
 
   State unpack(Key key) const {
-    State state{std::vector<Seat>(slots_.size()), std::vector<Attributes>(processes_.size()),
+    State state{std::vector<Occupancy>(slots_.size()), std::vector<Attributes>(processes_.size()),
                 std::vector<bool>(wires_.size())};
     const auto take = [&](Key base) {
       const Key digit = key % base;
@@ -232,26 +233,26 @@ class ShortestTransition {
   }
 
   [[nodiscard]] int bound(const State& state, std::size_t i) const {
-    const Seat& seat = state.slots[i];
+    const Occupancy& occupancy = state.slots[i];
     const bool lasts = state.processes[slots_[i].process] != kAsNow;  // else it goes with its process
-    const bool stays = lasts && (seat.occupant == kNew || (seat.occupant == kOld && same_task(i)));
+    const bool stays = lasts && (occupancy.occupant == kNew || (occupancy.occupant == kOld && same_task(i)));
     if (!slots_[i].then || !stays) {
-      const int down = seat.occupant == kNobody           ? 0
-                       : seat.state == TaskState::Stopped ? 1
-                       : configured(seat.state)           ? 2
-                                                          : 0;
+      const int down = occupancy.occupant == kNobody           ? 0
+                       : occupancy.state == TaskState::Stopped ? 1
+                       : configured(occupancy.state)           ? 2
+                                                               : 0;
       if (!slots_[i].then) return down;
       return down + 1 + static_cast<int>(slots_[i].then->state);
     }
-    return (seat.occupant == kOld ? 1 : 0) + (seat.state == slots_[i].then->state ? 0 : 1);
+    return (occupancy.occupant == kOld ? 1 : 0) + (occupancy.state == slots_[i].then->state ? 0 : 1);
   }
 
   /// bound() is zero where wires, processes and wanted tasks are right; this looks at what is left over.
   [[nodiscard]] bool is_target(const State& state) const {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      const Seat& seat = state.slots[i];
-      if (slots_[i].then || seat.occupant == kNobody) continue;
-      if (seat.state != TaskState::PreOperational) return false;
+      const Occupancy& occupancy = state.slots[i];
+      if (slots_[i].then || occupancy.occupant == kNobody) continue;
+      if (occupancy.state != TaskState::PreOperational) return false;
     }
     return true;
   }
@@ -270,14 +271,14 @@ class ShortestTransition {
 
   template <class Visit>
   void expand_life_cycle(const State& state, std::size_t i, const Visit& visit) {
-    const Seat& seat = state.slots[i];
-    if (seat.occupant == kNobody) return;
+    const Occupancy& occupancy = state.slots[i];
+    if (occupancy.occupant == kNobody) return;
     const auto go = [&](TaskState next) {
       State after = state;
       after.slots[i].state = next;
       visit(after);
     };
-    switch (seat.state) {
+    switch (occupancy.state) {
       case TaskState::RunTimeError:
         go(TaskState::Running);
         go(TaskState::Stopped);
@@ -311,9 +312,9 @@ class ShortestTransition {
   bool devices_free(const State& state, std::size_t slot) const {
     const auto mine = devices(*task_in(state, slot));
     for (std::size_t i = 0; !mine.empty() && i < slots_.size(); ++i) {
-      const Seat& seat = state.slots[i];
-      if (i == slot || seat.occupant == kNobody) continue;
-      if (!configured(seat.state) && seat.state != TaskState::Fatal) continue;
+      const Occupancy& occupancy = state.slots[i];
+      if (i == slot || occupancy.occupant == kNobody) continue;
+      if (!configured(occupancy.state) && occupancy.state != TaskState::Fatal) continue;
       for (const auto& device : devices(*task_in(state, i))) {
         if (std::find(mine.begin(), mine.end(), device) != mine.end()) return false;
       }
@@ -350,18 +351,18 @@ class ShortestTransition {
 
   template <class Visit>
   void expand_apply(const State& state, std::size_t i, const Visit& visit) {
-    const Seat& seat = state.slots[i];
-    if (!slots_[i].then || seat.occupant == kNew || state.processes[slots_[i].process] == kOff) return;
+    const Occupancy& occupancy = state.slots[i];
+    if (!slots_[i].then || occupancy.occupant == kNew || state.processes[slots_[i].process] == kOff) return;
     State after = state;
     after.slots[i].occupant = kNew;
-    if (seat.occupant == kOld && same_task(i)) {
-      if (seat.state == TaskState::PreOperational || (configured(seat.state) && differs_live(i)))
+    if (occupancy.occupant == kOld && same_task(i)) {
+      if (occupancy.state == TaskState::PreOperational || (configured(occupancy.state) && differs_live(i)))
         visit(after);
       return;
     }
     if (works_in_process(state, i)) return;
-    if (seat.occupant == kOld) {
-      if (seat.state != TaskState::PreOperational || has_wires(state, i)) return;
+    if (occupancy.occupant == kOld) {
+      if (occupancy.state != TaskState::PreOperational || has_wires(state, i)) return;
       const Process& process = processes_[slots_[i].process];
       const bool foreign = process.now && process.now->deployer != "segue";
       if (foreign && slots_[i].now->component != slots_[i].then->component) return;
@@ -401,9 +402,9 @@ class ShortestTransition {
   bool can_connect(const State& state, std::size_t number) const {
     const Wire& wire = wires_[number];
     const auto ready = [&](std::size_t slot, const std::string& port) {
-      const Seat& seat = state.slots[slot];
-      if (seat.occupant == kNobody || (seat.occupant == kOld && !same_task(slot))) return false;
-      return configured(seat.state) || !is_dynamic(state, slot, port);
+      const Occupancy& occupancy = state.slots[slot];
+      if (occupancy.occupant == kNobody || (occupancy.occupant == kOld && !same_task(slot))) return false;
+      return configured(occupancy.state) || !is_dynamic(state, slot, port);
     };
     if (!ready(wire.from, wire.connection.from.port) || !ready(wire.to, wire.connection.to.port))
       return false;

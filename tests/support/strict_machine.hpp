@@ -68,7 +68,7 @@ class StrictMachine {
       body.task = task;
     }
     model::Network result;
-    for (const auto& [place, body] : seats_) {
+    for (const auto& [place, body] : tasks_) {
       const std::string id = body.task.id.str();
       const bool idle = body.state == TaskState::PreOperational && !is_wired(place);
       if (wanted_.contains(id) && newest(id) == place) {
@@ -82,7 +82,7 @@ class StrictMachine {
       result.deployments.push_back(deployment);
       auto& placements = result.deployments.back().tasks;
       placements.clear();
-      for (const auto& [place, body] : seats_) {
+      for (const auto& [place, body] : tasks_) {
         if (place.first == key && wanted_.contains(body.task.id.str()) &&
             newest(body.task.id.str()) == place) {
           placements.push_back({body.task.id, place.second});
@@ -110,15 +110,15 @@ class StrictMachine {
   void settle(const model::Network& network, const model::Task& task) {
     Place place{{}, task.id.str()};
     for (const auto& deployment : network.deployments) {
-      for (const auto& seat : deployment.tasks) {
-        if (seat.task == task.id) place = {deployment.key(), seat.name};
+      for (const auto& placement : deployment.tasks) {
+        if (placement.task == task.id) place = {deployment.key(), placement.name};
       }
     }
-    seats_.emplace(place, Body{task, task.state});
+    tasks_.emplace(place, Body{task, task.state});
     bodies_[task.id.str()].push_back(place);
   }
 
-  Body& at(const Place& place) { return seats_.at(place); }
+  Body& at(const Place& place) { return tasks_.at(place); }
   [[nodiscard]] const Place& newest(const std::string& id) const { return bodies_.at(id).back(); }
   [[nodiscard]] bool exists(const std::string& id) const {
     const auto found = bodies_.find(id);
@@ -172,12 +172,12 @@ class StrictMachine {
         return wire.from.first == deployment.key() || wire.to.first == deployment.key();
       });
     }
-    for (const auto& [place, body] : seats_) {
+    for (const auto& [place, body] : tasks_) {
       if (place.first != deployment.key() || action.kill) continue;
       if (configured(body.state)) return body.task.id.str() + " works when its process goes";
       if (is_wired(place)) return body.task.id.str() + " is wired when its process goes";
     }
-    std::erase_if(seats_, [&](const auto& seat) { return seat.first.first == deployment.key(); });
+    std::erase_if(tasks_, [&](const auto& task) { return task.first.first == deployment.key(); });
     for (auto& [id, places] : bodies_) {
       std::erase_if(places, [&](const Place& place) { return place.first == deployment.key(); });
     }
@@ -214,12 +214,12 @@ class StrictMachine {
     const Place place{action.process, action.name};
     const std::string id = action.definition.id.str();
     if (!action.process.is_runtime() && !processes_.contains(action.process)) return "no such process";
-    if (const auto seat = seats_.find(place); seat != seats_.end()) {
-      const model::Task& there = seat->second.task;
+    if (const auto occupant = tasks_.find(place); occupant != tasks_.end()) {
+      const model::Task& there = occupant->second.task;
       if (there.id == action.definition.id && there.component == action.definition.component) {
-        return apply_in_place(seat->second, action.definition);
+        return apply_in_place(occupant->second, action.definition);
       }
-      if (seat->second.state != TaskState::PreOperational || is_wired(place)) return "seat is taken";
+      if (occupant->second.state != TaskState::PreOperational || is_wired(place)) return "the place is taken";
       const bool foreign = !action.process.is_runtime() && processes_.at(action.process).deployer != "segue";
       if (foreign && there.component != action.definition.component) return "process has no such component";
       std::erase(bodies_[there.id.str()], place);
@@ -229,7 +229,7 @@ class StrictMachine {
       const bool at_rest = at(other).state == TaskState::PreOperational && !is_wired(other);
       if (!side_by_side_ && !at_rest) return "id is there already";
     }
-    seats_.insert_or_assign(place, Body{action.definition, TaskState::PreOperational});
+    tasks_.insert_or_assign(place, Body{action.definition, TaskState::PreOperational});
     bodies_[id].push_back(place);
     return applied_.insert(id).second ? "" : "configuration applied twice";
   }
@@ -313,7 +313,7 @@ class StrictMachine {
   std::string configure(const Place& place, Body& body) {
     if (body.state != TaskState::PreOperational) return "configure of what is not pre-operational";
     const auto mine = devices(place);
-    for (const auto& [other, theirs] : seats_) {
+    for (const auto& [other, theirs] : tasks_) {
       if (other == place || (!configured(theirs.state) && theirs.state != TaskState::Fatal)) continue;
       for (const auto& device : devices(other)) {
         if (mine.contains(device)) return "device " + device + " is not free";
@@ -342,7 +342,7 @@ class StrictMachine {
   bool side_by_side_;
   std::map<std::string, model::Task> wanted_;
   std::map<model::DeploymentKey, model::Deployment> processes_;
-  std::map<Place, Body> seats_;
+  std::map<Place, Body> tasks_;
   std::map<std::string, std::vector<Place>> bodies_;  ///< per task, the older first
   std::vector<Wire> wires_;
   std::set<std::string> applied_;

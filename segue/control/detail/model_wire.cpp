@@ -236,9 +236,9 @@ model::Task decode(wire::Task::Reader reader) {
 void encode(const model::Deployment& deployment, wire::Deployment::Builder builder) {
   builder.setHost(as_text(deployment.host.str()));
   builder.setProcess(as_text(deployment.process.str()));
-  encode_list(deployment.tasks, builder.initSeats(count_of(deployment.tasks)),
-              [](const model::Placement& seat, wire::Pair::Builder pair) {
-                encode_pair(seat.task.str(), seat.name, pair);
+  encode_list(deployment.tasks, builder.initPlacements(count_of(deployment.tasks)),
+              [](const model::Placement& placement, wire::Pair::Builder pair) {
+                encode_pair(placement.task.str(), placement.name, pair);
               });
   builder.setDeployer(as_text(deployment.deployer));
   builder.setScheduler(static_cast<std::uint8_t>(deployment.scheduler));
@@ -257,7 +257,7 @@ model::Deployment decode(wire::Deployment::Reader reader) {
   model::Deployment deployment;
   deployment.host = model::HostName(as_string(reader.getHost()));
   deployment.process = model::ProcessName(as_string(reader.getProcess()));
-  deployment.tasks = decode_list<model::Placement>(reader.getSeats(), [](wire::Pair::Reader pair) {
+  deployment.tasks = decode_list<model::Placement>(reader.getPlacements(), [](wire::Pair::Reader pair) {
     return model::Placement{TaskId(as_string(pair.getFirst())), as_string(pair.getSecond())};
   });
   deployment.deployer = as_string(reader.getDeployer());

@@ -1,34 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/solve/index.hpp>
-#include <segue/solve/seats.hpp>
+#include <segue/solve/placement_index.hpp>
 
 namespace segue::solve::detail {
 
-Seats::Seats(const model::Network& network) {
+PlacementIndex::PlacementIndex(const model::Network& network) {
   tasks_.reserve(network.tasks.size());
   for (const model::Task& task : network.tasks)
     tasks_.emplace(task.id.str(), &task);
   for (const model::Deployment& process : network.deployments) {
-    for (const model::Placement& seat : process.tasks) {
-      const std::string& name = seat.name.empty() ? seat.task.str() : seat.name;
-      places_.emplace(seat.task.str(), Place{process.key(), name});
+    for (const model::Placement& placement : process.tasks) {
+      const std::string& name = placement.name.empty() ? placement.task.str() : placement.name;
+      places_.emplace(placement.task.str(), Place{process.key(), name});
     }
   }
   for (const model::Task& task : network.tasks)
     occupants_.emplace(place_of(task.id), &task);
 }
 
-const model::Task* Seats::task(const model::TaskId& id) const {
+const model::Task* PlacementIndex::task(const model::TaskId& id) const {
   const auto found = tasks_.find(id.str());
   return found == tasks_.end() ? nullptr : found->second;
 }
 
-Place Seats::place_of(const model::TaskId& id) const {
+Place PlacementIndex::place_of(const model::TaskId& id) const {
   const auto found = places_.find(id.str());
   return found == places_.end() ? Place{{}, id.str()} : found->second;
 }
 
-const model::Task* Seats::occupant(const Place& place) const {
+const model::Task* PlacementIndex::occupant(const Place& place) const {
   const auto found = occupants_.find(place);
   return found == occupants_.end() ? nullptr : found->second;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/seats.hpp>
+#include <segue/deploy/placement_table.hpp>
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
@@ -18,23 +18,23 @@ model::DeploymentKey normal(const model::DeploymentKey& process) {
 
 }  // namespace
 
-bool Seats::Incarnations::has(const model::DeploymentKey& process) const {
+bool PlacementTable::Incarnations::has(const model::DeploymentKey& process) const {
   return std::find(processes.begin(), processes.end(), process) != processes.end();
 }
 
-void Seats::Incarnations::add(const model::DeploymentKey& process) {
+void PlacementTable::Incarnations::add(const model::DeploymentKey& process) {
   if (!has(process)) {
     processes.push_back(process);
   }
 }
 
-void Seats::Incarnations::settle() {
-  if (!newest && !processes.empty() && !has(standing)) {
-    standing = processes.front();
+void PlacementTable::Incarnations::settle() {
+  if (!next && !processes.empty() && !has(current)) {
+    current = processes.front();
   }
 }
 
-Error Seats::unknown(const model::TaskId& id) const {
+Error PlacementTable::unknown(const model::TaskId& id) const {
   std::vector<std::string> known;
   for (const auto& [task, incarnations] : table_) {
     known.push_back(task.str());
@@ -43,7 +43,7 @@ Error Seats::unknown(const model::TaskId& id) const {
               id.str());
 }
 
-Result<Seats::Place> Seats::find(const model::TaskId& id, Which which) const {
+Result<PlacementTable::Place> PlacementTable::find(const model::TaskId& id, Which which) const {
   const auto [task, process] = host::split_id(id);
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
@@ -51,23 +51,24 @@ Result<Seats::Place> Seats::find(const model::TaskId& id, Which which) const {
     return unknown(id);
   }
   const Incarnations& there = found->second;
-  const model::DeploymentKey meant = process                                  ? normal(*process)
-                                     : which == Which::Newest && there.newest ? *there.newest
-                                                                              : there.standing;
+  const model::DeploymentKey meant = process                              ? normal(*process)
+                                     : which == Which::Next && there.next ? *there.next
+                                                                          : there.current;
   if (!there.has(meant)) {
     return unknown(id);
   }
   return Place{task, meant};
 }
 
-Result<Seats::Place> Seats::free_place(const model::TaskId& id, const model::DeploymentKey& process) const {
+Result<PlacementTable::Place> PlacementTable::free_place(const model::TaskId& id,
+                                                         const model::DeploymentKey& process) const {
   const auto [task, key] = place_of(id, process);
   const bool exactly = task != id;
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
   if (found != table_.end() && !exactly) {
     const Incarnations& there = found->second;
-    if (there.has(key) && there.standing != key && there.newest != key) {
+    if (there.has(key) && there.current != key && there.next != key) {
       const std::string left = host::full_id(task, key).str();
       return fail(ErrorCode::InvalidState,
                   "an incarnation of it is still there as " + quote(left) + "; remove that one first", left);
@@ -76,58 +77,62 @@ Result<Seats::Place> Seats::free_place(const model::TaskId& id, const model::Dep
   return Place{task, key};
 }
 
-Seats::Place Seats::place_of(const model::TaskId& id, const model::DeploymentKey& process) {
+PlacementTable::Place PlacementTable::place_of(const model::TaskId& id, const model::DeploymentKey& process) {
   return {host::plain_id(id), normal(process)};
 }
 
-model::TaskId Seats::name_of(const Table::value_type& item, const model::DeploymentKey& process) {
-  return item.second.standing == process ? item.first : host::full_id(item.first, process);
+model::TaskId PlacementTable::name_of(const Table::value_type& item, const model::DeploymentKey& process) {
+  return item.second.current == process ? item.first : host::full_id(item.first, process);
 }
 
-model::TaskId Seats::name(const model::TaskId& task, const model::DeploymentKey& process) const {
+model::TaskId PlacementTable::name(const model::TaskId& task, const model::DeploymentKey& process) const {
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
   return found == table_.end() ? task : name_of(*found, normal(process));
 }
 
-void Seats::put(const Place& place) {
+void PlacementTable::put(const Place& place) {
   const std::lock_guard lock(mutex_);
   auto [item, first] = table_.try_emplace(place.task);
   Incarnations& there = item->second;
   if (first) {
-    there.standing = place.process;
-  } else if (there.standing != place.process) {
-    there.newest = place.process;
+    there.current = place.process;
+  } else if (there.current != place.process) {
+    there.next = place.process;
   }
   there.add(place.process);
-  note(place);
+  note_change(place);
 }
 
-void Seats::put_unsure(const Place& place) {
+void PlacementTable::put_unconfirmed(const Place& place) {
   const std::lock_guard lock(mutex_);
+  add(place);
+  note_change(place);
+}
+
+void PlacementTable::add(const Place& place) {
   auto [item, first] = table_.try_emplace(place.task);
   if (first) {
-    item->second.standing = place.process;
+    item->second.current = place.process;
   }
   item->second.add(place.process);
-  note(place);
 }
 
-void Seats::note(const Place& place) {
+void PlacementTable::note_change(const Place& place) {
   Process& process = by_process_[place.process];
   process.tasks.insert(place.task);
   process.changed[place.task] = ++changes_;
 }
 
-std::uint64_t Seats::begin_look() const {
+std::uint64_t PlacementTable::begin_poll() const {
   const std::lock_guard lock(mutex_);
   return changes_;
 }
 
-std::set<model::TaskId> Seats::Process::changed_since(std::uint64_t look) {
+std::set<model::TaskId> PlacementTable::Process::changed_since(std::uint64_t poll) {
   std::set<model::TaskId> newer;
   for (auto change = changed.begin(); change != changed.end();) {
-    if (change->second > look) {
+    if (change->second > poll) {
       newer.insert((change++)->first);
     } else {
       change = changed.erase(change);
@@ -136,41 +141,37 @@ std::set<model::TaskId> Seats::Process::changed_since(std::uint64_t look) {
   return newer;
 }
 
-void Seats::learn(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks,
-                  std::uint64_t look) {
+void PlacementTable::update(const model::DeploymentKey& process, const std::set<model::TaskId>& tasks,
+                            std::uint64_t poll) {
   const model::DeploymentKey key = normal(process);
   const std::lock_guard lock(mutex_);
   Process& there = by_process_[key];
-  if (there.dropped > look) {
-    return;  // it was a process that is gone
+  if (there.dropped > poll) {
+    return;  // the report is of a former process of that name
   }
-  const std::set<model::TaskId> newer = there.changed_since(look);
+  const std::set<model::TaskId> newer = there.changed_since(poll);
   std::set<model::TaskId>& known = there.tasks;
   for (const auto& task : tasks) {
-    if (newer.contains(task) || !known.insert(task).second) {
-      continue;
+    if (!newer.contains(task) && known.insert(task).second) {
+      add({task, key});
     }
-    auto [item, first] = table_.try_emplace(task);
-    if (first) {
-      item->second.standing = key;
-    }
-    item->second.add(key);
   }
   for (auto task = known.begin(); task != known.end();) {
     if (tasks.contains(*task) || newer.contains(*task)) {
       ++task;
       continue;
     }
-    take(table_.find(*task), key);
+    remove(table_.find(*task), key);
     task = known.erase(task);
   }
 }
 
-Seats::Table::iterator Seats::take(Table::iterator item, const model::DeploymentKey& process) {
+PlacementTable::Table::iterator PlacementTable::remove(Table::iterator item,
+                                                       const model::DeploymentKey& process) {
   Incarnations& there = item->second;
   std::erase(there.processes, process);
-  if (there.newest == process) {
-    there.newest.reset();
+  if (there.next == process) {
+    there.next.reset();
   }
   if (there.processes.empty()) {
     return table_.erase(item);
@@ -179,16 +180,16 @@ Seats::Table::iterator Seats::take(Table::iterator item, const model::Deployment
   return std::next(item);
 }
 
-void Seats::drop(const Place& place) {
+void PlacementTable::drop(const Place& place) {
   const std::lock_guard lock(mutex_);
   Process& process = by_process_[place.process];
   process.changed[place.task] = ++changes_;
   if (process.tasks.erase(place.task) > 0) {
-    take(table_.find(place.task), place.process);
+    remove(table_.find(place.task), place.process);
   }
 }
 
-std::vector<model::TaskId> Seats::drop(const model::DeploymentKey& process) {
+std::vector<model::TaskId> PlacementTable::drop(const model::DeploymentKey& process) {
   const model::DeploymentKey key = normal(process);
   const std::lock_guard lock(mutex_);
   std::vector<model::TaskId> names;
@@ -196,31 +197,31 @@ std::vector<model::TaskId> Seats::drop(const model::DeploymentKey& process) {
   for (const auto& task : there.tasks) {
     const auto item = table_.find(task);
     names.push_back(name_of(*item, key));
-    take(item, key);
+    remove(item, key);
   }
   there = {{}, {}, ++changes_};
   return names;
 }
 
-std::vector<Seats::Place> Seats::conclude() {
+std::vector<PlacementTable::Place> PlacementTable::conclude() {
   const std::lock_guard lock(mutex_);
   std::vector<Place> replaced;
   for (auto& [task, there] : table_) {
-    if (!there.newest) {
+    if (!there.next) {
       continue;
     }
-    if (there.has(there.standing)) {
-      replaced.push_back({task, there.standing});
+    if (there.has(there.current)) {
+      replaced.push_back({task, there.current});
     }
-    there.standing = *std::exchange(there.newest, std::nullopt);
+    there.current = *std::exchange(there.next, std::nullopt);
   }
   return replaced;
 }
 
-void Seats::withdraw() {
+void PlacementTable::withdraw() {
   const std::lock_guard lock(mutex_);
   for (auto& [task, there] : table_) {
-    there.newest.reset();
+    there.next.reset();
     there.settle();
   }
 }

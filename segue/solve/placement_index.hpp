@@ -9,10 +9,11 @@
 #include <unordered_map>
 #include <vector>
 
-/// Who sits where in one network, for what composes networks of others. The solver itself has its own index.
+/// Where each task of one network lives, for functions that compose networks. The solver itself has its own
+/// index.
 namespace segue::solve::detail {
 
-/// A seat: a process, and a name inside it.
+/// A place: a process, and a name inside it.
 struct Place {
   model::DeploymentKey process;  ///< is_runtime(): the runtime's own
   std::string name;
@@ -20,14 +21,14 @@ struct Place {
 };
 
 /// Refers to the network, which must outlive it.
-class Seats {
+class PlacementIndex {
  public:
-  explicit Seats(const model::Network& network);
+  explicit PlacementIndex(const model::Network& network);
   [[nodiscard]] const model::Task* task(const model::TaskId& id) const;
   [[nodiscard]] bool has_task(const model::TaskId& id) const { return task(id) != nullptr; }
   /// Also of tasks that the network lacks, if a deployment names them.
   [[nodiscard]] Place place_of(const model::TaskId& id) const;
-  /// The task of the network on that seat, or nullptr.
+  /// The task of the network in that place, or nullptr.
   [[nodiscard]] const model::Task* occupant(const Place& place) const;
   [[nodiscard]] bool is_taken(const Place& place) const { return occupant(place) != nullptr; }
 
