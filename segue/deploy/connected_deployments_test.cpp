@@ -123,7 +123,7 @@ struct Process {
   std::unique_ptr<LocalDeployment> deployment;
 };
 
-void introduce(Process& a, Process& b) {
+void admit_peers(Process& a, Process& b) {
   for (auto [to, from] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     const auto offer = from->deployment->memory(soon());
     ASSERT_TRUE(offer);
@@ -137,7 +137,7 @@ class ConnectedDeployments : public ::testing::Test {
     hooks::reset();
     pair::last = 0;
     pair::backwards = 0;
-    introduce(p_, q_);
+    admit_peers(p_, q_);
   }
   ~ConnectedDeployments() override { hooks::release_all(); }
 

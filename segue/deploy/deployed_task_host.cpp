@@ -3,8 +3,8 @@
 
 #include <segue/base/text.hpp>
 #include <segue/deploy/fleet.hpp>
+#include <segue/deploy/remote_connector.hpp>
 #include <segue/deploy/routing.hpp>
-#include <segue/deploy/wiring.hpp>
 
 #include <algorithm>
 
@@ -79,8 +79,8 @@ struct DeployedTaskHost::Implementation {
   const host::TaskHost& local;
   const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
-  detail::Wiring wiring{*fleet};
-  detail::Router router{*fleet, wiring};
+  detail::RemoteConnector remote_connector{*fleet};
+  detail::Router router{*fleet, remote_connector};
 };
 
 DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessService& processes,
@@ -88,10 +88,11 @@ DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessServi
                                    const DeployedOptions& options)
     : implementation_(std::make_unique<Implementation>(own, processes, std::move(connector),
                                                        std::move(launch), local, options)) {
-  auto& wiring = implementation_->wiring;
-  implementation_->fleet->set_housekeeping([&wiring] { wiring.clean(in(kCleaning)); });
+  auto& remote_connector = implementation_->remote_connector;
+  implementation_->fleet->set_housekeeping(
+      [&remote_connector] { remote_connector.remove_orphaned(in(kCleaning)); });
   implementation_->fleet->begin();
-  wiring.clean(in(kCleaning));
+  remote_connector.remove_orphaned(in(kCleaning));
 }
 
 DeployedTaskHost::~DeployedTaskHost() {
@@ -128,7 +129,7 @@ void DeployedTaskHost::get_ready(const model::Network& target) {
     return implementation_->fleet->find(process == processes.end() ? model::DeploymentKey{}
                                                                    : process->second);
   };
-  std::vector<detail::Pair> pairs;
+  std::vector<detail::ProcessPair> pairs;
   for (const auto& connection : target.connections) {
     auto writer = record_of(connection.from.task);
     auto reader = record_of(connection.to.task);
@@ -136,7 +137,7 @@ void DeployedTaskHost::get_ready(const model::Network& target) {
       pairs.emplace_back(std::move(writer), std::move(reader));
     }
   }
-  implementation_->wiring.acquaint(pairs, in(kGettingReady));
+  implementation_->remote_connector.map_peers(pairs, in(kGettingReady));
 }
 
 void DeployedTaskHost::conclude(const model::Transition& transition) {
@@ -157,15 +158,15 @@ void DeployedTaskHost::perform_all(std::span<const model::Action> actions, TimeP
 }
 
 model::Network DeployedTaskHost::observe() const {
-  return implementation_->fleet->merged_look().network;
+  return implementation_->fleet->poll_merged().network;
 }
 
 std::vector<host::TaskReport> DeployedTaskHost::tasks() const {
-  return implementation_->fleet->merged_look().tasks;
+  return implementation_->fleet->poll_merged().tasks;
 }
 
 std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
-  return implementation_->fleet->merged_look().connections;
+  return implementation_->fleet->poll_merged().connections;
 }
 
 Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {

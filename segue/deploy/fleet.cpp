@@ -110,12 +110,12 @@ Result<Fleet::Located> Fleet::locate(const model::TaskId& id, Which which) const
   return Located{std::move(record), place->task};
 }
 
-void Fleet::update_placements(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot) {
+void Fleet::update_placements(const ProcessRecord& record, std::uint64_t poll, const Snapshot& snapshot) {
   std::set<model::TaskId> tasks;
   for (const auto& task : snapshot.network.tasks) {
     tasks.insert(task.id);
   }
-  placements_.update(record.key(), tasks, look);
+  placements_.update(record.key(), tasks, poll);
 }
 
 namespace {
@@ -145,8 +145,8 @@ model::Network part_of(const model::Network& network, const model::DeploymentKey
   return part;
 }
 
-void tell_expected(DeploymentService& service, const model::Network& network,
-                   const model::DeploymentKey& key) {
+void send_expectation(DeploymentService& service, const model::Network& network,
+                      const model::DeploymentKey& key) {
   const model::Network part = part_of(network, key);
   if (!part.empty()) {
     // One that does not answer is found by the next look, and is told again when it has been replaced.
@@ -177,21 +177,21 @@ void Fleet::expect(const model::Network& network) {
   for (const auto& record : all()) {
     jobs.emplace_back([&network, record] {
       if (const auto service = record->service()) {
-        tell_expected(*service, network, record->key());
+        send_expectation(*service, network, record->key());
       }
     });
   }
   pool_.run_all(std::move(jobs));
 }
 
-void Fleet::send_expected(DeploymentService& service, const model::DeploymentKey& key) {
+void Fleet::send_expectations(DeploymentService& service, const model::DeploymentKey& key) {
   std::vector<model::Network> expected;
   {
     const std::lock_guard lock(mutex_);
     expected = expected_;
   }
   for (const auto& network : expected) {
-    tell_expected(service, network, key);
+    send_expectation(service, network, key);
   }
 }
 

@@ -43,8 +43,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void expect(const model::Network& network);
 
   /// All processes as they are now; those that do not answer in time as they were.
-  std::vector<ProcessView> look();
-  MergedView merged_look();
+  std::vector<ProcessView> poll();
+  MergedView poll_merged();
 
   [[nodiscard]] RecordPtr find(const model::DeploymentKey& key) const;
   /// The process of that incarnation.
@@ -84,26 +84,26 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   /// Lets go of it once `how` has ended it.
   Result<void> end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
-  void send_expected(DeploymentService& service, const model::DeploymentKey& key);
+  void send_expectations(DeploymentService& service, const model::DeploymentKey& key);
 
-  void look_again(const std::vector<RecordPtr>& records);
-  void take_looks(const RecordPtr& record);
-  std::shared_ptr<const Snapshot> look_at(const RecordPtr& record);
+  void poll_processes(const std::vector<RecordPtr>& records);
+  void run_polls(const RecordPtr& record);
+  std::shared_ptr<const Snapshot> fetch_snapshot(const RecordPtr& record);
   /// After a connection broke: true where there is a new one.
-  bool revive(const RecordPtr& record);
+  bool reconnect(const RecordPtr& record);
   bool runs(const ProcessRecord& record);
-  void on_gone(const std::weak_ptr<ProcessRecord>& which);
+  void on_disconnected(const std::weak_ptr<ProcessRecord>& which);
   void on_exit(const process::ProcessInfo& process);
   /// It ended by itself.
-  void end(const RecordPtr& record, const process::ExitReason& reason);
+  void handle_end(const RecordPtr& record, const process::ExitReason& reason);
   /// It has ended: out of the tables. Gives the tasks that went with it; nothing where that is known.
   std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);
   /// Lets go of a process that is gone, here and in all others.
   void release(const RecordPtr& record);
-  void tell(const ProcessRecord& record, const ProcessRecord::Change& change);
-  void tell_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
-  void tell_task(const model::TaskId& task, TaskState state, std::string message);
-  void update_placements(const ProcessRecord& record, std::uint64_t look, const Snapshot& snapshot);
+  void report(const ProcessRecord& record, const ProcessRecord::Change& change);
+  void report_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
+  void report_task(const model::TaskId& task, TaskState state, std::string message);
+  void update_placements(const ProcessRecord& record, std::uint64_t poll, const Snapshot& snapshot);
   void watch();
 
   process::ProcessService& processes_;

@@ -119,7 +119,7 @@ Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint de
   const Duration all = deadline - now();
   auto connected = connect_when_ready(record, now() + all * 7 / 8);
   if (!connected) {
-    record->leave(true);
+    record->expect_end(true);
     (void)processes_.stop(launch.robot, deployment.key(), now() + std::min(kDisorderly, all / 16));
     record->set_service(nullptr, std::nullopt);
     return std::move(connected.error());
@@ -164,7 +164,7 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
   auto made = connector_(record->process().socket, deadline,
                          [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)] {
                            if (const auto self = weak.lock()) {
-                             self->on_gone(which);
+                             self->on_disconnected(which);
                            }
                          });
   if (!made) {
@@ -189,7 +189,7 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
                 to_string(record->key()));
   }
   listen_to(record, *service);
-  send_expected(*service, record->key());
+  send_expectations(*service, record->key());
   record->set_service(service, std::move(*info));
   return {};
 }
@@ -199,7 +199,7 @@ void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
       [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)](const host::TaskEvent& event) {
         const auto self = weak.lock();
         const auto from = which.lock();
-        if (self && from && !from->leaving() && !from->ended()) {
+        if (self && from && !from->end_expected() && !from->ended()) {
           host::TaskEvent named = event;
           named.task = self->placements_.name(event.task, from->key());
           self->events_.push(std::move(named));
@@ -220,7 +220,7 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   if (!record) {
     return record.error();
   }
-  look_again({*record});
+  poll_processes({*record});
   const ProcessView view = (*record)->view();
   if (auto empty = check_empty(view); !empty) {
     return empty;
@@ -244,10 +244,10 @@ Result<void> Fleet::kill(const model::DeploymentKey& key, TimePoint deadline) {
 }
 
 Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how) {
-  record->leave(true);
+  record->expect_end(true);
   auto reason = how();
   if (!reason && reason.error().code != ErrorCode::NotFound) {
-    record->leave(false);
+    record->expect_end(false);
     return std::move(reason.error());
   }
   remove(record);
@@ -262,7 +262,7 @@ void Fleet::end_all(TimePoint deadline) {
       continue;
     }
     jobs.emplace_back([this, record, deadline] {
-      record->leave(true);
+      record->expect_end(true);
       (void)processes_.stop(launch_.robot, record->key(), part_until(deadline, kOrderly));
       remove(record);
       release(record);
@@ -304,7 +304,7 @@ void Fleet::adopt() {
   for (std::size_t i = 0; i < findings.size(); ++i) {
     events_.push(host::ProcessEvent{(*running)[i].key, findings[i], false});
   }
-  look();
+  poll();
 }
 
 std::string Fleet::adopt(const process::ProcessInfo& process) {

@@ -39,9 +39,9 @@ std::string with_tasks(std::string text, const std::vector<model::TaskId>& tasks
 
 }  // namespace
 
-std::vector<ProcessView> Fleet::look() {
+std::vector<ProcessView> Fleet::poll() {
   const auto records = all();
-  look_again(records);
+  poll_processes(records);
   std::vector<ProcessView> views;
   for (const auto& record : records) {
     if (!record->ended()) {
@@ -51,53 +51,53 @@ std::vector<ProcessView> Fleet::look() {
   return views;
 }
 
-MergedView Fleet::merged_look() {
-  return merge(look(), [this](const model::TaskId& task, const model::DeploymentKey& process) {
+MergedView Fleet::poll_merged() {
+  return merge(poll(), [this](const model::TaskId& task, const model::DeploymentKey& process) {
     return placements_.name(task, process);
   });
 }
 
-void Fleet::look_again(const std::vector<RecordPtr>& records) {
+void Fleet::poll_processes(const std::vector<RecordPtr>& records) {
   std::vector<std::uint64_t> numbers;
   for (const auto& record : records) {
-    const auto ticket = record->ask();
-    numbers.push_back(ticket.number);
-    const bool taken = !ticket.take || pool_.submit([this, record] { take_looks(record); });
+    const auto request = record->request_poll();
+    numbers.push_back(request.number);
+    const bool taken = !request.start || pool_.submit([this, record] { run_polls(record); });
     if (!taken) {
-      record->finish(ticket.number, nullptr);
+      record->finish_poll(request.number, nullptr);
     }
   }
   const TimePoint begin = now();
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Duration patience = records[i]->answers() ? options_.patience : kLittlePatience;
-    if (!records[i]->wait(numbers[i], std::max(begin + patience, now()))) {
-      tell(*records[i], records[i]->give_up(numbers[i]));
+    if (!records[i]->wait_for_poll(numbers[i], std::max(begin + patience, now()))) {
+      report(*records[i], records[i]->give_up_poll(numbers[i]));
     }
   }
 }
 
-void Fleet::take_looks(const RecordPtr& record) {
+void Fleet::run_polls(const RecordPtr& record) {
   for (bool more = true; more;) {
-    const std::uint64_t number = record->next();
-    const std::uint64_t look = placements_.begin_poll();
-    auto snapshot = look_at(record);
+    const std::uint64_t number = record->latest_request();
+    const std::uint64_t poll = placements_.begin_poll();
+    auto snapshot = fetch_snapshot(record);
     if (snapshot != nullptr) {
-      update_placements(*record, look, *snapshot);
+      update_placements(*record, poll, *snapshot);
     }
-    const auto finished = record->finish(number, std::move(snapshot));
-    tell(*record, finished.change);
+    const auto finished = record->finish_poll(number, std::move(snapshot));
+    report(*record, finished.change);
     more = finished.more;
   }
 }
 
-std::shared_ptr<const Snapshot> Fleet::look_at(const RecordPtr& record) {
+std::shared_ptr<const Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
   const auto service = record->service();
   auto seen = service ? service->snapshot() : Result<Snapshot>(fail(ErrorCode::Unavailable, "not connected"));
   if (service && !seen && !is_silence(seen.error())) {
     seen = service->snapshot();  // it does answer, so it gets another chance
   }
   const bool broken = !seen && seen.error().code == ErrorCode::Unavailable;
-  if (broken && record != own_ && revive(record)) {
+  if (broken && record != own_ && reconnect(record)) {
     if (const auto again = record->service()) {
       seen = again->snapshot();
     }
@@ -105,15 +105,15 @@ std::shared_ptr<const Snapshot> Fleet::look_at(const RecordPtr& record) {
   return seen ? std::make_shared<const Snapshot>(std::move(*seen)) : nullptr;
 }
 
-bool Fleet::revive(const RecordPtr& record) {
-  if (record->leaving() || record->wait_for_end(now() + kUsualLag)) {
+bool Fleet::reconnect(const RecordPtr& record) {
+  if (record->end_expected() || record->wait_for_end(now() + kUsualLag)) {
     return false;
   }
   if (!runs(*record)) {
     if (!record->wait_for_end(now() + kNewsLag)) {
       process::ExitReason reason;
       reason.known = false;
-      end(record, reason);
+      handle_end(record, reason);
     }
     return false;
   }
@@ -132,14 +132,14 @@ bool Fleet::runs(const ProcessRecord& record) {
   return ::kill(process.pid, 0) == 0 || errno == EPERM;
 }
 
-void Fleet::on_gone(const std::weak_ptr<ProcessRecord>& which) {
+void Fleet::on_disconnected(const std::weak_ptr<ProcessRecord>& which) {
   const auto record = which.lock();
-  if (record == nullptr || record->ended() || record->leaving()) {
+  if (record == nullptr || record->ended() || record->end_expected()) {
     return;
   }
-  if (const auto ticket = record->ask(); ticket.take) {
-    if (!pool_.submit([this, record] { take_looks(record); })) {
-      record->finish(ticket.number, nullptr);
+  if (const auto request = record->request_poll(); request.start) {
+    if (!pool_.submit([this, record] { run_polls(record); })) {
+      record->finish_poll(request.number, nullptr);
     }
   }
 }
@@ -157,12 +157,12 @@ void Fleet::on_exit(const process::ProcessInfo& process) {
     }
   }
   changed_.notify_all();
-  if (record != nullptr && !record->leaving()) {
-    end(record, process.exit.value_or(process::ExitReason{}));
+  if (record != nullptr && !record->end_expected()) {
+    handle_end(record, process.exit.value_or(process::ExitReason{}));
   }
 }
 
-void Fleet::end(const RecordPtr& record, const process::ExitReason& reason) {
+void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reason) {
   const auto tasks = remove(record);
   if (!tasks) {
     return;
@@ -170,7 +170,7 @@ void Fleet::end(const RecordPtr& record, const process::ExitReason& reason) {
   const std::string what = to_string(reason);
   events_.push(host::ProcessEvent{record->key(), with_tasks(what, *tasks), true});
   for (const auto& task : *tasks) {
-    tell_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
+    report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }
   pool_.submit([this, record] { release(record); });
 }
@@ -178,7 +178,7 @@ void Fleet::end(const RecordPtr& record, const process::ExitReason& reason) {
 std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record) {
   // Under the lock, so that whoever sees that it ended finds it in no table any more.
   const std::lock_guard lock(mutex_);
-  if (!record->end()) {
+  if (!record->mark_ended()) {
     return std::nullopt;
   }
   const auto found = records_.find(record->key());
@@ -194,50 +194,51 @@ void Fleet::release(const RecordPtr& record) {
   std::vector<WorkerPool::Job> jobs;
   for (const auto& other : all()) {
     const auto service = other->service();
-    if (service == nullptr || incarnation == 0 || !(other->process().adopted || other->knows(incarnation))) {
+    if (service == nullptr || incarnation == 0 ||
+        !(other->process().adopted || other->has_mapped(incarnation))) {
       continue;
     }
     jobs.emplace_back([other, service, incarnation] {
       if (service->forget(incarnation)) {
-        other->unlearn(incarnation);
+        other->mark_unmapped(incarnation);
       }
     });
   }
   pool_.run_all(std::move(jobs));
 }
 
-void Fleet::tell(const ProcessRecord& record, const ProcessRecord::Change& change) {
+void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& change) {
   const ProcessView view = record.view();
   if (change.silent) {
     const std::string why = silence_text(record.key(), view.pid);
     events_.push(host::ProcessEvent{record.key(), why, false});
-    tell_all_tasks(view, TaskState::Fatal, why);
+    report_all_tasks(view, TaskState::Fatal, why);
   }
   if (change.answers_again) {
     events_.push(host::ProcessEvent{record.key(), "answers again", false});
-    tell_all_tasks(view, std::nullopt, "");
+    report_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
-    tell_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
+    report_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
   }
   for (const auto& task : change.hanging_no_more) {
     if (const model::Task* found = view.snapshot->network.find_task(task)) {
-      tell_task(placements_.name(task, record.key()), found->state, "its hook has returned");
+      report_task(placements_.name(task, record.key()), found->state, "its hook has returned");
     }
   }
 }
 
-void Fleet::tell_all_tasks(const ProcessView& view, std::optional<TaskState> state,
-                           const std::string& message) {
+void Fleet::report_all_tasks(const ProcessView& view, std::optional<TaskState> state,
+                             const std::string& message) {
   if (view.snapshot == nullptr) {
     return;
   }
   for (const auto& task : view.snapshot->network.tasks) {
-    tell_task(placements_.name(task.id, view.deployment.key()), state.value_or(task.state), message);
+    report_task(placements_.name(task.id, view.deployment.key()), state.value_or(task.state), message);
   }
 }
 
-void Fleet::tell_task(const model::TaskId& task, TaskState state, std::string message) {
+void Fleet::report_task(const model::TaskId& task, TaskState state, std::string message) {
   events_.push(host::TaskEvent{task, state, std::move(message)});
 }
 

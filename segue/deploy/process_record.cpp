@@ -32,12 +32,12 @@ ProcessView ProcessRecord::view() const {
 }
 
 std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
-  if (answers_ || made_.empty()) {
+  if (answers_ || created_.empty()) {
     return snapshot_;
   }
   auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
   model::Deployment placements;
-  for (const auto& [number, made] : made_) {
+  for (const auto& [number, made] : created_) {
     if (known->network.find_task(made.definition.id) != nullptr) {
       continue;
     }
@@ -52,14 +52,14 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
   return known;
 }
 
-void ProcessRecord::note_task(const model::ConfigAction& made) {
+void ProcessRecord::note_created(const model::ConfigAction& made) {
   const std::lock_guard lock(mutex_);
-  made_.emplace_back(asked_, made);
+  created_.emplace_back(requested_, made);
 }
 
 void ProcessRecord::note_removed(const model::TaskId& task) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(made_, [&](const auto& item) { return item.second.definition.id == task; });
+  std::erase_if(created_, [&](const auto& item) { return item.second.definition.id == task; });
 }
 
 Error ProcessRecord::unreachable() const {
@@ -89,28 +89,28 @@ std::shared_ptr<DeploymentService> ProcessRecord::set_service(std::shared_ptr<De
   return std::exchange(service_, std::move(service));
 }
 
-ProcessRecord::Ticket ProcessRecord::ask() {
+ProcessRecord::PollRequest ProcessRecord::request_poll() {
   const std::lock_guard lock(mutex_);
-  return {++asked_, !std::exchange(looking_, true)};
+  return {++requested_, !std::exchange(polling_, true)};
 }
 
-std::uint64_t ProcessRecord::next() const {
+std::uint64_t ProcessRecord::latest_request() const {
   const std::lock_guard lock(mutex_);
-  return asked_;
+  return requested_;
 }
 
-ProcessRecord::Finished ProcessRecord::finish(std::uint64_t number,
-                                              std::shared_ptr<const Snapshot> snapshot) {
+ProcessRecord::Finished ProcessRecord::finish_poll(std::uint64_t number,
+                                                   std::shared_ptr<const Snapshot> snapshot) {
   Finished finished;
   {
     const std::lock_guard lock(mutex_);
-    done_ = number;
-    finished.more = asked_ > number;
-    looking_ = finished.more;
+    finished_ = number;
+    finished.more = requested_ > number;
+    polling_ = finished.more;
     if (snapshot != nullptr) {
       snapshot_ = std::move(snapshot);
       answered_ = number;
-      std::erase_if(made_, [&](const auto& item) { return item.first < number; });
+      std::erase_if(created_, [&](const auto& item) { return item.first < number; });
       finished.change = answering_now();
     } else {
       finished.change = silent_now();
@@ -120,7 +120,7 @@ ProcessRecord::Finished ProcessRecord::finish(std::uint64_t number,
   return finished;
 }
 
-ProcessRecord::Change ProcessRecord::give_up(std::uint64_t number) {
+ProcessRecord::Change ProcessRecord::give_up_poll(std::uint64_t number) {
   const std::lock_guard lock(mutex_);
   return answered_ >= number ? Change{} : silent_now();
 }
@@ -128,14 +128,14 @@ ProcessRecord::Change ProcessRecord::give_up(std::uint64_t number) {
 ProcessRecord::Change ProcessRecord::silent_now() {
   Change change;
   const bool before = std::exchange(answers_, false);
-  change.silent = before && !leaving_ && !ended_;
+  change.silent = before && !end_expected_ && !ended_;
   return change;
 }
 
 ProcessRecord::Change ProcessRecord::answering_now() {
   Change change;
   const bool before = std::exchange(answers_, true);
-  if (leaving_ || ended_) {
+  if (end_expected_ || ended_) {
     return change;
   }
   change.answers_again = !before;
@@ -145,9 +145,9 @@ ProcessRecord::Change ProcessRecord::answering_now() {
   return change;
 }
 
-bool ProcessRecord::wait(std::uint64_t number, TimePoint deadline) const {
+bool ProcessRecord::wait_for_poll(std::uint64_t number, TimePoint deadline) const {
   std::unique_lock lock(mutex_);
-  return changed_.wait_until(lock, deadline, [&] { return done_ >= number || ended_; });
+  return changed_.wait_until(lock, deadline, [&] { return finished_ >= number || ended_; });
 }
 
 bool ProcessRecord::answers() const {
@@ -155,17 +155,17 @@ bool ProcessRecord::answers() const {
   return answers_;
 }
 
-void ProcessRecord::leave(bool leaving) {
+void ProcessRecord::expect_end(bool expected) {
   const std::lock_guard lock(mutex_);
-  leaving_ = leaving;
+  end_expected_ = expected;
 }
 
-bool ProcessRecord::leaving() const {
+bool ProcessRecord::end_expected() const {
   const std::lock_guard lock(mutex_);
-  return leaving_;
+  return end_expected_;
 }
 
-bool ProcessRecord::end() {
+bool ProcessRecord::mark_ended() {
   bool first = false;
   {
     const std::lock_guard lock(mutex_);
@@ -185,17 +185,17 @@ bool ProcessRecord::wait_for_end(TimePoint deadline) const {
   return changed_.wait_until(lock, deadline, [&] { return ended_; });
 }
 
-bool ProcessRecord::knows(link::Incarnation peer) const {
+bool ProcessRecord::has_mapped(link::Incarnation peer) const {
   const std::lock_guard lock(mutex_);
   return peers_.contains(peer);
 }
 
-void ProcessRecord::learn(link::Incarnation peer) {
+void ProcessRecord::mark_mapped(link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   peers_.insert(peer);
 }
 
-void ProcessRecord::unlearn(link::Incarnation peer) {
+void ProcessRecord::mark_unmapped(link::Incarnation peer) {
   const std::lock_guard lock(mutex_);
   peers_.erase(peer);
 }

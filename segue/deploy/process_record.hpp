@@ -45,41 +45,41 @@ class ProcessRecord {
 
   /// Asks for a look that begins from now on. `take`: the caller sees to it that someone takes it; else
   /// whoever is at it takes another one.
-  struct Ticket {
+  struct PollRequest {
     std::uint64_t number = 0;
-    bool take = false;
+    bool start = false;
   };
-  Ticket ask();
+  PollRequest request_poll();
   /// The number for which a look that begins now answers.
-  [[nodiscard]] std::uint64_t next() const;
+  [[nodiscard]] std::uint64_t latest_request() const;
   /// What a look gave; null where the process did not answer. `more`: take another one.
   struct Finished {
     bool more = false;
     Change change;
   };
-  Finished finish(std::uint64_t number, std::shared_ptr<const Snapshot> snapshot);
+  Finished finish_poll(std::uint64_t number, std::shared_ptr<const Snapshot> snapshot);
   /// Waits until the look of that number, or a later one, is done; false at the deadline.
-  bool wait(std::uint64_t number, TimePoint deadline) const;
+  bool wait_for_poll(std::uint64_t number, TimePoint deadline) const;
   /// Nobody waits for that look any longer: the process does not answer, unless it just did.
-  Change give_up(std::uint64_t number);
+  Change give_up_poll(std::uint64_t number);
   [[nodiscard]] bool answers() const;
 
   /// It is on its way out by request: its silence is no news.
-  void leave(bool leaving);
-  [[nodiscard]] bool leaving() const;
+  void expect_end(bool expected);
+  [[nodiscard]] bool end_expected() const;
   /// True the first time.
-  bool end();
+  bool mark_ended();
   [[nodiscard]] bool ended() const;
   bool wait_for_end(TimePoint deadline) const;
 
   /// What became of its tasks since it was looked at last, for when it never is again.
-  void note_task(const model::ConfigAction& made);
+  void note_created(const model::ConfigAction& made);
   void note_removed(const model::TaskId& task);
 
   /// Incarnations whose memory its process has mapped.
-  [[nodiscard]] bool knows(link::Incarnation peer) const;
-  void learn(link::Incarnation peer);
-  void unlearn(link::Incarnation peer);
+  [[nodiscard]] bool has_mapped(link::Incarnation peer) const;
+  void mark_mapped(link::Incarnation peer);
+  void mark_unmapped(link::Incarnation peer);
 
  private:
   Change silent_now();
@@ -94,15 +94,15 @@ class ProcessRecord {
   link::Incarnation incarnation_ = 0;
   std::shared_ptr<DeploymentService> service_;
   std::shared_ptr<const Snapshot> snapshot_;
-  std::uint64_t asked_ = 0;
-  std::uint64_t done_ = 0;
+  std::uint64_t requested_ = 0;
+  std::uint64_t finished_ = 0;
   std::uint64_t answered_ = 0;  ///< the last look that gave a snapshot
-  bool looking_ = false;
+  bool polling_ = false;
   bool answers_ = true;
-  bool leaving_ = false;
+  bool end_expected_ = false;
   bool ended_ = false;
   std::vector<model::TaskId> hanging_;
-  std::vector<std::pair<std::uint64_t, model::ConfigAction>> made_;  ///< and the looks asked for by then
+  std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< and the looks asked for by then
   std::set<link::Incarnation> peers_;
 };
 

@@ -142,8 +142,8 @@ std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const 
   if (!plan.disconnect.empty() || !plan.connect.empty()) {
     jobs.emplace_back([this, &plan, deadline, outcomes, spread] {
       spread(*outcomes, plan.disconnect_indices,
-             [&] { return wiring_.disconnect(plan.disconnect, deadline); });
-      spread(*outcomes, plan.connect_indices, [&] { return wiring_.connect(plan.connect, deadline); });
+             [&] { return connector_.disconnect(plan.disconnect, deadline); });
+      spread(*outcomes, plan.connect_indices, [&] { return connector_.connect(plan.connect, deadline); });
     });
   }
   return jobs;
@@ -302,7 +302,7 @@ void Router::note_placement(const model::Action& action, const RecordPtr& record
   }
   const PlacementTable::Place place = PlacementTable::place_of(config->definition.id, record->key());
   if (outcome) {
-    record->note_task(std::get<model::ConfigAction>(plain(action).what));
+    record->note_created(std::get<model::ConfigAction>(plain(action).what));
     fleet_.placements().put(place);
   } else if (outcome.error().code == ErrorCode::DeadlineExceeded ||
              outcome.error().code == ErrorCode::Unavailable) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/deploy/fleet.hpp>
-#include <segue/deploy/wiring.hpp>
+#include <segue/deploy/remote_connector.hpp>
 #include <segue/host/batch_outcomes.hpp>
 #include <segue/model/transition.hpp>
 
@@ -21,7 +21,7 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
 /// is one. Thread safe.
 class Router {
  public:
-  Router(Fleet& fleet, Wiring& wiring) : fleet_(fleet), wiring_(wiring) {}
+  Router(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
 
   /// Actions that do not depend on each other: what goes to one process goes as one message, all processes
   /// side by side; each tells what has ended as TaskHost::perform_all says. Returns when all are told.
@@ -45,9 +45,9 @@ class Router {
   struct Plan {
     std::map<RecordPtr, Indices> at_process;
     Indices processes;  ///< deploy, undeploy
-    std::vector<Crossing> connect;
+    std::vector<RemoteConnection> connect;
     Indices connect_indices;
-    std::vector<Crossing> disconnect;
+    std::vector<RemoteConnection> disconnect;
     Indices disconnect_indices;
     std::vector<HandOver> hand_overs;
   };
@@ -69,7 +69,7 @@ class Router {
   void note_placement(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 
   Fleet& fleet_;
-  Wiring& wiring_;
+  RemoteConnector& connector_;
 };
 
 }  // namespace segue::deploy::detail

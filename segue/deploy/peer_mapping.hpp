@@ -10,15 +10,16 @@
 namespace segue::deploy::detail {
 
 /// Two processes, in any order.
-using Pair = std::pair<RecordPtr, RecordPtr>;
+using ProcessPair = std::pair<RecordPtr, RecordPtr>;
 
-struct Strangers {
-  Pair pair;
+struct FailedPair {
+  ProcessPair pair;
   Error why;
 };
 
 /// Both processes of every pair map each other's memory, once for each pair, all side by side; where they
 /// know each other already, nothing is asked. Gives the pairs that could not. One call at a time for a fleet.
-std::vector<Strangers> acquaint(WorkerPool& pool, const std::vector<Pair>& pairs, TimePoint deadline);
+std::vector<FailedPair> map_peers(WorkerPool& pool, const std::vector<ProcessPair>& pairs,
+                                  TimePoint deadline);
 
 }  // namespace segue::deploy::detail

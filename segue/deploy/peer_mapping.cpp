@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/acquaintance.hpp>
+#include <segue/deploy/peer_mapping.hpp>
 
 #include <segue/base/text.hpp>
 
@@ -10,11 +10,11 @@ namespace segue::deploy::detail {
 
 namespace {
 
-class Acquaintance {
+class PeerMapping {
  public:
-  Acquaintance(WorkerPool& pool, TimePoint deadline) : pool_(pool), deadline_(deadline) {}
+  PeerMapping(WorkerPool& pool, TimePoint deadline) : pool_(pool), deadline_(deadline) {}
 
-  std::vector<Strangers> make(const std::vector<Pair>& pairs) {
+  std::vector<FailedPair> make(const std::vector<ProcessPair>& pairs) {
     for (const auto& [one, other] : pairs) {
       add(one, other);
       add(other, one);
@@ -22,15 +22,15 @@ class Acquaintance {
     collect_offers();
     std::vector<WorkerPool::Job> jobs;
     for (const auto& [one, others] : unknown_) {
-      jobs.emplace_back([this, one = one, &others = others] { introduce(one, others); });
+      jobs.emplace_back([this, one = one, &others = others] { admit_peers(one, others); });
     }
     pool_.run_all(std::move(jobs));
-    return std::move(strangers_);
+    return std::move(failed_);
   }
 
  private:
   void add(const RecordPtr& one, const RecordPtr& other) {
-    if (!one->knows(other->incarnation())) {
+    if (!one->has_mapped(other->incarnation())) {
       unknown_[one].insert(other);
     }
   }
@@ -52,7 +52,7 @@ class Acquaintance {
     pool_.run_all(std::move(jobs));
   }
 
-  void introduce(const RecordPtr& one, const std::set<RecordPtr>& others) {
+  void admit_peers(const RecordPtr& one, const std::set<RecordPtr>& others) {
     const auto service = one->service();
     for (const auto& other : others) {
       const auto& offer = offers_.at(other);
@@ -60,10 +60,10 @@ class Acquaintance {
                             : !service ? Result<void>(one->unreachable())
                                        : service->admit(*offer, deadline_);
       if (admitted) {
-        one->learn(offer->incarnation);
+        one->mark_mapped(offer->incarnation);
       } else {
         const std::lock_guard lock(mutex_);
-        strangers_.push_back({{one, other}, admitted.error()});
+        failed_.push_back({{one, other}, admitted.error()});
       }
     }
   }
@@ -73,13 +73,14 @@ class Acquaintance {
   std::map<RecordPtr, std::set<RecordPtr>> unknown_;  ///< who has to be told of whom
   std::map<RecordPtr, Result<link::MemoryOffer>> offers_;
   std::mutex mutex_;
-  std::vector<Strangers> strangers_;
+  std::vector<FailedPair> failed_;
 };
 
 }  // namespace
 
-std::vector<Strangers> acquaint(WorkerPool& pool, const std::vector<Pair>& pairs, TimePoint deadline) {
-  return Acquaintance(pool, deadline).make(pairs);
+std::vector<FailedPair> map_peers(WorkerPool& pool, const std::vector<ProcessPair>& pairs,
+                                  TimePoint deadline) {
+  return PeerMapping(pool, deadline).make(pairs);
 }
 
 }  // namespace segue::deploy::detail

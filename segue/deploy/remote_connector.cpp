@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/wiring.hpp>
+#include <segue/deploy/remote_connector.hpp>
 
 #include <segue/base/text.hpp>
 
@@ -15,16 +15,18 @@ using Indices = std::vector<std::size_t>;
 using Groups = std::map<RecordPtr, Indices>;
 
 /// What is known of one connection on its way.
-struct Laying {
-  const Crossing* crossing = nullptr;
+struct ConnectAttempt {
+  const RemoteConnection* remote = nullptr;
   std::optional<Error> error;
   link::OutputOrigin origin;
   link::InputPlace place;
   bool opened = false;
-  bool output_unsure = false;  ///< nobody knows whether its writer's endpoint stands
+  bool output_unconfirmed = false;  ///< nobody knows whether its writer's endpoint stands
 
   [[nodiscard]] bool failed() const { return error.has_value(); }
-  [[nodiscard]] bool whole() const { return crossing->writer != nullptr && crossing->reader != nullptr; }
+  [[nodiscard]] bool has_both_processes() const {
+    return remote->writer != nullptr && remote->reader != nullptr;
+  }
 };
 
 /// One after the other, for each group in a thread of its own.
@@ -64,23 +66,23 @@ void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_ser
 }
 
 /// Whether an error leaves open what was done.
-bool is_unsure(const Error& error) {
+bool is_inconclusive(const Error& error) {
   return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded ||
          error.code == ErrorCode::Internal;
 }
 
 /// The rounds of one batch.
-class Batch {
+class ConnectionBatch {
  public:
-  Batch(WorkerPool& pool, std::span<const Crossing> crossings, TimePoint deadline)
+  ConnectionBatch(WorkerPool& pool, std::span<const RemoteConnection> connections, TimePoint deadline)
       : pool_(pool), deadline_(deadline) {
-    for (const auto& crossing : crossings) {
-      layings_.emplace_back().crossing = &crossing;
+    for (const auto& remote : connections) {
+      attempts_.emplace_back().remote = &remote;
     }
   }
 
-  std::vector<Result<void>> lay() {
-    acquaint();
+  std::vector<Result<void>> connect() {
+    map_peers();
     describe();
     open();
     attach();
@@ -89,7 +91,7 @@ class Batch {
   }
 
   /// Of a connection whose other end is gone, the endpoint here goes with the process there.
-  std::vector<Result<void>> take_off() {
+  std::vector<Result<void>> disconnect() {
     close_outputs();
     close_inputs();
     return outcomes();
@@ -98,9 +100,9 @@ class Batch {
  private:
   [[nodiscard]] Groups by_writer() const {
     Groups groups;
-    for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (!layings_[i].failed() && layings_[i].whole()) {
-        groups[layings_[i].crossing->writer].push_back(i);
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+      if (!attempts_[i].failed() && attempts_[i].has_both_processes()) {
+        groups[attempts_[i].remote->writer].push_back(i);
       }
     }
     return groups;
@@ -108,32 +110,32 @@ class Batch {
 
   [[nodiscard]] Groups by_reader() const {
     Groups groups;
-    for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (!layings_[i].failed() && layings_[i].whole()) {
-        groups[layings_[i].crossing->reader].push_back(i);
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+      if (!attempts_[i].failed() && attempts_[i].has_both_processes()) {
+        groups[attempts_[i].remote->reader].push_back(i);
       }
     }
     return groups;
   }
 
   /// Both processes of every connection map each other's memory.
-  void acquaint() {
-    std::vector<Pair> pairs;
-    for (const auto& laying : layings_) {
-      pairs.emplace_back(laying.crossing->writer, laying.crossing->reader);
+  void map_peers() {
+    std::vector<ProcessPair> pairs;
+    for (const auto& attempt : attempts_) {
+      pairs.emplace_back(attempt.remote->writer, attempt.remote->reader);
     }
-    for (const auto& [pair, why] : detail::acquaint(pool_, pairs, deadline_)) {
+    for (const auto& [pair, why] : detail::map_peers(pool_, pairs, deadline_)) {
       fail_between(pair, why);
     }
   }
 
-  void fail_between(const Pair& pair, const Error& why) {
+  void fail_between(const ProcessPair& pair, const Error& why) {
     const auto& [one, other] = pair;
-    for (auto& laying : layings_) {
-      const auto& [connection, writer, reader] = *laying.crossing;
+    for (auto& attempt : attempts_) {
+      const auto& [connection, writer, reader] = *attempt.remote;
       const bool between = (writer == one && reader == other) || (writer == other && reader == one);
-      if (between && !laying.failed()) {
-        laying.error = why;
+      if (between && !attempt.failed()) {
+        attempt.error = why;
       }
     }
   }
@@ -141,12 +143,12 @@ class Batch {
   void describe() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
       ask<model::PortRef>(
-          writer, indices, [&](std::size_t i) { return layings_[i].crossing->connection.from; },
+          writer, indices, [&](std::size_t i) { return attempts_[i].remote->connection.from; },
           [&](DeploymentService& service, const std::vector<model::PortRef>& ports) {
             return service.describe_outputs(ports, deadline_);
           },
           [&](std::size_t i, Result<link::OutputOrigin> origin) {
-            origin ? void(layings_[i].origin = *origin) : refuse(i, std::move(origin.error()));
+            origin ? void(attempts_[i].origin = *origin) : refuse(i, std::move(origin.error()));
           });
     });
   }
@@ -156,17 +158,17 @@ class Batch {
       ask<OpenInput>(
           reader, indices,
           [&](std::size_t i) {
-            return OpenInput{layings_[i].crossing->connection, layings_[i].origin};
+            return OpenInput{attempts_[i].remote->connection, attempts_[i].origin};
           },
           [&](DeploymentService& service, const std::vector<OpenInput>& inputs) {
             return service.open_inputs(inputs, deadline_);
           },
           [&](std::size_t i, Result<link::InputPlace> place) {
             if (place) {
-              layings_[i].place = std::move(*place);
+              attempts_[i].place = std::move(*place);
             }
             // Where nobody knows, it is closed as if it were there.
-            layings_[i].opened = place || is_unsure(place.error());
+            attempts_[i].opened = place || is_inconclusive(place.error());
             if (!place) {
               refuse(i, std::move(place.error()));
             }
@@ -179,14 +181,14 @@ class Batch {
       ask<AttachOutput>(
           writer, indices,
           [&](std::size_t i) {
-            return AttachOutput{layings_[i].crossing->connection, layings_[i].place};
+            return AttachOutput{attempts_[i].remote->connection, attempts_[i].place};
           },
           [&](DeploymentService& service, const std::vector<AttachOutput>& outputs) {
             return service.attach_outputs(outputs, deadline_);
           },
           [&](std::size_t i, Result<void> attached) {
             if (!attached) {
-              layings_[i].output_unsure = is_unsure(attached.error());
+              attempts_[i].output_unconfirmed = is_inconclusive(attached.error());
               refuse(i, std::move(attached.error()));
             }
           });
@@ -197,20 +199,20 @@ class Batch {
   /// first. What cannot be reached now stays as an orphaned endpoint, for the next cleaning.
   void undo() {
     Groups outputs;
-    for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (layings_[i].output_unsure) {
-        outputs[layings_[i].crossing->writer].push_back(i);
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+      if (attempts_[i].output_unconfirmed) {
+        outputs[attempts_[i].remote->writer].push_back(i);
       }
     }
     for_each_group(pool_, outputs, [&](const RecordPtr& writer, const Indices& indices) {
       close(writer, indices, Side::Output, [&](std::size_t i, const Result<void>& closed) {
-        layings_[i].output_unsure = !closed && closed.error().code != ErrorCode::NotFound;
+        attempts_[i].output_unconfirmed = !closed && closed.error().code != ErrorCode::NotFound;
       });
     });
     Groups inputs;
-    for (std::size_t i = 0; i < layings_.size(); ++i) {
-      if (layings_[i].failed() && layings_[i].opened && !layings_[i].output_unsure) {
-        inputs[layings_[i].crossing->reader].push_back(i);
+    for (std::size_t i = 0; i < attempts_.size(); ++i) {
+      if (attempts_[i].failed() && attempts_[i].opened && !attempts_[i].output_unconfirmed) {
+        inputs[attempts_[i].remote->reader].push_back(i);
       }
     }
     for_each_group(pool_, inputs, [&](const RecordPtr& reader, const Indices& indices) {
@@ -223,9 +225,9 @@ class Batch {
     ask<CloseEndpoint>(
         record, indices,
         [&](std::size_t i) {
-          const Crossing& crossing = *layings_[i].crossing;
-          const RecordPtr& other = side == Side::Input ? crossing.writer : crossing.reader;
-          return CloseEndpoint{crossing.connection, side, side == Side::Input, other->incarnation()};
+          const RemoteConnection& remote = *attempts_[i].remote;
+          const RecordPtr& other = side == Side::Input ? remote.writer : remote.reader;
+          return CloseEndpoint{remote.connection, side, side == Side::Input, other->incarnation()};
         },
         [&](DeploymentService& service, const std::vector<CloseEndpoint>& endpoints) {
           return service.close_endpoints(endpoints, deadline_);
@@ -236,7 +238,7 @@ class Batch {
   void close_outputs() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
       close(writer, indices, Side::Output, [&](std::size_t i, Result<void> closed) {
-        layings_[i].opened = closed.has_value();  // here: one of its endpoints stood
+        attempts_[i].opened = closed.has_value();  // here: one of its endpoints stood
         if (!closed && closed.error().code != ErrorCode::NotFound && !writer->ended()) {
           refuse(i, std::move(closed.error()));
         }
@@ -248,80 +250,81 @@ class Batch {
     for_each_group(pool_, by_reader(), [&](const RecordPtr& reader, const Indices& indices) {
       close(reader, indices, Side::Input, [&](std::size_t i, Result<void> closed) {
         const bool gone = reader->ended() || (!closed && closed.error().code == ErrorCode::NotFound);
-        layings_[i].opened = layings_[i].opened || closed.has_value();
+        attempts_[i].opened = attempts_[i].opened || closed.has_value();
         if (!closed && !gone) {
           refuse(i, std::move(closed.error()));
         }
       });
     });
-    for (auto& laying : layings_) {
-      if (!laying.failed() && laying.whole() && !laying.opened) {
-        laying.error = fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected",
-                            to_string(laying.crossing->connection));
+    for (auto& attempt : attempts_) {
+      if (!attempt.failed() && attempt.has_both_processes() && !attempt.opened) {
+        attempt.error = fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected",
+                             to_string(attempt.remote->connection));
       }
     }
   }
 
-  void refuse(std::size_t index, Error error) { layings_[index].error = std::move(error); }
+  void refuse(std::size_t index, Error error) { attempts_[index].error = std::move(error); }
 
   std::vector<Result<void>> outcomes() {
     std::vector<Result<void>> outcomes;
-    for (auto& laying : layings_) {
-      outcomes.push_back(laying.failed() ? Result<void>(std::move(*laying.error)) : Result<void>());
+    for (auto& attempt : attempts_) {
+      outcomes.push_back(attempt.failed() ? Result<void>(std::move(*attempt.error)) : Result<void>());
     }
     return outcomes;
   }
 
   WorkerPool& pool_;
   const TimePoint deadline_;
-  std::vector<Laying> layings_;
+  std::vector<ConnectAttempt> attempts_;
 };
 
-bool is_of(const OrphanedEndpoint& endpoint, const Crossing& crossing) {
+bool is_of(const OrphanedEndpoint& endpoint, const RemoteConnection& remote) {
   const bool output = endpoint.side == Side::Output;
-  const RecordPtr& own = output ? crossing.writer : crossing.reader;
-  const RecordPtr& other = output ? crossing.reader : crossing.writer;
-  return endpoint.connection == crossing.connection && endpoint.process == own->key() &&
+  const RecordPtr& own = output ? remote.writer : remote.reader;
+  const RecordPtr& other = output ? remote.reader : remote.writer;
+  return endpoint.connection == remote.connection && endpoint.process == own->key() &&
          endpoint.peer == other->incarnation();
 }
 
-Error turn_taken() {
+Error another_batch_runs() {
   return fail(ErrorCode::DeadlineExceeded, "connections made before are still being laid");
 }
 
 }  // namespace
 
-Wiring::Turn::Turn(Wiring& wiring, TimePoint deadline) : wiring_(wiring) {
-  std::unique_lock lock(wiring.mutex_);
-  mine_ = wiring.changed_.wait_until(lock, deadline, [&] { return !wiring.taken_; });
-  wiring.taken_ = wiring.taken_ || mine_;
+RemoteConnector::Turn::Turn(RemoteConnector& connector, TimePoint deadline) : connector_(connector) {
+  std::unique_lock lock(connector.mutex_);
+  mine_ = connector.changed_.wait_until(lock, deadline, [&] { return !connector.taken_; });
+  connector.taken_ = connector.taken_ || mine_;
 }
 
-Wiring::Turn::~Turn() {
+RemoteConnector::Turn::~Turn() {
   if (mine_) {
-    const std::lock_guard lock(wiring_.mutex_);
-    wiring_.taken_ = false;
-    wiring_.changed_.notify_one();
+    const std::lock_guard lock(connector_.mutex_);
+    connector_.taken_ = false;
+    connector_.changed_.notify_one();
   }
 }
 
-std::vector<Result<void>> Wiring::connect(std::span<const Crossing> crossings, TimePoint deadline) {
+std::vector<Result<void>> RemoteConnector::connect(std::span<const RemoteConnection> connections,
+                                                   TimePoint deadline) {
   const Turn turn(*this, deadline);
   if (!turn) {
-    return {crossings.size(), turn_taken()};
+    return {connections.size(), another_batch_runs()};
   }
-  auto outcomes = Batch(fleet_.pool(), crossings, deadline).lay();
-  make_room(crossings, outcomes, deadline);
-  std::vector<Crossing> again;
+  auto outcomes = ConnectionBatch(fleet_.pool(), connections, deadline).connect();
+  remove_blocking_endpoints(connections, outcomes, deadline);
+  std::vector<RemoteConnection> again;
   Indices indices;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (!outcomes[i] && outcomes[i].error().code == ErrorCode::AlreadyExists) {
-      again.push_back(crossings[i]);
+      again.push_back(connections[i]);
       indices.push_back(i);
     }
   }
   if (!again.empty()) {
-    auto second = Batch(fleet_.pool(), again, deadline).lay();
+    auto second = ConnectionBatch(fleet_.pool(), again, deadline).connect();
     for (std::size_t i = 0; i < indices.size(); ++i) {
       outcomes[indices[i]] = std::move(second[i]);
     }
@@ -330,45 +333,47 @@ std::vector<Result<void>> Wiring::connect(std::span<const Crossing> crossings, T
 }
 
 /// One endpoint of a connection may be left over from a process that died while it was connected.
-void Wiring::make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
-                       TimePoint deadline) {
+void RemoteConnector::remove_blocking_endpoints(std::span<const RemoteConnection> connections,
+                                                const std::vector<Result<void>>& outcomes,
+                                                TimePoint deadline) {
   std::vector<OrphanedEndpoint> orphaned;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i] || outcomes[i].error().code != ErrorCode::AlreadyExists) {
       continue;
     }
     if (orphaned.empty()) {
-      orphaned = fleet_.merged_look().orphaned;
+      orphaned = fleet_.poll_merged().orphaned;
     }
     std::vector<OrphanedEndpoint> mine;
     std::copy_if(orphaned.begin(), orphaned.end(), std::back_inserter(mine),
-                 [&](const OrphanedEndpoint& endpoint) { return is_of(endpoint, crossings[i]); });
-    clean_now(mine, deadline);
+                 [&](const OrphanedEndpoint& endpoint) { return is_of(endpoint, connections[i]); });
+    close_orphaned(mine, deadline);
   }
 }
 
-void Wiring::acquaint(const std::vector<Pair>& pairs, TimePoint deadline) {
+void RemoteConnector::map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline) {
   if (const Turn turn(*this, deadline); turn) {
-    (void)detail::acquaint(fleet_.pool(), pairs, deadline);
+    (void)detail::map_peers(fleet_.pool(), pairs, deadline);
   }
 }
 
-std::vector<Result<void>> Wiring::disconnect(std::span<const Crossing> crossings, TimePoint deadline) {
+std::vector<Result<void>> RemoteConnector::disconnect(std::span<const RemoteConnection> connections,
+                                                      TimePoint deadline) {
   const Turn turn(*this, deadline);
   if (!turn) {
-    return {crossings.size(), turn_taken()};
+    return {connections.size(), another_batch_runs()};
   }
-  return Batch(fleet_.pool(), crossings, deadline).take_off();
+  return ConnectionBatch(fleet_.pool(), connections, deadline).disconnect();
 }
 
-void Wiring::clean(TimePoint deadline) {
+void RemoteConnector::remove_orphaned(TimePoint deadline) {
   const Turn turn(*this, deadline);
   if (turn) {
-    clean_now(fleet_.merged_look().orphaned, deadline);
+    close_orphaned(fleet_.poll_merged().orphaned, deadline);
   }
 }
 
-void Wiring::clean_now(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline) {
+void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline) {
   std::map<model::DeploymentKey, std::vector<const OrphanedEndpoint*>> by_process;
   for (const auto& endpoint : orphaned) {
     by_process[endpoint.process].push_back(&endpoint);
@@ -390,7 +395,7 @@ void Wiring::clean_now(const std::vector<OrphanedEndpoint>& orphaned, TimePoint 
       }
       for (const auto incarnation : dead) {
         (void)service->forget(incarnation);
-        record->unlearn(incarnation);
+        record->mark_unmapped(incarnation);
       }
       if (!close.empty()) {
         (void)service->close_endpoints(close, deadline);  // what fails is seen by the next look

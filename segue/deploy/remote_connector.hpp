@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/deploy/acquaintance.hpp>
 #include <segue/deploy/fleet.hpp>
+#include <segue/deploy/peer_mapping.hpp>
 #include <segue/model/network.hpp>
 
 #include <condition_variable>
@@ -14,7 +14,7 @@ namespace segue::deploy::detail {
 
 /// A connection between processes, by plain ids, and who they are. To be taken off, one of them may be null:
 /// gone.
-struct Crossing {
+struct RemoteConnection {
   model::Connection connection;
   RecordPtr writer;
   RecordPtr reader;
@@ -22,39 +22,39 @@ struct Crossing {
 
 /// Lays connections between processes and takes them off, many in a few rounds of messages. One batch at a
 /// time: what is half laid must not look like something left over. Thread safe.
-class Wiring {
+class RemoteConnector {
  public:
-  explicit Wiring(Fleet& fleet) : fleet_(fleet) {}
+  explicit RemoteConnector(Fleet& fleet) : fleet_(fleet) {}
 
   /// What of later connections can be done ahead. Failures are found again when they are laid.
-  void acquaint(const std::vector<Pair>& pairs, TimePoint deadline);
+  void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
   /// Processes that do not know each other yet get to know each other; then three rounds: outputs are
   /// described, inputs opened, outputs attached. An input whose output fails is closed again.
-  std::vector<Result<void>> connect(std::span<const Crossing> crossings, TimePoint deadline);
+  std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// The writer's endpoints, then the readers'. NotFound where neither was there.
-  std::vector<Result<void>> disconnect(std::span<const Crossing> crossings, TimePoint deadline);
+  std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Takes off endpoints whose counterparts are gone. Does nothing while a batch is under way beyond
   /// `deadline`.
-  void clean(TimePoint deadline);
+  void remove_orphaned(TimePoint deadline);
 
  private:
   /// Whose turn it is; waits for the one before, until a deadline.
   class Turn {
    public:
-    Turn(Wiring& wiring, TimePoint deadline);
+    Turn(RemoteConnector& connector, TimePoint deadline);
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
     explicit operator bool() const { return mine_; }
 
    private:
-    Wiring& wiring_;
+    RemoteConnector& connector_;
     bool mine_ = false;
   };
 
-  void clean_now(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
-  void make_room(std::span<const Crossing> crossings, const std::vector<Result<void>>& outcomes,
-                 TimePoint deadline);
+  void close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
+  void remove_blocking_endpoints(std::span<const RemoteConnection> connections,
+                                 const std::vector<Result<void>>& outcomes, TimePoint deadline);
 
   Fleet& fleet_;
   std::mutex mutex_;
