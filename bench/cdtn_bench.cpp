@@ -3,7 +3,7 @@
 // before. Beside it, in the same run, what runs such graphs without worlds, resources, conditions or
 // failures: arrays and counters in one thread, a plain thread pool, oneTBB's flow graph where it is
 // installed.
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/simulation.hpp>
 
@@ -57,8 +57,8 @@ struct Graph {
 enum class Kind { Data, Facts };
 
 /// Either three inputs each, or facts that carry the order: each node changes one and relies on two.
-Network make_network(const Graph& graph, Kind kind) {
-  Network network;
+TaskNetwork make_network(const Graph& graph, Kind kind) {
+  TaskNetwork network;
   std::vector<FactId> facts;
   for (std::uint32_t i = 0; kind == Kind::Facts && i < kLayer; ++i)
     facts.push_back(*network.facts.intern("f(" + std::to_string(i) + ")"));
@@ -98,7 +98,7 @@ void append_nodes(benchmark::State& state, Kind kind) {
 }
 
 void derive(benchmark::State& state, Kind kind) {
-  const Network network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
+  const TaskNetwork network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
   for (auto _ : state)
     benchmark::DoNotOptimize(derive_order(network));
   per_node(state);
@@ -106,12 +106,12 @@ void derive(benchmark::State& state, Kind kind) {
 
 /// Virtual time, nodes that take none.
 void run_engine(benchmark::State& state, Kind kind) {
-  const Network network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
+  const TaskNetwork network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
   const Order order = derive_order(network);
   std::size_t bytes = 0;
   for (auto _ : state) {
     SimulatedEnvironment environment(network);
-    Engine engine(network, order, environment);
+    ConcurrentEngine engine(network, order, environment);
     const RunResult result = engine.run();
     if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
     bytes = engine.bytes();
@@ -124,8 +124,8 @@ void run_engine(benchmark::State& state, Kind kind) {
 enum class Lack { Resource, Data, Condition, Fact };
 
 /// What nodes lack until the first one, which takes `duration`, has ended.
-Network make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
-  Network network;
+TaskNetwork make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
+  TaskNetwork network;
   NodeSpec holder;
   holder.name = "holder";
   holder.duration = duration;
@@ -158,12 +158,12 @@ Network make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
 /// Tells the real time from the start of one node to that of another.
 class Stopwatch final : public Environment {
  public:
-  Stopwatch(const Network& network, NodeId first, NodeId last)
+  Stopwatch(const TaskNetwork& network, NodeId first, NodeId last)
       : inner_(network), first_(first), last_(last) {}
-  void start(Launch& launch, Completions& completions) override {
-    if (launch.node() == last_) end_ = std::chrono::steady_clock::now();
-    inner_.start(launch, completions);
-    if (launch.node() == first_) begin_ = std::chrono::steady_clock::now();
+  void start(NodeContext& context, Completions& completions) override {
+    if (context.node() == last_) end_ = std::chrono::steady_clock::now();
+    inner_.start(context, completions);
+    if (context.node() == first_) begin_ = std::chrono::steady_clock::now();
   }
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
     inner_.cancel(node, attempt, completions);
@@ -181,7 +181,7 @@ class Stopwatch final : public Environment {
 /// A step of a chain of nodes, beside which others wait to the end.
 void step_beside_waiting(benchmark::State& state, Lack lack) {
   constexpr std::uint32_t kSteps = 10'000;
-  Network network = make_crowd(lack, state.range(0), std::chrono::seconds(kSteps + 1));
+  TaskNetwork network = make_crowd(lack, state.range(0), std::chrono::seconds(kSteps + 1));
   const NodeId first{network.size()};
   NodeSpec spec;
   spec.name = "step";
@@ -192,7 +192,7 @@ void step_beside_waiting(benchmark::State& state, Lack lack) {
   const Order order = derive_order(network);
   for (auto _ : state) {
     Stopwatch environment(network, first, NodeId{network.size() - 1});
-    const RunResult result = Engine(network, order, environment).run();
+    const RunResult result = ConcurrentEngine(network, order, environment).run();
     if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
     state.SetIterationTime(environment.seconds() / kSteps);
   }

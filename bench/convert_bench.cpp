@@ -4,7 +4,7 @@
 // wrote, and every second one changes a fact. The floor follows the transitions of as many states and notes
 // each in flat arrays.
 #include <segue/cdtn/order.hpp>
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -154,7 +154,7 @@ void convert_mission(benchmark::State& state, Mission (*make)(std::size_t), std:
       const double now = processor_time();
       return now - std::exchange(begin, now);
     };
-    auto plan = convert::Plan::create(*program);
+    auto plan = convert::MissionPlan::create(*program);
     cdtn::Order order;
     cdtn::OrderBuilder builder((*plan)->network(), order);
     while (!(*plan)->finished() && (*plan)->network().size() < nodes) {

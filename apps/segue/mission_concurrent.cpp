@@ -99,7 +99,7 @@ class ConcurrentRun {
   [[nodiscard]] mission::Outcome outcome() const { return result_.outcome; }
 
  private:
-  [[nodiscard]] const cdtn::Network& network() const { return run_.plan().network(); }
+  [[nodiscard]] const cdtn::TaskNetwork& network() const { return run_.plan().network(); }
   [[nodiscard]] const cdtn::RunResult& nodes() const { return run_.network_result(); }
 
   [[nodiscard]] type::ValueMap outputs() const {

@@ -41,7 +41,7 @@ Result<Diagram> of_mission(mission::Mission loaded, const ConvertOptions& option
   if (!inputs) return inputs.error();
   const auto facts = given_facts(options.mission.facts);
   if (!facts) return facts.error();
-  auto plan = convert::Plan::create(*program, std::move(*inputs), *facts);
+  auto plan = convert::MissionPlan::create(*program, std::move(*inputs), *facts);
   if (!plan) return plan.error();
   MissionOptions simulated = options.mission;
   simulated.simulate = true;

@@ -3,8 +3,8 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
-#include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
@@ -104,14 +104,14 @@ class NetworkRun {
   }
 
   cdtn::RunResult run_concurrently(const std::stop_token& stop) {
-    cdtn::EngineOptions options;
+    cdtn::ConcurrentEngineOptions options;
     options.clock = clock();
     options.strict = options_.strict;
     options.workers = options_.workers;
     options.world_copies = options_.world_copies;
     options.priorities = cdtn::choose_priorities(flat_.network, order_, flat_.trials, options, stop);
     cdtn::SimulatedEnvironment environment(flat_.network, flat_.trials, options_.seed);
-    cdtn::Engine engine(flat_.network, order_, environment, options);
+    cdtn::ConcurrentEngine engine(flat_.network, order_, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });
     return engine.run();
   }

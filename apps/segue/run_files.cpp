@@ -76,7 +76,7 @@ Result<void> write(const RunFiles& files, const draw::Gantt& gantt) {
 
 namespace {
 
-std::vector<std::string> row(const cdtn::Network& network, const cdtn::RunResult& result,
+std::vector<std::string> row(const cdtn::TaskNetwork& network, const cdtn::RunResult& result,
                              const cdtn::WaitFinder& finder, cdtn::NodeId node) {
   const cdtn::NodeResult& own = result.nodes[cdtn::index(node)];
   std::string last;
@@ -94,7 +94,7 @@ std::vector<std::string> row(const cdtn::Network& network, const cdtn::RunResult
 
 }  // namespace
 
-void show_run(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+void show_run(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
               const cdtn::RunSummary& summary, const Context& context) {
   if (context.json()) return print_json(cdtn::to_value(network, order, result, summary));
   const cdtn::WaitFinder finder(network, order, result);

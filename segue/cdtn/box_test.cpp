@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The box-fetching plans of Brunner et al. 2019 (section V), as reconstructed in shared data.
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
-#include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <support/shared_data.hpp>
@@ -25,13 +25,13 @@ class Boxes : public testing::TestWithParam<int> {
     ASSERT_TRUE(flat_) << to_string(diagnostics);
   }
 
-  double run(std::uint32_t planners, std::uint32_t copies, EngineOptions options = {}) {
+  double run(std::uint32_t planners, std::uint32_t copies, ConcurrentEngineOptions options = {}) {
     for (const char* name : {"process:path_planner", "worldmodel:projected"})
       flat_->network.resources[flat_->network.resources.intern(name)].count = planners;
     const Order order = derive_order(flat_->network);
     SimulatedEnvironment environment(flat_->network, flat_->trials);
     options.world_copies = copies;
-    Engine engine(flat_->network, order, environment, options);
+    ConcurrentEngine engine(flat_->network, order, environment, options);
     const RunResult result = engine.run();
     EXPECT_TRUE(result.done()) << to_string(*result.error);
     return std::chrono::duration<double>(result.makespan).count();
@@ -66,7 +66,7 @@ TEST_P(Boxes, TakeAsLongAsInThePaperWithAsManyCopiesOfTheWorld) {
 }
 
 TEST_P(Boxes, TakeNoLongerThanSequentiallyWithoutRunningAhead) {
-  EngineOptions options;
+  ConcurrentEngineOptions options;
   options.speculate = false;
   EXPECT_LT(run(1, 0, options), (std::array{81.6, 123.1, 164.5})[row()]);
 }

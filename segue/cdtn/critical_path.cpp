@@ -17,7 +17,7 @@ struct Times {
 
 class LongestPath {
  public:
-  LongestPath(const Network& network, const Order& order, const RunResult* result)
+  LongestPath(const TaskNetwork& network, const Order& order, const RunResult* result)
       : network_(network), order_(order), result_(result), times_(network.size()) {
     for (std::uint32_t i = 0; i < network.size(); ++i)
       visit(NodeId{i});
@@ -83,7 +83,7 @@ class LongestPath {
     later(own.commit, own.cause, gate, NodeId{gate_cause});
   }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   const Order& order_;
   const RunResult* result_;
   std::vector<Times> times_;
@@ -91,15 +91,15 @@ class LongestPath {
 
 }  // namespace
 
-CriticalPath critical_path(const Network& network, const Order& order) {
+CriticalPath critical_path(const TaskNetwork& network, const Order& order) {
   return LongestPath(network, order, nullptr).path();
 }
 
-CriticalPath critical_path(const Network& network, const Order& order, const RunResult& result) {
+CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result) {
   return LongestPath(network, order, &result).path();
 }
 
-std::vector<std::uint64_t> critical_path_priorities(const Network& network, const Order& order) {
+std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order) {
   std::vector<Duration::rep> to_end(network.size(), 0);
   Duration::rep longest = 0;
   for (std::uint32_t i = network.size(); i-- > 0;) {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <cstdint>
 #include <vector>
@@ -19,11 +19,11 @@ struct CriticalPath {
 };
 
 /// With expected durations, all nodes on the path.
-CriticalPath critical_path(const Network& network, const Order& order);
+CriticalPath critical_path(const TaskNetwork& network, const Order& order);
 /// With the durations and the skipped nodes of a run.
-CriticalPath critical_path(const Network& network, const Order& order, const RunResult& result);
+CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result);
 
-/// Priorities for EngineOptions: who has the longest way to the end goes first.
-std::vector<std::uint64_t> critical_path_priorities(const Network& network, const Order& order);
+/// Priorities for ConcurrentEngineOptions: who has the longest way to the end goes first.
+std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order);
 
 }  // namespace segue::cdtn

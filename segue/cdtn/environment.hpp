@@ -3,7 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/cdtn/ids.hpp>
-#include <segue/cdtn/world.hpp>
+#include <segue/cdtn/versioned_world.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -37,19 +37,19 @@ struct Report {
 using ReportPtr = std::unique_ptr<Report>;
 
 /// What a node may look at when it starts. Valid during Environment::start only.
-class Launch {
+class NodeContext {
  public:
-  virtual ~Launch() = default;
+  virtual ~NodeContext() = default;
   [[nodiscard]] virtual NodeId node() const = 0;
   /// Counts the runs of this node, from 1: a pure node is run again where an assumption turned out wrong.
   [[nodiscard]] virtual std::uint32_t attempt() const = 0;
-  /// The value of an input (of Network::names); null where its producer gave none or was skipped.
+  /// The value of an input (of TaskNetwork::names); null where its producer gave none or was skipped.
   [[nodiscard]] virtual const type::Value* input(std::uint32_t name) const = 0;
   /// The value of a fact that the node declares to rely on: in reality, or as projected for a pure node.
   [[nodiscard]] virtual bool holds(FactId fact) const = 0;
   /// The whole world as the node may take it to be: a snapshot that other threads may read. A node that does
   /// not declare `reads_world` fails for asking.
-  [[nodiscard]] virtual World world() = 0;
+  [[nodiscard]] virtual VersionedWorld world() = 0;
 };
 
 /// Where ends of nodes are told. Every start has one end; a second one is ignored.
@@ -68,10 +68,10 @@ class Environment {
  public:
   virtual ~Environment() = default;
   /// Begins a node, whose end `completions` must be told. `completions` lives as long as the engine runs.
-  virtual void start(Launch& launch, Completions& completions) = 0;
+  virtual void start(NodeContext& context, Completions& completions) = 0;
   /// How a node ends that does not begin, since a precondition does not hold: as if it had aborted at once.
-  virtual ReportPtr refuse(Launch& launch, std::string why) {
-    (void)launch;
+  virtual ReportPtr refuse(NodeContext& context, std::string why) {
+    (void)context;
     auto report = std::make_unique<Report>();
     report->outcome = kAborted;
     report->error = std::move(why);

@@ -3,8 +3,8 @@
 // conditions, resources, wrong predictions and failures, in a world whose answers depend only on what is
 // read, with random durations. SEGUE_CDTN_CASES tries more, SEGUE_CDTN_SEED begins elsewhere. The same
 // program with SEGUE_CDTN_FAULTS plants faults into the scheduler and expects to find each.
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
-#include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/fault.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/sequential.hpp>
@@ -23,8 +23,8 @@ std::uint64_t setting(const char* name, std::uint64_t fallback) {
   return given == nullptr ? fallback : std::strtoull(given, nullptr, 10);
 }
 
-EngineOptions options_of(std::uint64_t seed) {
-  EngineOptions options;
+ConcurrentEngineOptions options_of(std::uint64_t seed) {
+  ConcurrentEngineOptions options;
   options.log = true;
   options.strict = mix(seed, 1) % 2 == 0;
   options.speculate = mix(seed, 2) % 8 != 0;
@@ -34,7 +34,7 @@ EngineOptions options_of(std::uint64_t seed) {
 }
 
 /// The network and what became of its nodes, for whoever looks for a fault.
-void show(const Network& network, const RunResult& sequential, const RunResult& concurrent) {
+void show(const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent) {
   fmt::print("{}", write_flat_network({network, {}}));
   for (std::uint32_t i = 0; i < network.size(); ++i) {
     fmt::print("n{}: {} -> {}, starts at {} s, counts at {} s\n", i,
@@ -46,11 +46,11 @@ void show(const Network& network, const RunResult& sequential, const RunResult& 
 
 /// What is wrong with the run of that seed, or "".
 std::string difference(std::uint64_t seed) {
-  EngineOptions options = options_of(seed);
+  ConcurrentEngineOptions options = options_of(seed);
   const bool failures = mix(seed, 7) % 2 == 0;
   const Variety variety{failures, failures && options.strict};
   const RandomNetwork random(seed, variety);
-  const Network& network = random.network;
+  const TaskNetwork& network = random.network;
   RandomEnvironment reference(network, seed, variety, seed, Pace::Steady);
   const RunResult sequential = run_sequential(network, reference);
   const Order order = derive_order(network);
@@ -58,7 +58,7 @@ std::string difference(std::uint64_t seed) {
   for (const Pace pace : {Pace::Unsteady, Pace::Steady}) {
     const bool steady = pace == Pace::Steady;
     RandomEnvironment environment(network, seed, variety, steady ? seed : mix(seed, 100), pace);
-    Engine engine(network, order, environment, options);
+    ConcurrentEngine engine(network, order, environment, options);
     const RunResult concurrent = engine.run();
     RunCheck check(network, sequential, concurrent, options.strict);
     std::string text = check.difference();
@@ -86,15 +86,15 @@ class Planted : public testing::TestWithParam<int> {};
 
 TEST_P(Planted, FaultsOfTheSchedulerAreFound) {
   constexpr std::uint64_t kCases = 20'000;
-  planted_fault = static_cast<Fault>(GetParam());
+  planted_fault = static_cast<EngineFault>(GetParam());
   std::uint64_t seed = 1;
   while (seed < kCases && difference(seed).empty())
     ++seed;
-  planted_fault = Fault::None;
+  planted_fault = EngineFault::None;
   EXPECT_LT(seed, kCases) << "this fault would go unnoticed";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Planted, testing::Range(1, static_cast<int>(Fault::CountsRecalled) + 1));
+INSTANTIATE_TEST_SUITE_P(All, Planted, testing::Range(1, static_cast<int>(EngineFault::CountsPreempted) + 1));
 
 #endif
 

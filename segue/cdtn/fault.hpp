@@ -7,7 +7,7 @@ namespace segue::cdtn {
 
 /// Faults that a test plants into the scheduler to see that it would find them. They exist only in a build
 /// with SEGUE_CDTN_FAULTS, which nobody but that test makes; elsewhere `planted` is false at compile time.
-enum class Fault : std::uint8_t {
+enum class EngineFault : std::uint8_t {
   None,
   ForgetsFactOrder,      ///< every seventh node does not wait because of facts
   PassesAtStart,         ///< whoever waits for a node goes on when it starts
@@ -23,20 +23,20 @@ enum class Fault : std::uint8_t {
   AppliesEffectsTwice,   ///< a repeated node's old effects are applied too
   LeavesGroupEarly,      ///< a group lock is given back by the first member that ends
   CommitsSpeculation,    ///< a speculative result counts at once
-  NeverRecalls,          ///< who runs ahead keeps what nodes before it need
-  RecallsWhatCounts,     ///< runs that are certain to be wanted are recalled too
-  KeepsRecalledUnits,    ///< what is recalled is not given back
-  CountsRecalled         ///< the end of a run that was cancelled counts
+  NeverPreempts,         ///< who runs ahead keeps what nodes before it need
+  PreemptsWhatCounts,    ///< runs that are certain to be wanted are recalled too
+  KeepsPreemptedUnits,   ///< what is recalled is not given back
+  CountsPreempted        ///< the end of a run that was cancelled counts
 };
 
 #ifdef SEGUE_CDTN_FAULTS
 /// The one that is planted; set between runs.
-inline Fault planted_fault = Fault::None;
-inline bool planted(Fault fault) {
+inline EngineFault planted_fault = EngineFault::None;
+inline bool planted(EngineFault fault) {
   return planted_fault == fault;
 }
 #else
-constexpr bool planted(Fault) {
+constexpr bool planted(EngineFault) {
   return false;
 }
 #endif

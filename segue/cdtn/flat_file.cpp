@@ -42,7 +42,7 @@ std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, 
 }
 
 /// As many units as there may be at best: everything is created, nothing under a condition is taken away.
-void check_resources(const Network& network, const std::string& file, Diagnostics& diagnostics) {
+void check_resources(const TaskNetwork& network, const std::string& file, Diagnostics& diagnostics) {
   std::vector<std::int64_t> most;
   for (std::uint32_t i = 0; i < network.resources.size(); ++i)
     most.push_back(network.resources[ResourceId{i}].count);
@@ -77,7 +77,7 @@ Value effect_list(const FactTable& facts, const std::vector<Literal>& literals) 
   return list;
 }
 
-Value claims_value(const Network& network, NodeId node) {
+Value claims_value(const TaskNetwork& network, NodeId node) {
   Value::List list;
   for (const Claim& claim : network.claims(node)) {
     ValueMap entry;
@@ -89,7 +89,7 @@ Value claims_value(const Network& network, NodeId node) {
   return list;
 }
 
-void set_facts(ValueMap& entry, const Network& network, NodeId node) {
+void set_facts(ValueMap& entry, const TaskNetwork& network, NodeId node) {
   Value::List preconditions;
   std::vector<Literal> effects;
   for (const Access& access : network.accesses(node)) {
@@ -100,7 +100,7 @@ void set_facts(ValueMap& entry, const Network& network, NodeId node) {
   entry.set("effects", effect_list(network.facts, effects));
 }
 
-Value flows_value(const Network& network, NodeId node) {
+Value flows_value(const TaskNetwork& network, NodeId node) {
   Value::List list;
   for (const DataInput& input : network.inputs(node)) {
     list.push_back(Value::list({network.label(input.producer), network.names.name(input.output),
@@ -109,7 +109,7 @@ Value flows_value(const Network& network, NodeId node) {
   return list;
 }
 
-Value conditions_value(const Network& network, NodeId node) {
+Value conditions_value(const TaskNetwork& network, NodeId node) {
   Value::List list;
   for (const Condition& condition : network.conditions(node)) {
     list.push_back(
@@ -120,14 +120,14 @@ Value conditions_value(const Network& network, NodeId node) {
 }
 
 Value node_value(const FlatNetwork& flat, NodeId node) {
-  const Network& network = flat.network;
-  const Node& source = network[node];
+  const TaskNetwork& network = flat.network;
+  const NodeRecord& source = network[node];
   ValueMap entry;
   entry.set("seq", static_cast<std::uint64_t>(index(node)));
   entry.set("name", network.label(node));
   entry.set("duration_s", std::chrono::duration<double>(source.duration).count());
   entry.set("pia", source.kind == NodeClass::Irreversible);
-  entry.set("control_flow", source.routine ? "routine" : source.branches ? "condition" : "plain");
+  entry.set("control_flow", source.opaque_subtree ? "routine" : source.branches ? "condition" : "plain");
   set_facts(entry, network, node);
   entry.set("resources", claims_value(network, node));
   entry.set("data_flows", flows_value(network, node));
@@ -150,7 +150,7 @@ Value node_value(const FlatNetwork& flat, NodeId node) {
 }  // namespace
 
 std::string write_flat_network(const FlatNetwork& flat) {
-  const Network& network = flat.network;
+  const TaskNetwork& network = flat.network;
   ValueMap root;
   root.set("name", network.name);
   Value::List world;
@@ -165,7 +165,7 @@ std::string write_flat_network(const FlatNetwork& flat) {
   }
   ValueMap resources;
   for (std::uint32_t i = 0; i < network.resources.size(); ++i) {
-    const Resource& resource = network.resources[ResourceId{i}];
+    const ResourceRecord& resource = network.resources[ResourceId{i}];
     ValueMap entry;
     entry.set("class", kResourceClasses[static_cast<std::size_t>(resource.kind)]);
     entry.set("count", static_cast<std::uint64_t>(resource.count));

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/simulation.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -15,7 +15,7 @@ namespace segue::cdtn {
 
 /// A task network with what its nodes do in a trial.
 struct FlatNetwork {
-  Network network;
+  TaskNetwork network;
   std::vector<Trial> trials;  ///< by node
 };
 
@@ -32,6 +32,6 @@ std::string write_flat_network(const FlatNetwork& flat);
 
 /// What can be known to go wrong before a run: claims of units that no node before can have left or made
 /// (`missing-resource`).
-void check_resources(const Network& network, const std::string& file, Diagnostics& diagnostics);
+void check_resources(const TaskNetwork& network, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace segue::cdtn

@@ -120,7 +120,7 @@ void FlatReader::read_resources(const Value& root) {
       continue;
     }
     warn_unknown(value, "resource " + quote(name), {"class", "count", "commutes"});
-    Resource& resource = network_.resources[network_.resources.intern(name)];
+    ResourceRecord& resource = network_.resources[network_.resources.intern(name)];
     resource.count = count(value, "count", 1);
     resource.commutes = flag(value, "commutes", false);
     const std::string kind = text(value, "class");
@@ -198,7 +198,7 @@ void FlatReader::read_class(Entry& entry) {
   const std::string flow = text(value, "control_flow");
   if (!flow.empty() && flow != "plain" && flow != "condition" && flow != "routine")
     error("bad-control-flow", quote(flow) + " is none of plain, condition, routine", value);
-  spec.routine = flow == "routine";
+  spec.opaque_subtree = flow == "routine";
   spec.cannot_fail = flag(value, "cannot_fail", false);
   const bool silent = value.find("preconditions") == nullptr && value.find("effects") == nullptr &&
                       value.find("resources") == nullptr;

@@ -52,7 +52,7 @@ class FlatReader {
   std::optional<std::uint32_t> node_named(const type::Value& name, std::uint32_t before);
 
   FlatNetwork& flat_;
-  Network& network_;
+  TaskNetwork& network_;
   std::string file_;
   Diagnostics& diagnostics_;
   std::vector<Entry> entries_;

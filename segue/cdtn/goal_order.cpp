@@ -5,7 +5,7 @@
 
 namespace segue::cdtn {
 
-GoalOrder::GoalOrder(const Network& network, Order& order, std::vector<Dependency>* further)
+GoalOrder::GoalOrder(const TaskNetwork& network, Order& order, std::vector<Dependency>* further)
     : network_(network), builder_(network, order, further) {
   for (std::uint32_t i = 0; i < network.size(); ++i)
     opaque_ = opaque_ || network[NodeId{i}].opaque;
@@ -28,7 +28,7 @@ void GoalOrder::collect_facts() {
 bool GoalOrder::foreseeable(FactId fact) const {
   for (std::uint32_t i = fact_begin_[index(fact)]; i < fact_begin_[index(fact) + 1]; ++i) {
     const Access& access = network_.access(by_fact_[i]);
-    const Node& node = network_[access.node];
+    const NodeRecord& node = network_[access.node];
     if (access.writes &&
         (node.uncertain || opaque_ || node.branches || !network_.conditions(access.node).empty()))
       return false;
@@ -83,7 +83,7 @@ void GoalOrder::need(Interval& interval, FactId fact) {
 /// The network's goal, or every fact with the value it has in the end.
 std::vector<Literal> GoalOrder::wanted() const {
   if (!network_.goal.empty()) return network_.goal;
-  World world = network_.initial_world;
+  VersionedWorld world = network_.initial_world;
   for (std::uint32_t i = 0; i < network_.access_count(); ++i) {
     const Access& access = network_.access(i);
     if (access.writes) world.set({access.fact, access.value});
@@ -126,7 +126,7 @@ void GoalOrder::derive() {
   }
 }
 
-Order derive_order(const Network& network, OrderRule rule, std::vector<Dependency>* further) {
+Order derive_order(const TaskNetwork& network, OrderRule rule, std::vector<Dependency>* further) {
   Order order;
   order.reserve(network.size(), std::size_t{network.access_count()} * 2);
   if (rule == OrderRule::Goal)

@@ -13,7 +13,7 @@ namespace segue::cdtn {
 class GoalOrder {
  public:
   /// All must outlive this. `further`: as for derive_order.
-  GoalOrder(const Network& network, Order& order, std::vector<Dependency>* further);
+  GoalOrder(const TaskNetwork& network, Order& order, std::vector<Dependency>* further);
   void derive();
 
  private:
@@ -36,7 +36,7 @@ class GoalOrder {
   void link(NodeId from, NodeId to, FactId fact);
   [[nodiscard]] std::vector<Literal> wanted() const;
 
-  const Network& network_;
+  const TaskNetwork& network_;
   OrderBuilder builder_;
   bool opaque_ = false;  ///< some node may change any fact
   std::vector<std::uint32_t> fact_begin_;

@@ -12,7 +12,7 @@ using Window = std::bitset<kImpliedWithin>;
 
 class ImpliedFinder {
  public:
-  ImpliedFinder(const Network& network, const Order& order)
+  ImpliedFinder(const TaskNetwork& network, const Order& order)
       : network_(network), order_(order), passed_(kImpliedWithin), conditions_(kImpliedWithin) {}
 
   std::vector<bool> find() {
@@ -73,7 +73,7 @@ class ImpliedFinder {
     return holds_start(network_, dependency) ? behind_held_[away] : behind_[away];
   }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   const Order& order_;
   std::vector<Window> passed_;      ///< of the last nodes: who has passed when they pass
   std::vector<Window> conditions_;  ///< likewise: whose outcomes decide whether they are on the path
@@ -84,7 +84,7 @@ class ImpliedFinder {
 
 }  // namespace
 
-std::vector<bool> implied_dependencies(const Network& network, const Order& order) {
+std::vector<bool> implied_dependencies(const TaskNetwork& network, const Order& order) {
   if (order.dependency_count() == 0) return {};
   return ImpliedFinder(network, order).find();
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <vector>
 
@@ -14,6 +14,6 @@ inline constexpr std::uint32_t kImpliedWithin = 1024;
 /// By place in the order: whether a run would be the same without this dependency, since others lead from the
 /// one node to the other. Data never is, as something flows; a condition is where one that is kept lies
 /// within it. Time and memory are linear in the dependencies.
-std::vector<bool> implied_dependencies(const Network& network, const Order& order);
+std::vector<bool> implied_dependencies(const TaskNetwork& network, const Order& order);
 
 }  // namespace segue::cdtn

@@ -9,7 +9,7 @@ namespace segue::cdtn {
 
 namespace {
 
-Error undeclared(const Network& network, NodeId node, const std::string& what) {
+Error undeclared(const TaskNetwork& network, NodeId node, const std::string& what) {
   return fail(
       ErrorCode::HookFailed,
       what + "; declare it, or mark the node as uncertain or opaque, since the order relies on declarations",
@@ -18,9 +18,9 @@ Error undeclared(const Network& network, NodeId node, const std::string& what) {
 
 /// Every observed effect must be declared; unless the node is uncertain, with that value, and none may be
 /// missing.
-std::optional<Error> check_effects(const Network& network, NodeId node, bool expected,
+std::optional<Error> check_effects(const TaskNetwork& network, NodeId node, bool expected,
                                    const std::vector<Literal>& observed) {
-  const Node& entry = network[node];
+  const NodeRecord& entry = network[node];
   if (entry.opaque) return std::nullopt;
   const auto accesses = network.accesses(node);
   for (const Literal& literal : observed) {
@@ -42,8 +42,8 @@ std::optional<Error> check_effects(const Network& network, NodeId node, bool exp
   return std::nullopt;
 }
 
-std::optional<Error> check_outcome(const Network& network, NodeId node, const Report* report) {
-  const Node& entry = network[node];
+std::optional<Error> check_outcome(const TaskNetwork& network, NodeId node, const Report* report) {
+  const NodeRecord& entry = network[node];
   const OutcomeId outcome = report == nullptr ? kSuccess : report->outcome;
   if (outcome == kPreempted) return fail(ErrorCode::Cancelled, "was preempted", network.label(node));
   if (outcome == kAborted) {
@@ -60,7 +60,7 @@ std::optional<Error> check_outcome(const Network& network, NodeId node, const Re
 
 }  // namespace
 
-NodeOutcome judge(const Network& network, NodeId node, const Report* report) {
+NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report) {
   NodeOutcome result;
   result.outcome = report == nullptr ? kSuccess : report->outcome;
   const bool expected = result.outcome == network[node].expected;
@@ -79,7 +79,7 @@ NodeOutcome judge(const Network& network, NodeId node, const Report* report) {
   return result;
 }
 
-Error precondition_error(const Network& network, NodeId node, const Literal& literal) {
+Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal) {
   return fail(ErrorCode::InvalidState, "its precondition " + network.facts.text(literal) + " does not hold",
               network.label(node));
 }

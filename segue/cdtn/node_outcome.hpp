@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/environment.hpp>
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <optional>
 #include <string>
@@ -21,9 +21,9 @@ struct NodeOutcome {
 /// Compares what was observed with what the node declares. Another effect than declared is a failure that
 /// names the node, unless it is `uncertain` (other values of the same facts) or `opaque` (anything); so is an
 /// abort that nobody handles, and an outcome that leads nowhere.
-NodeOutcome judge(const Network& network, NodeId node, const Report* report);
+NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report);
 
 /// The failure of a node one of whose preconditions does not hold.
-Error precondition_error(const Network& network, NodeId node, const Literal& literal);
+Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal);
 
 }  // namespace segue::cdtn

@@ -11,7 +11,7 @@ std::string_view to_string(Reason reason) {
   return kNames[static_cast<std::size_t>(reason)];
 }
 
-std::string subject_text(const Network& network, const Dependency& dependency) {
+std::string subject_text(const TaskNetwork& network, const Dependency& dependency) {
   switch (dependency.reason()) {
     case Reason::Fact:
       return network.facts.text(FactId{dependency.subject});
@@ -131,7 +131,7 @@ bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   const auto own = network_.conditions(node);
   const auto others = network_.conditions(state.flip);
   if (!std::includes(own.begin(), own.end(), others.begin(), others.end())) return false;
-  const Node& flip = network_[state.flip];
+  const NodeRecord& flip = network_[state.flip];
   return !flip.branches || std::binary_search(own.begin(), own.end(), Condition{state.flip, flip.expected});
 }
 
@@ -142,7 +142,7 @@ void OrderBuilder::add_access(NodeId node, const Access& access) {
     state.seen = true;
     state.value = network_.initial_world.holds(access.fact) ? 1 : 0;
   }
-  const Node& entry = network_[node];
+  const NodeRecord& entry = network_[node];
   const bool flips =
       access.writes && (entry.uncertain || state.value != (access.value ? 1 : 0) || !known_to(state, node));
   if (!flips) {
@@ -155,7 +155,7 @@ void OrderBuilder::add_access(NodeId node, const Access& access) {
 }
 
 void OrderBuilder::add_place(NodeId node) {
-  const Node& entry = network_[node];
+  const NodeRecord& entry = network_[node];
   if (entry.opaque) {
     wait_for(place_touchers_, place_, node, Reason::Place, 0);
     place_touchers_ = kNone;
@@ -170,7 +170,7 @@ void OrderBuilder::add_place(NodeId node) {
 
 void OrderBuilder::add_resources(NodeId node, bool blocks_in_order) {
   for (const Claim& claim : network_.claims(node)) {
-    const Resource& resource = network_.resources[claim.resource];
+    const ResourceRecord& resource = network_.resources[claim.resource];
     const bool irreversible =
         network_[node].kind == NodeClass::Irreversible && claim.op != ResourceOp::Exists;
     if (!resource.varies && !resource.grouped && !(blocks_in_order && irreversible && !resource.commutes))

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/ids.hpp>
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <cstdint>
 #include <ranges>
@@ -68,13 +68,13 @@ enum class OrderRule : std::uint8_t { Epoch, Goal };
 
 /// The order of a whole network. The order keeps one reason for two nodes that come after one another because
 /// of facts or places; `further`, where it is given, gets all others, in program order of `to`.
-Order derive_order(const Network& network, OrderRule rule = OrderRule::Epoch,
+Order derive_order(const TaskNetwork& network, OrderRule rule = OrderRule::Epoch,
                    std::vector<Dependency>* further = nullptr);
 
 /// Whether the node does not even run ahead, its result kept back, of this dependency; of Data: before there
 /// are outputs, if only such. Pure nodes run ahead on what facts will be, sensing ones on nothing but
 /// reality, and neither ahead of who may touch anything.
-[[nodiscard]] inline bool holds_start(const Network& network, const Dependency& dependency) {
+[[nodiscard]] inline bool holds_start(const TaskNetwork& network, const Dependency& dependency) {
   const NodeClass kind = network[dependency.to].kind;
   if (kind == NodeClass::Irreversible) return true;
   if (dependency.reason() == Reason::Fact) return kind == NodeClass::Sensing;
@@ -82,7 +82,7 @@ Order derive_order(const Network& network, OrderRule rule = OrderRule::Epoch,
 }
 
 /// "arm_at(home)", "process:planner" ...: what a dependency is about.
-std::string subject_text(const Network& network, const Dependency& dependency);
+std::string subject_text(const TaskNetwork& network, const Dependency& dependency);
 
 /// Derives the order by the epoch rule for a network that grows. Each fact's sequence of accesses is cut
 /// where its value flips: the flipping node comes after every node that touched the fact since the last flip,
@@ -91,7 +91,7 @@ std::string subject_text(const Network& network, const Dependency& dependency);
 class OrderBuilder {
  public:
   /// All must outlive the builder. `further`: as for derive_order.
-  OrderBuilder(const Network& network, Order& order, std::vector<Dependency>* further = nullptr)
+  OrderBuilder(const TaskNetwork& network, Order& order, std::vector<Dependency>* further = nullptr)
       : network_(network), order_(order), further_(further) {}
   /// Takes in all nodes that were appended since.
   void extend();
@@ -121,7 +121,7 @@ class OrderBuilder {
   void begin_node(NodeId node);
   void end_node() { order_.close_node(); }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   Order& order_;
   std::vector<Dependency>* further_;
   std::vector<FactState> states_;  ///< by fact

@@ -5,15 +5,15 @@
 
 namespace segue::cdtn {
 
-std::vector<std::uint64_t> choose_priorities(const Network& network, const Order& order,
-                                             std::vector<Trial> trials, EngineOptions options,
+std::vector<std::uint64_t> choose_priorities(const TaskNetwork& network, const Order& order,
+                                             std::vector<Trial> trials, ConcurrentEngineOptions options,
                                              std::stop_token stop) {
   options.clock = ClockKind::Virtual;
   options.log = false;
   SimulatedEnvironment environment(network, std::move(trials));
   const auto simulate = [&](std::vector<std::uint64_t> priorities) {
     options.priorities = std::move(priorities);
-    Engine engine(network, order, environment, options);
+    ConcurrentEngine engine(network, order, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });
     return engine.run();
   };

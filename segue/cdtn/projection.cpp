@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@ namespace segue::cdtn {
 
 /// Whether a node that has not ended is taken to be on the path, seen from `at`: conditions that both have
 /// are met, others end as expected.
-bool Engine::Implementation::assumed_on_path(NodeId writer, NodeId at) const {
+bool ConcurrentEngine::Implementation::assumed_on_path(NodeId writer, NodeId at) const {
   const auto own = network_.conditions(at);
   for (const Condition& condition : network_.conditions(writer)) {
     const auto mine = std::ranges::find(own, condition.node, &Condition::node);
@@ -20,7 +20,7 @@ bool Engine::Implementation::assumed_on_path(NodeId writer, NodeId at) const {
 
 /// The value of the fact where the access stands in program order: what the last writer before it wrote, or
 /// is predicted to write.
-bool Engine::Implementation::projected(const Access& access) const {
+bool ConcurrentEngine::Implementation::projected(const Access& access) const {
   std::uint32_t place = access.previous_write;
   for (; place != kNone; place = network_.access(place).previous_write) {
     const Access& write = network_.access(place);
@@ -41,7 +41,7 @@ bool Engine::Implementation::projected(const Access& access) const {
 }
 
 /// What a node that has ended did to the world.
-void Engine::Implementation::add_effects(World& world, NodeId node) const {
+void ConcurrentEngine::Implementation::add_effects(VersionedWorld& world, NodeId node) const {
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
     const std::uint8_t written = writes_[network_[node].first_access + i];
@@ -55,16 +55,16 @@ void Engine::Implementation::add_effects(World& world, NodeId node) const {
   }
 }
 
-void Engine::Implementation::catch_up_prefix_world() {
+void ConcurrentEngine::Implementation::catch_up_prefix_world() {
   for (; prefix_world_at_ < prefix_; ++prefix_world_at_)
     add_effects(prefix_world_, NodeId{prefix_world_at_});
 }
 
 /// The world where the node stands in program order: as it was after everything that has passed, then what
 /// the nodes between did, or are predicted to do. What of it may turn out otherwise is remembered as a guess.
-World Engine::Implementation::projected_world(NodeId node) {
+VersionedWorld ConcurrentEngine::Implementation::projected_world(NodeId node) {
   catch_up_prefix_world();
-  World world = prefix_world_;
+  VersionedWorld world = prefix_world_;
   std::vector<Literal>& guesses = guesses_[index(node)];
   guesses.clear();
   for (NodeId before{prefix_}; before < node; before = NodeId{index(before) + 1}) {
@@ -84,8 +84,8 @@ World Engine::Implementation::projected_world(NodeId node) {
   return world;
 }
 
-bool Engine::Implementation::reads_are_valid(NodeId node) const {
-  if (network_[node].kind != NodeClass::Pure || planted(Fault::NeverValidates)) return true;
+bool ConcurrentEngine::Implementation::reads_are_valid(NodeId node) const {
+  if (network_[node].kind != NodeClass::Pure || planted(EngineFault::NeverValidates)) return true;
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
     if (accesses[i].reads && projected(accesses[i]) != (reads_[network_[node].first_access + i] == 3))
@@ -96,7 +96,7 @@ bool Engine::Implementation::reads_are_valid(NodeId node) const {
 
 /// The version of the producer's outputs that this entry gives; 0 where another entry for the same input
 /// counts, or its producer is skipped.
-std::uint32_t Engine::Implementation::input_version(NodeId node, std::size_t place) const {
+std::uint32_t ConcurrentEngine::Implementation::input_version(NodeId node, std::size_t place) const {
   const auto inputs = network_.inputs(node);
   const auto skipped = [&](const DataInput& input) { return at(input.producer).phase == Phase::Skipped; };
   if (skipped(inputs[place])) return 0;
@@ -106,8 +106,8 @@ std::uint32_t Engine::Implementation::input_version(NodeId node, std::size_t pla
   return at(inputs[place].producer).version;
 }
 
-bool Engine::Implementation::inputs_are_valid(NodeId node) const {
-  if (planted(Fault::KeepsStaleInputs)) return true;
+bool ConcurrentEngine::Implementation::inputs_are_valid(NodeId node) const {
+  if (planted(EngineFault::KeepsStaleInputs)) return true;
   const std::size_t inputs = network_.inputs(node).size();
   for (std::size_t i = 0; i < inputs; ++i) {
     if (versions_[network_[node].first_input + i] != input_version(node, i)) return false;
@@ -116,9 +116,9 @@ bool Engine::Implementation::inputs_are_valid(NodeId node) const {
 }
 
 /// Requires that everything before has passed.
-bool Engine::Implementation::world_is_valid(NodeId node) {
+bool ConcurrentEngine::Implementation::world_is_valid(NodeId node) {
   const auto found = guesses_.find(index(node));
-  if (found == guesses_.end() || planted(Fault::NeverValidates)) return true;
+  if (found == guesses_.end() || planted(EngineFault::NeverValidates)) return true;
   if (prefix_ != index(node)) return true;  // it does not read the world as a whole
   catch_up_prefix_world();
   return std::ranges::all_of(found->second, [&](const Literal& guess) { return prefix_world_.holds(guess); });

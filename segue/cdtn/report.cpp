@@ -27,7 +27,7 @@ double in_seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-Value node_value(const Network& network, const RunResult& result, const WaitFinder& finder, NodeId node) {
+Value node_value(const TaskNetwork& network, const RunResult& result, const WaitFinder& finder, NodeId node) {
   const NodeResult& own = result.nodes[index(node)];
   ValueMap entry;
   entry.set("name", network.name_of(node));
@@ -65,7 +65,7 @@ Value to_value(const Wait& wait, const std::string& node) {
   return entry;
 }
 
-Value to_value(const Network& network, const Order& order, const RunResult& result,
+Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
                const RunSummary& summary) {
   ValueMap root;
   root.set("name", network.name);
@@ -84,9 +84,9 @@ Value to_value(const Network& network, const Order& order, const RunResult& resu
     world.emplace_back(fact);
   root.set("world", std::move(world));
   const RunStatistics& statistics = result.statistics;
-  root.set("speculation", Value::map({{"ahead", statistics.ahead},
+  root.set("speculation", Value::map({{"ahead", statistics.speculative},
                                       {"wasted", statistics.wasted},
-                                      {"recalled", statistics.recalled},
+                                      {"recalled", statistics.preempted},
                                       {"repeated", statistics.repeated}}));
   root.set("engine_us_per_node", summary.engine_us_per_node);
   return root;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/task_network.hpp>
 #include <segue/cdtn/waits.hpp>
 #include <segue/type/value.hpp>
 
@@ -28,7 +28,7 @@ struct RunSummary {
 type::Value to_value(const Wait& wait, const std::string& node);
 
 /// What `segue mission run` prints as JSON.
-type::Value to_value(const Network& network, const Order& order, const RunResult& result,
+type::Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
                      const RunSummary& summary);
 
 }  // namespace segue::cdtn

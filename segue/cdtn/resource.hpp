@@ -44,7 +44,7 @@ struct GroupLock {
 };
 
 /// A resource as declared. Its name may carry parameters: "process:planner(fast)".
-struct Resource {
+struct ResourceRecord {
   ResourceClass kind = ResourceClass::Task;
   std::uint32_t count = 1;  ///< units at the beginning
   bool commutes = false;    ///< the order in which nodes use it means nothing
@@ -60,13 +60,13 @@ class ResourceTable {
   ResourceId intern(std::string_view name);
   [[nodiscard]] std::optional<ResourceId> find(std::string_view name) const;
   [[nodiscard]] const std::string& name(ResourceId id) const { return names_.name(index(id)); }
-  [[nodiscard]] const Resource& operator[](ResourceId id) const { return resources_[index(id)]; }
-  [[nodiscard]] Resource& operator[](ResourceId id) { return resources_[index(id)]; }
+  [[nodiscard]] const ResourceRecord& operator[](ResourceId id) const { return resources_[index(id)]; }
+  [[nodiscard]] ResourceRecord& operator[](ResourceId id) { return resources_[index(id)]; }
   [[nodiscard]] std::size_t size() const { return resources_.size(); }
 
  private:
   NameTable names_;
-  std::vector<Resource> resources_;
+  std::vector<ResourceRecord> resources_;
 };
 
 }  // namespace segue::cdtn

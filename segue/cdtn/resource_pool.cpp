@@ -106,7 +106,7 @@ void ResourcePool::still_waiting(std::vector<NodeId>& nodes) {
 
 void ResourcePool::take(const Claim& claim) {
   Units& units = units_[index(claim.resource)];
-  if (!planted(Fault::GrantsTwice)) units.free -= need(claim);
+  if (!planted(EngineFault::GrantsTwice)) units.free -= need(claim);
   if (claim.group != kNone) {
     groups_[claim.group].held = true;
     if (claim.op == ResourceOp::Block) groups_[claim.group].inside -= claim.count;
@@ -141,13 +141,13 @@ void ResourcePool::give_back(const Claim& claim, bool done) {
         units.free += claim.count;
       break;
     case ResourceOp::Block:
-      if (!planted(Fault::GrantsTwice)) units.free += claim.count;
+      if (!planted(EngineFault::GrantsTwice)) units.free += claim.count;
       break;
     case ResourceOp::Exists:
       if (--units.pins == 0) units.pinned = 0;
       break;
     case ResourceOp::Consume:
-      if (planted(Fault::ReturnsConsumed)) units.total += claim.count;
+      if (planted(EngineFault::ReturnsConsumed)) units.total += claim.count;
       break;
     case ResourceOp::Release:
       break;
@@ -207,7 +207,7 @@ void ResourcePool::release(std::span<const Claim> claims, bool done) {
 void ResourcePool::leave_group(std::uint32_t group) {
   Group& left = groups_[group];
   ++left.left;
-  const bool early = planted(Fault::LeavesGroupEarly);
+  const bool early = planted(EngineFault::LeavesGroupEarly);
   if (!left.held || (left.left < left.lock.members && !early)) return;
   left.held = false;
   units_[index(left.lock.resource)].free += left.lock.count;

@@ -6,7 +6,7 @@
 #include <segue/cdtn/environment.hpp>
 #include <segue/cdtn/ids.hpp>
 #include <segue/cdtn/run_log.hpp>
-#include <segue/cdtn/world.hpp>
+#include <segue/cdtn/versioned_world.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -35,10 +35,10 @@ struct WastedRun {
 
 struct RunStatistics {
   std::uint64_t starts = 0;
-  std::uint64_t ahead = 0;     ///< runs that began before it was certain that they are wanted
-  std::uint64_t wasted = 0;    ///< of those, thrown away
-  std::uint64_t recalled = 0;  ///< of those, for nodes that came before them and needed what they held
-  std::uint64_t repeated = 0;  ///< runs of nodes that had run before
+  std::uint64_t speculative = 0;  ///< runs that began before it was certain that they are wanted
+  std::uint64_t wasted = 0;       ///< of those, thrown away
+  std::uint64_t preempted = 0;    ///< of those, for nodes that came before them and needed what they held
+  std::uint64_t repeated = 0;     ///< runs of nodes that had run before
 };
 
 /// How a network ended, sequentially or concurrently.
@@ -46,7 +46,7 @@ struct RunResult {
   std::optional<NodeId> failed;  ///< the lowest node that did
   std::optional<Error> error;    ///< with it
   bool stopped = false;          ///< on request
-  World world;
+  VersionedWorld world;
   std::vector<std::uint32_t> units;  ///< of every resource, at the end
   Duration makespan{};
   std::vector<NodeResult> nodes;

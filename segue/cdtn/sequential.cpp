@@ -28,7 +28,7 @@ ReportPtr preempted() {
 
 class SequentialRun {
  public:
-  SequentialRun(const Network& network, Environment& environment, ClockKind clock, std::stop_token stop)
+  SequentialRun(const TaskNetwork& network, Environment& environment, ClockKind clock, std::stop_token stop)
       : network_(network), environment_(environment), events_(clock), stop_(std::move(stop)) {
     result_.world = network.initial_world;
     result_.nodes.resize(network.size());
@@ -52,7 +52,7 @@ class SequentialRun {
   }
 
  private:
-  class NodeLaunch;
+  class RunContext;
 
   [[nodiscard]] bool on_path(NodeId node) const {
     return std::ranges::all_of(network_.conditions(node), [&](const Condition& condition) {
@@ -179,9 +179,9 @@ class SequentialRun {
     }
   }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   Environment& environment_;
-  EventQueue events_;
+  CompletionQueue events_;
   const std::stop_token stop_;
   RunResult result_;
   std::vector<std::uint32_t> held_;  ///< units, by resource: by groups
@@ -189,9 +189,9 @@ class SequentialRun {
   std::set<std::uint32_t> groups_held_;
 };
 
-class SequentialRun::NodeLaunch final : public Launch {
+class SequentialRun::RunContext final : public NodeContext {
  public:
-  NodeLaunch(const SequentialRun& run, NodeId node) : run_(run), node_(node) {}
+  RunContext(const SequentialRun& run, NodeId node) : run_(run), node_(node) {}
   [[nodiscard]] NodeId node() const override { return node_; }
   [[nodiscard]] std::uint32_t attempt() const override { return 1; }
   [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
@@ -205,7 +205,7 @@ class SequentialRun::NodeLaunch final : public Launch {
     return nullptr;
   }
   [[nodiscard]] bool holds(FactId fact) const override { return run_.result_.world.holds(fact); }
-  [[nodiscard]] World world() override {
+  [[nodiscard]] VersionedWorld world() override {
     asked_world_ = true;
     return run_.result_.world;
   }
@@ -218,20 +218,20 @@ class SequentialRun::NodeLaunch final : public Launch {
 };
 
 ReportPtr SequentialRun::execute(NodeId node) {
-  NodeLaunch launch(*this, node);
+  RunContext context(*this, node);
   result_.nodes[index(node)].attempts = 1;
   ++result_.statistics.starts;
-  environment_.start(launch, events_);
+  environment_.start(context, events_);
   ReportPtr report = wait_for(node);
   environment_.ended(node, 1);
-  if (launch.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
+  if (context.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
     return aborted("looked at the world without declaring reads_world");
   return report;
 }
 
 ReportPtr SequentialRun::refuse(NodeId node, const std::string& why) {
-  NodeLaunch launch(*this, node);
-  return environment_.refuse(launch, why);
+  RunContext context(*this, node);
+  return environment_.refuse(context, why);
 }
 
 /// Its end; where a stop is asked for before, it is cancelled and waited for only so long.
@@ -250,7 +250,7 @@ ReportPtr SequentialRun::wait_for(NodeId node) {
 
 }  // namespace
 
-RunResult run_sequential(const Network& network, Environment& environment, ClockKind clock,
+RunResult run_sequential(const TaskNetwork& network, Environment& environment, ClockKind clock,
                          std::stop_token stop) {
   return SequentialRun(network, environment, clock, std::move(stop)).run();
 }

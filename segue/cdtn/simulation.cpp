@@ -35,9 +35,9 @@ ReportPtr SimulatedEnvironment::report(NodeId node) const {
   return report;
 }
 
-void SimulatedEnvironment::start(Launch& launch, Completions& completions) {
-  const NodeId node = launch.node();
-  completions.finish_at(completions.now() + duration(node, launch.attempt()), node, launch.attempt(),
+void SimulatedEnvironment::start(NodeContext& context, Completions& completions) {
+  const NodeId node = context.node();
+  completions.finish_at(completions.now() + duration(node, context.attempt()), node, context.attempt(),
                         report(node));
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/environment.hpp>
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -21,18 +21,18 @@ class SimulatedEnvironment final : public Environment {
  public:
   /// `trials` by node; nodes beyond succeed. With a seed, durations vary between half and twice the expected
   /// one, the same for the same seed, node and attempt; 0: exactly as expected. `network` must outlive this.
-  explicit SimulatedEnvironment(const Network& network, std::vector<Trial> trials = {},
+  explicit SimulatedEnvironment(const TaskNetwork& network, std::vector<Trial> trials = {},
                                 std::uint64_t seed = 0)
       : network_(network), trials_(std::move(trials)), seed_(seed) {}
 
-  void start(Launch& launch, Completions& completions) override;
+  void start(NodeContext& context, Completions& completions) override;
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override;
 
  private:
   [[nodiscard]] Duration duration(NodeId node, std::uint32_t attempt) const;
   [[nodiscard]] ReportPtr report(NodeId node) const;
 
-  const Network& network_;
+  const TaskNetwork& network_;
   std::vector<Trial> trials_;
   std::uint64_t seed_;
 };

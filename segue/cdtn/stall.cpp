@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <fmt/format.h>
 
@@ -7,14 +7,14 @@ namespace segue::cdtn {
 
 namespace {
 
-std::string amount(const Network& network, const Claim& claim, const ResourcePool& pool) {
+std::string amount(const TaskNetwork& network, const Claim& claim, const ResourcePool& pool) {
   return fmt::format("{} of '{}' ({} there, {} free)", claim.count, network.resources.name(claim.resource),
                      pool.total(claim.resource), pool.free(claim.resource));
 }
 
 }  // namespace
 
-std::string Engine::Implementation::waits_for(NodeId node) const {
+std::string ConcurrentEngine::Implementation::waits_for(NodeId node) const {
   const State& state = at(node);
   const std::string name = fmt::format("'{}'", network_.label(node));
   if (state.active) return name + " was cancelled and has not ended";
@@ -34,7 +34,7 @@ std::string Engine::Implementation::waits_for(NodeId node) const {
 }
 
 /// Names the lowest nodes that cannot go on, and for whom they wait.
-Error Engine::Implementation::stall_error() const {
+Error ConcurrentEngine::Implementation::stall_error() const {
   constexpr int kNamed = 5;
   std::string text;
   int named = 0;

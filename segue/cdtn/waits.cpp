@@ -38,7 +38,7 @@ Wait::Kind kind_of(Reason reason) {
 
 }  // namespace
 
-WaitFinder::WaitFinder(const Network& network, const Order& order, const RunResult& result)
+WaitFinder::WaitFinder(const TaskNetwork& network, const Order& order, const RunResult& result)
     : network_(network), order_(order), result_(result), uses_(network.resources.size()) {
   for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
     if (result.nodes[i].attempts > 0) add_use(NodeId{i}, result.nodes[i].ended);
@@ -121,7 +121,7 @@ std::vector<Wait> WaitFinder::of(NodeId node) const {
   return waits;
 }
 
-bool WaitFinder::ran_ahead(NodeId node) const {
+bool WaitFinder::was_speculative(NodeId node) const {
   const NodeResult& own = result_.nodes[index(node)];
   if (own.attempts == 0) return false;
   return std::ranges::any_of(order_.before(node), [&](const Dependency& dependency) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <string>
 #include <string_view>
@@ -29,12 +29,12 @@ std::string to_string(const Wait& wait, const std::string& node);
 /// What nodes of a run waited for. Refers to the three it is made of.
 class WaitFinder {
  public:
-  WaitFinder(const Network& network, const Order& order, const RunResult& result);
+  WaitFinder(const TaskNetwork& network, const Order& order, const RunResult& result);
 
   /// From the time at which everything else was there; the longest last.
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
   /// Whether its run that counts began before all was certain that it relies on.
-  [[nodiscard]] bool ran_ahead(NodeId node) const;
+  [[nodiscard]] bool was_speculative(NodeId node) const;
 
  private:
   struct Use {
@@ -47,7 +47,7 @@ class WaitFinder {
   void add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
   void add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
 
-  const Network& network_;
+  const TaskNetwork& network_;
   const Order& order_;
   const RunResult& result_;
   std::vector<Use> ends_;               ///< of all, by time

@@ -10,7 +10,7 @@
 namespace segue::convert {
 
 using cdtn::Completions;
-using cdtn::Launch;
+using cdtn::NodeContext;
 using cdtn::NodeId;
 using cdtn::ReportPtr;
 using mission::Ending;
@@ -31,10 +31,10 @@ struct ActionEnvironment::Reporter {
   [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) const {
     Outcome outcome = ending.outcome;
     std::string error = ending.error;
-    if (cancelled && !planted(Fault::CountsCancelled)) {
+    if (cancelled && !planted(ConversionFault::CountsCancelled)) {
       outcome = kPreempted;
     } else if (outcome < kPreempted || outcome >= static_cast<Outcome>(outcomes.size())) {
-      outcome = planted(Fault::AcceptsAnyOutcome) ? 0 : kAborted;
+      outcome = planted(ConversionFault::AcceptsAnyOutcome) ? 0 : kAborted;
       error = "its action ended with an outcome that it does not have";
     }
     auto report = std::make_unique<cdtn::Report>();
@@ -49,7 +49,8 @@ struct ActionEnvironment::Reporter {
     }
     map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
     if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
-    if (counts) map.append(std::string(kCountOutput), count + (planted(Fault::CountsTwice) ? 2 : 1));
+    if (counts)
+      map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
     report->outputs = std::make_shared<const Value>(std::move(map));
     return report;
   }
@@ -63,20 +64,20 @@ void ActionEnvironment::Desk::tell(NodeId node, std::uint32_t attempt, ReportPtr
 /// An action as its runner sees it. What it has is its own, since the runner may outlast the launch.
 class ActionEnvironment::NodeCall final : public mission::Call {
  public:
-  NodeCall(ActionEnvironment& environment, Launch& launch, Completions& completions,
+  NodeCall(ActionEnvironment& environment, NodeContext& context, Completions& completions,
            std::shared_ptr<Reporter> reporter)
       : environment_(environment),
-        planned_(environment.plan_[launch.node()]),
-        node_(launch.node()),
-        attempt_(launch.attempt()),
+        planned_(environment.plan_[context.node()]),
+        node_(context.node()),
+        attempt_(context.attempt()),
         completions_(completions),
         reporter_(std::move(reporter)),
-        inputs_(environment.inputs(launch)),
-        outputs_(environment.default_outputs(launch.node())) {
-    const Value error = environment.value(launch, planned_.error_before);
+        inputs_(environment.inputs(context)),
+        outputs_(environment.default_outputs(context.node())) {
+    const Value error = environment.value(context, planned_.error_before);
     if (error.is_string()) error_before_ = error.as_string();
     for (const BranchSource& branch : planned_.branches)
-      branches_.push_back(ended(launch, branch));
+      branches_.push_back(ended(context, branch));
   }
 
   [[nodiscard]] mission::StateIndex state() const override { return planned_.state; }
@@ -107,14 +108,14 @@ class ActionEnvironment::NodeCall final : public mission::Call {
   std::vector<Value>& results() { return outputs_; }
 
  private:
-  mission::BranchResult ended(Launch& launch, const BranchSource& branch) const {
+  mission::BranchResult ended(NodeContext& context, const BranchSource& branch) const {
     for (const BranchEnd& end : branch.ends) {
       if (end.input != cdtn::kNone) {
-        const Value* said = launch.input(end.input);
+        const Value* said = context.input(end.input);
         if (said == nullptr || !(*said == Value(static_cast<std::uint64_t>(end.reached)))) continue;
       }
-      const Value error = environment_.value(launch, end.error);
-      if (planted(Fault::MistakesBranches)) return {branch.state, 0, {}};
+      const Value error = environment_.value(context, end.error);
+      if (planted(ConversionFault::MistakesBranches)) return {branch.state, 0, {}};
       return {branch.state, end.outcome, error.is_string() ? error.as_string() : std::string()};
     }
     return {branch.state, kAborted, {}};
@@ -132,7 +133,7 @@ class ActionEnvironment::NodeCall final : public mission::Call {
   std::vector<mission::BranchResult> branches_;
 };
 
-ActionEnvironment::ActionEnvironment(const Plan& plan, const mission::Runners& runners,
+ActionEnvironment::ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
                                      std::vector<std::shared_ptr<mission::ActionRunner>> by_action,
                                      RunOptions options)
     : globals(plan.program().mission().globals),
@@ -149,7 +150,7 @@ ActionEnvironment::~ActionEnvironment() {
 void ActionEnvironment::stop() {
   const std::lock_guard lock(stopping_);
   stopped_ = true;
-  if (routine_ != nullptr) routine_->stop();
+  if (subtree_ != nullptr) subtree_->stop();
 }
 
 void ActionEnvironment::ended(NodeId node, std::uint32_t /*attempt*/) {
@@ -162,31 +163,31 @@ void ActionEnvironment::close() {
 }
 
 /// Of the newest candidate that is there; a null is replaced by what stands for it.
-Value ActionEnvironment::value(Launch& launch, const Source& source) const {
+Value ActionEnvironment::value(NodeContext& context, const ValueSource& source) const {
   const auto replaced = [&](const Value* given, const Defaults& defaults) -> Value {
     if (given != nullptr && !given->is_null()) return *given;
-    if (!defaults || planted(Fault::KeepsNull)) return {};
+    if (!defaults || planted(ConversionFault::KeepsNull)) return {};
     for (const Default& one : *defaults) {
       if (index(one.reader) == cdtn::kNone) {
         if (!one.value.is_null()) return one.value;
         continue;
       }
       const auto name = plan_.network().names.find("#" + std::to_string(index(one.reader)));
-      const Value* read = name ? launch.input(*name) : nullptr;
+      const Value* read = name ? context.input(*name) : nullptr;
       if (read != nullptr && !read->is_null()) return *read;
     }
     return {};
   };
-  for (const Source::Feed& feed : source.feeds) {
-    if (const Value* given = launch.input(feed.input)) return replaced(given, feed.defaults);
+  for (const ValueSource::Feed& feed : source.feeds) {
+    if (const Value* given = context.input(feed.input)) return replaced(given, feed.defaults);
   }
   return replaced(nullptr, source.rest);
 }
 
-std::vector<Value> ActionEnvironment::inputs(Launch& launch) const {
+std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
   std::vector<Value> values;
-  for (const Source& source : plan_[launch.node()].inputs)
-    values.push_back(value(launch, source));
+  for (const ValueSource& source : plan_[context.node()].inputs)
+    values.push_back(value(context, source));
   return values;
 }
 
@@ -211,50 +212,51 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId 
   return made;
 }
 
-std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporter(Launch& launch) const {
-  const PlannedNode& planned = plan_[launch.node()];
-  auto made = reporter(launch.node());
+std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporter(
+    NodeContext& context) const {
+  const PlannedNode& planned = plan_[context.node()];
+  auto made = reporter(context.node());
   made->counts = planned.counts;
   if (!planned.counts) return made;
-  const Value begun = value(launch, planned.begun);
+  const Value begun = value(context, planned.begun);
   made->count = begun.is_integer() ? begun.as_int() : 0;
   return made;
 }
 
 /// An action that does not begin leaves its defaults, as one does that aborts.
-ReportPtr ActionEnvironment::refuse(Launch& launch, std::string why) {
-  return counting_reporter(launch)->report({kAborted, std::move(why)}, default_outputs(launch.node()));
+ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
+  return counting_reporter(context)->report({kAborted, std::move(why)}, default_outputs(context.node()));
 }
 
-void ActionEnvironment::start(Launch& launch, Completions& completions) {
+void ActionEnvironment::start(NodeContext& context, Completions& completions) {
   if (desk_->completions == nullptr) {
     const std::lock_guard lock(desk_->mutex);
     desk_->completions = &completions;
   }
-  const PlannedNode& planned = plan_[launch.node()];
+  const PlannedNode& planned = plan_[context.node()];
   switch (planned.role) {
     case Role::Action:
-      return start_action(launch, completions);
-    case Role::Routine:
-      return start_routine(launch, completions);
+      return start_action(context, completions);
+    case Role::OpaqueSubtree:
+      return start_subtree(context, completions);
     case Role::Join:
-      return join(launch, completions);
+      return join(context, completions);
     case Role::Copy:
     case Role::Global:
       break;
   }
   Value handed = planned.role == Role::Global ? globals.get(planned.global).value_or(Value())
-                                              : value(launch, planned.inputs.front());
+                                              : value(context, planned.inputs.front());
   auto report = std::make_unique<cdtn::Report>();
   report->outputs =
       std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
-  completions.finish_at(completions.now(), launch.node(), launch.attempt(), std::move(report));
+  completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 
-void ActionEnvironment::join(Launch& launch, Completions& completions) {
-  bool reached = planted(Fault::JoinsAlways);
-  for (const auto& [input, outcome] : plan_[launch.node()].joined) {
-    const Value* said = launch.input(input);
+void ActionEnvironment::join(NodeContext& context, Completions& completions) {
+  bool reached = planted(ConversionFault::JoinsAlways);
+  for (const auto& [input, outcome] : plan_[context.node()].joined) {
+    const Value* said = context.input(input);
     reached = reached || (said != nullptr && *said == Value(static_cast<std::uint64_t>(outcome)));
   }
   const auto& outcomes = plan_.network().outcomes;
@@ -262,29 +264,29 @@ void ActionEnvironment::join(Launch& launch, Completions& completions) {
   report->outcome = cdtn::OutcomeId(*outcomes.find(reached ? "reached" : "missed"));
   report->outputs = std::make_shared<const Value>(
       Value::map({{std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome)}}));
-  completions.finish_at(completions.now(), launch.node(), launch.attempt(), std::move(report));
+  completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 
-void ActionEnvironment::start_action(Launch& launch, Completions& completions) {
-  const PlannedNode& planned = plan_[launch.node()];
+void ActionEnvironment::start_action(NodeContext& context, Completions& completions) {
+  const PlannedNode& planned = plan_[context.node()];
   if (!planned.refused.empty()) {
-    return completions.finish_at(completions.now(), launch.node(), launch.attempt(),
-                                 refuse(launch, planned.refused));
+    return completions.finish_at(completions.now(), context.node(), context.attempt(),
+                                 refuse(context, planned.refused));
   }
   if (options_.observe)
     options_.observe({mission::ActionEvent::Kind::Began, planned.path, planned.iteration});
-  auto reports = counting_reporter(launch);
-  NodeCall call(*this, launch, completions, reports);
+  auto reports = counting_reporter(context);
+  NodeCall call(*this, context, completions, reports);
   std::optional<Ending> ending;
   try {
     ending = by_action_[plan_.program().node(planned.state).action]->start(call);
   } catch (const std::exception& exception) {
-    ending = Ending{planted(Fault::SwallowsExceptions) ? 0 : kAborted, exception.what()};
+    ending = Ending{planted(ConversionFault::SwallowsExceptions) ? 0 : kAborted, exception.what()};
   } catch (...) {
     ending = Ending{kAborted, "it threw something that is no exception"};
   }
   if (!ending) return;
-  completions.finish_at(completions.now(), launch.node(), launch.attempt(),
+  completions.finish_at(completions.now(), context.node(), context.attempt(),
                         reports->report(*ending, std::move(call.results())));
 }
 
@@ -306,8 +308,8 @@ std::vector<cdtn::NamedEffect> changes(const mission::World::Facts& before,
 }  // namespace
 
 /// In virtual time it runs at once, and ends when it would have.
-void ActionEnvironment::start_routine(Launch& launch, Completions& completions) {
-  const PlannedNode& planned = plan_[launch.node()];
+void ActionEnvironment::start_subtree(NodeContext& context, Completions& completions) {
+  const PlannedNode& planned = plan_[context.node()];
   const bool in_virtual_time = options_.clock == cdtn::ClockKind::Virtual;
   auto clock = std::make_shared<VirtualClock>();
   mission::EngineOptions options;
@@ -320,20 +322,21 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
   std::string around(planned.path);  // a root has no name of its own within what uses it
   if (plan_.program().node(planned.state).parent != mission::kNoState)
     around.resize(slash == std::string::npos ? 0 : slash);
-  const Value error = value(launch, planned.error_before);
-  const auto texts = launch.world().texts(plan_.network().facts);
+  const Value error = value(context, planned.error_before);
+  const auto texts = context.world().texts(plan_.network().facts);
   const mission::World::Facts world(texts.begin(), texts.end());
-  options.part = mission::MissionPart{planned.state,
-                                      around,
-                                      inputs(launch),
-                                      error.is_string() ? error.as_string() : "",
-                                      planted(Fault::ForgetsSharedGlobals) ? mission::Globals() : globals,
-                                      iterations_,
-                                      world};
-  auto reports = reporter(launch.node());
+  options.part =
+      mission::MissionPart{planned.state,
+                           around,
+                           inputs(context),
+                           error.is_string() ? error.as_string() : "",
+                           planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals,
+                           iterations_,
+                           world};
+  auto reports = reporter(context.node());
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
-    return completions.finish_at(completions.now(), launch.node(), launch.attempt(),
+    return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  reports->report({kAborted, made.error().message}, {}));
   }
   std::shared_ptr<mission::Engine> engine = std::move(*made);
@@ -349,30 +352,30 @@ void ActionEnvironment::start_routine(Launch& launch, Completions& completions) 
     auto report = carry_out();
     occupy(nullptr);
     const Duration taken = clock->now() - VirtualClock().now();
-    return completions.finish_at(completions.now() + taken, launch.node(), launch.attempt(),
+    return completions.finish_at(completions.now() + taken, context.node(), context.attempt(),
                                  std::move(report));
   }
-  running_[index(launch.node())] = {reports, [engine] { engine->stop(); }};
-  routines_.emplace_back([carry_out, desk = desk_, node = launch.node(), attempt = launch.attempt()] {
+  running_[index(context.node())] = {reports, [engine] { engine->stop(); }};
+  subtrees_.emplace_back([carry_out, desk = desk_, node = context.node(), attempt = context.attempt()] {
     desk->tell(node, attempt, carry_out());
   });
 }
 
 /// What keeps this thread, and can only be ended from another.
-void ActionEnvironment::occupy(mission::Engine* routine) {
+void ActionEnvironment::occupy(mission::Engine* opaque_subtree) {
   const std::lock_guard lock(stopping_);
-  routine_ = routine;
-  if (routine_ != nullptr && stopped_) routine_->stop();
+  subtree_ = opaque_subtree;
+  if (subtree_ != nullptr && stopped_) subtree_->stop();
 }
 
 void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {
   const auto found = running_.find(index(node));
   if (found == running_.end()) {
     const Role role = plan_[node].role;
-    const bool acts = role == Role::Action || role == Role::Routine;
-    const Outcome outcome = planted(Fault::CountsCancelled) ? 0 : kPreempted;
+    const bool acts = role == Role::Action || role == Role::OpaqueSubtree;
+    const Outcome outcome = planted(ConversionFault::CountsCancelled) ? 0 : kPreempted;
     auto report = acts ? reporter(node)->report({outcome, {}}, {}) : std::make_unique<cdtn::Report>();
-    if (!planted(Fault::CountsCancelled)) report->outcome = cdtn::kPreempted;
+    if (!planted(ConversionFault::CountsCancelled)) report->outcome = cdtn::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }
   const Running running = std::move(found->second);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/mission/engine.hpp>
 
@@ -14,19 +14,20 @@
 
 namespace segue::convert {
 
-/// Carries out the nodes of a plan: actions by their runners, routines by an engine each, the rest by itself.
+/// Carries out the nodes of a plan: actions by their runners, opaque subtrees by an engine each, the rest by
+/// itself.
 class ActionEnvironment final : public cdtn::Environment {
  public:
-  ActionEnvironment(const Plan& plan, const mission::Runners& runners,
+  ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
                     std::vector<std::shared_ptr<mission::ActionRunner>> by_action, RunOptions options);
   ~ActionEnvironment() override;
 
-  void start(cdtn::Launch& launch, cdtn::Completions& completions) override;
-  cdtn::ReportPtr refuse(cdtn::Launch& launch, std::string why) override;
+  void start(cdtn::NodeContext& context, cdtn::Completions& completions) override;
+  cdtn::ReportPtr refuse(cdtn::NodeContext& context, std::string why) override;
   void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override;
   void ended(cdtn::NodeId node, std::uint32_t attempt) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
-  /// From any thread: preempts a routine that keeps the engine's thread, as it does in virtual time.
+  /// From any thread: preempts an opaque subtree that keeps the engine's thread, as it does in virtual time.
   void stop();
   /// What ends from now on is told to nobody.
   void close();
@@ -47,17 +48,17 @@ class ActionEnvironment final : public cdtn::Environment {
     std::function<void()> preempt;
   };
 
-  void start_action(cdtn::Launch& launch, cdtn::Completions& completions);
-  void start_routine(cdtn::Launch& launch, cdtn::Completions& completions);
-  void occupy(mission::Engine* routine);
-  void join(cdtn::Launch& launch, cdtn::Completions& completions);
-  [[nodiscard]] type::Value value(cdtn::Launch& launch, const Source& source) const;
-  [[nodiscard]] std::vector<type::Value> inputs(cdtn::Launch& launch) const;
+  void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
+  void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
+  void occupy(mission::Engine* opaque_subtree);
+  void join(cdtn::NodeContext& context, cdtn::Completions& completions);
+  [[nodiscard]] type::Value value(cdtn::NodeContext& context, const ValueSource& source) const;
+  [[nodiscard]] std::vector<type::Value> inputs(cdtn::NodeContext& context) const;
   [[nodiscard]] std::vector<type::Value> default_outputs(cdtn::NodeId node) const;
   std::shared_ptr<Reporter> reporter(cdtn::NodeId node) const;
-  std::shared_ptr<Reporter> counting_reporter(cdtn::Launch& launch) const;
+  std::shared_ptr<Reporter> counting_reporter(cdtn::NodeContext& context) const;
 
-  const Plan& plan_;
+  const MissionPlan& plan_;
   const mission::Runners& runners_;
   const std::vector<std::shared_ptr<mission::ActionRunner>> by_action_;
   const RunOptions options_;
@@ -66,8 +67,8 @@ class ActionEnvironment final : public cdtn::Environment {
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be told to end early
   std::mutex stopping_;
   bool stopped_ = false;
-  mission::Engine* routine_ = nullptr;  ///< runs on the engine's thread
-  std::vector<std::jthread> routines_;
+  mission::Engine* subtree_ = nullptr;  ///< runs on the engine's thread
+  std::vector<std::jthread> subtrees_;
 };
 
 }  // namespace segue::convert

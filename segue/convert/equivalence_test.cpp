@@ -45,7 +45,7 @@ void show(const Ran& written, const ConcurrentRun& run) {
     fmt::print("{}: {}\n", path, fmt::join(outcomes, ", "));
   fmt::print("as written: {} {}, {}\n", written.result.outcome_name, written.result.error,
              written.makespan / std::chrono::seconds(1));
-  const cdtn::Network& network = run.plan().network();
+  const cdtn::TaskNetwork& network = run.plan().network();
   const auto at = [](TimePoint time) { return time.time_since_epoch() / std::chrono::seconds(1); };
   for (std::uint32_t i = 0; i < network.size(); ++i) {
     const cdtn::NodeResult& node = run.network_result().nodes[i];
@@ -61,7 +61,7 @@ struct Trial {
   std::string difference;
   bool faster = false;
   bool succeeded = false;
-  bool recalled = false;
+  bool preempted = false;
   bool stopped = false;
 };
 
@@ -80,7 +80,7 @@ Trial attempt(std::uint64_t seed) {
   if (trial.difference.empty() && comparable) trial.difference = check.slower_than_written();
   trial.faster = run.ran.makespan < written.makespan;
   trial.succeeded = written.result.outcome >= 0;
-  trial.recalled = run.network_result().statistics.recalled > 0;
+  trial.preempted = run.network_result().statistics.preempted > 0;
   if (!trial.difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, run);
   if (!trial.difference.empty() || run.begun() == 0) return trial;
   const ConcurrentRun stopped(program, options, 1 + seed % run.begun());
@@ -97,20 +97,20 @@ TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   const std::uint64_t cases = setting("SEGUE_MISSION_CASES", 10'000);
   std::size_t faster = 0;
   std::size_t succeeded = 0;
-  std::size_t recalled = 0;
+  std::size_t preempted = 0;
   std::size_t stopped = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const Trial trial = attempt(seed);
     ASSERT_EQ(trial.difference, "") << trial.text << "SEGUE_MISSION_SEED=" << seed;
     faster += trial.faster ? 1 : 0;
     succeeded += trial.succeeded ? 1 : 0;
-    recalled += trial.recalled ? 1 : 0;
+    preempted += trial.preempted ? 1 : 0;
     stopped += trial.stopped ? 1 : 0;
   }
   if (cases < 1000) return;
   EXPECT_GT(faster, cases / 10);
   EXPECT_GT(succeeded, cases / 10);
-  EXPECT_GT(recalled, cases / 200);
+  EXPECT_GT(preempted, cases / 200);
   EXPECT_GT(stopped, cases / 4);
 }
 
@@ -120,15 +120,15 @@ class Planted : public testing::TestWithParam<int> {};
 
 TEST_P(Planted, FaultsOfTheConversionAreFound) {
   constexpr std::uint64_t kCases = 10'000;  // as many as are tried without faults
-  planted_fault = static_cast<Fault>(GetParam());
+  planted_fault = static_cast<ConversionFault>(GetParam());
   std::uint64_t seed = 1;
   while (seed < kCases && attempt(seed).difference.empty())
     ++seed;
-  planted_fault = Fault::None;
+  planted_fault = ConversionFault::None;
   EXPECT_LT(seed, kCases) << "this fault would go unnoticed";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Planted, testing::Range(1, static_cast<int>(Fault::Last) + 1));
+INSTANTIATE_TEST_SUITE_P(All, Planted, testing::Range(1, static_cast<int>(ConversionFault::Last) + 1));
 
 #endif
 

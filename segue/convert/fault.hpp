@@ -7,7 +7,7 @@ namespace segue::convert {
 
 /// Faults that a test plants into the conversion to see that it would find them. They exist only in a build
 /// with SEGUE_CONVERT_FAULTS, which nobody but that test makes; elsewhere `planted` is false at compile time.
-enum class Fault : std::uint8_t {
+enum class ConversionFault : std::uint8_t {
   None,
   ForgetsOldWrites,      ///< of several that may have written a value, only the last is asked
   TakesOldestWrite,      ///< the first of them counts
@@ -29,18 +29,18 @@ enum class Fault : std::uint8_t {
   AcceptsAnyOutcome,     ///< an outcome that an action does not have is its first
   CountsCancelled,       ///< an action that was cancelled ends as it likes
   MistakesBranches,      ///< a decider sees the states beside it as if all had ended like the first
-  ForgetsSharedGlobals,  ///< routines have global variables of their own
+  ForgetsSharedGlobals,  ///< opaque subtrees have global variables of their own
   Last = ForgetsSharedGlobals
 };
 
 #ifdef SEGUE_CONVERT_FAULTS
 /// The one that is planted; set between runs.
-inline Fault planted_fault = Fault::None;
-inline bool planted(Fault fault) {
+inline ConversionFault planted_fault = ConversionFault::None;
+inline bool planted(ConversionFault fault) {
   return planted_fault == fault;
 }
 #else
-constexpr bool planted(Fault) {
+constexpr bool planted(ConversionFault) {
   return false;
 }
 #endif

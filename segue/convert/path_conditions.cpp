@@ -20,7 +20,7 @@ constexpr std::size_t kMostEdges = 64;
 
 }  // namespace
 
-std::uint32_t PathConditions::add(NodeId node, Edge around, std::vector<OutcomeId> outcomes,
+std::uint32_t PathConditions::add(NodeId node, BranchEdge around, std::vector<OutcomeId> outcomes,
                                   std::optional<OutcomeId> expected) {
   const auto number = static_cast<std::uint32_t>(branches_.size());
   Branch& branch = branches_.emplace_back();
@@ -34,9 +34,10 @@ std::uint32_t PathConditions::add(NodeId node, Edge around, std::vector<OutcomeI
   return number;
 }
 
-Edge PathConditions::add_join(NodeId node, Edge around, std::vector<Edge> edges, OutcomeId reached,
-                              OutcomeId missed) {
-  const bool likely = std::ranges::any_of(edges, [&](const Edge& edge) { return expected(edge, around); });
+BranchEdge PathConditions::add_join(NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
+                                    OutcomeId reached, OutcomeId missed) {
+  const bool likely =
+      std::ranges::any_of(edges, [&](const BranchEdge& edge) { return expected(edge, around); });
   const std::uint32_t number =
       add(node, around, {reached, missed}, likely ? std::nullopt : std::optional(missed));
   branches_[number].meaning = std::move(edges);
@@ -46,14 +47,14 @@ Edge PathConditions::add_join(NodeId node, Edge around, std::vector<Edge> edges,
 void PathConditions::decide(NodeId node, OutcomeId outcome) {
   if (index(node) >= by_node_.size() || by_node_[index(node)] == kNone) return;
   Branch& branch = branches_[by_node_[index(node)]];
-  branch.decided = planted(Fault::DecidesAsExpected) ? branch.expected.value_or(outcome) : outcome;
+  branch.decided = planted(ConversionFault::DecidesAsExpected) ? branch.expected.value_or(outcome) : outcome;
 }
 
-std::optional<Edge> PathConditions::live_within(Edge edge) {
+std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
   // Outwards to what is certain; then back, so that every branch on the way knows what is around it.
   std::vector<std::uint32_t>& way = way_;
   way.clear();
-  for (Edge at = edge; !at.always(); at = branches_[at.branch].around) {
+  for (BranchEdge at = edge; !at.always(); at = branches_[at.branch].around) {
     const Branch& branch = branches_[at.branch];
     if (branch.dead || (branch.decided && *branch.decided != at.outcome)) {
       for (const std::uint32_t within : way)
@@ -73,22 +74,22 @@ std::optional<Edge> PathConditions::live_within(Edge edge) {
   return edge;
 }
 
-bool PathConditions::implies(Edge inner, Edge outer) {
+bool PathConditions::implies(BranchEdge inner, BranchEdge outer) {
   if (outer.always()) return true;
   while (depth(inner) > depth(outer))
     inner = branches_[inner.branch].around;
   return inner == outer;
 }
 
-bool PathConditions::exclude(Edge a, Edge b) {
+bool PathConditions::exclude(BranchEdge a, BranchEdge b) {
   while (!a.always() && !b.always() && a.branch != b.branch) {
-    Edge& deeper = depth(a) >= depth(b) ? a : b;
+    BranchEdge& deeper = depth(a) >= depth(b) ? a : b;
     deeper = branches_[deeper.branch].around;
   }
   return !a.always() && !b.always() && a.outcome != b.outcome;
 }
 
-bool PathConditions::expected(Edge edge, Edge outer) {
+bool PathConditions::expected(BranchEdge edge, BranchEdge outer) {
   for (; !edge.always() && edge != outer; edge = branches_[edge.branch].around) {
     const Branch& branch = branches_[edge.branch];
     if (!branch.decided &&
@@ -98,9 +99,9 @@ bool PathConditions::expected(Edge edge, Edge outer) {
   return true;
 }
 
-Edge PathConditions::common(Edge a, Edge b) {
+BranchEdge PathConditions::common(BranchEdge a, BranchEdge b) {
   while (a != b) {
-    Edge& deeper = depth(a) >= depth(b) ? a : b;
+    BranchEdge& deeper = depth(a) >= depth(b) ? a : b;
     deeper = branches_[deeper.branch].around;
   }
   return a;
@@ -108,7 +109,7 @@ Edge PathConditions::common(Edge a, Edge b) {
 
 /// Edges within others go, and all edges of one branch become the edge around it. False where nothing was to
 /// be done.
-bool PathConditions::reduce(std::vector<Edge>& edges) {
+bool PathConditions::reduce(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = 0; j < edges.size(); ++j) {
       if (i == j || !implies(edges[i], edges[j])) continue;
@@ -116,17 +117,17 @@ bool PathConditions::reduce(std::vector<Edge>& edges) {
       return true;
     }
   }
-  for (const Edge edge : edges) {
+  for (const BranchEdge edge : edges) {
     if (edge.always()) continue;
     const Branch& branch = branches_[edge.branch];
-    const auto ways = std::ranges::count(edges, edge.branch, &Edge::branch);
-    const bool all = (planted(Fault::MergesHalfBranches) && ways > 1) ||
+    const auto ways = std::ranges::count(edges, edge.branch, &BranchEdge::branch);
+    const bool all = (planted(ConversionFault::MergesHalfBranches) && ways > 1) ||
                      std::ranges::all_of(branch.outcomes, [&](OutcomeId outcome) {
-                       return std::ranges::find(edges, Edge{edge.branch, outcome}) != edges.end();
+                       return std::ranges::find(edges, BranchEdge{edge.branch, outcome}) != edges.end();
                      });
     if (!all) continue;
-    const Edge around = live(branch.around).value_or(branch.around);
-    std::erase_if(edges, [&](const Edge& other) { return other.branch == edge.branch; });
+    const BranchEdge around = live(branch.around).value_or(branch.around);
+    std::erase_if(edges, [&](const BranchEdge& other) { return other.branch == edge.branch; });
     edges.push_back(around);
     return true;
   }
@@ -134,14 +135,14 @@ bool PathConditions::reduce(std::vector<Edge>& edges) {
 }
 
 /// Puts for one join what it means.
-bool PathConditions::expand(std::vector<Edge>& edges) {
+bool PathConditions::expand(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (edges[i].always()) continue;
     const Branch& branch = branches_[edges[i].branch];
     if (branch.meaning.empty() || edges[i].outcome != branch.outcomes.front()) continue;
-    const std::vector<Edge> meaning = branch.meaning;
+    const std::vector<BranchEdge> meaning = branch.meaning;
     edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(i));
-    for (const Edge edge : meaning) {
+    for (const BranchEdge edge : meaning) {
       if (const auto there = live(edge)) edges.push_back(*there);
     }
     return true;
@@ -149,7 +150,7 @@ bool PathConditions::expand(std::vector<Edge>& edges) {
   return false;
 }
 
-std::optional<Edge> PathConditions::merged(std::vector<Edge> edges) {
+std::optional<BranchEdge> PathConditions::merged(std::vector<BranchEdge> edges) {
   if (edges.size() == 1) return edges.front();
   for (;;) {
     if (edges.size() > kMostEdges) return std::nullopt;
@@ -160,9 +161,9 @@ std::optional<Edge> PathConditions::merged(std::vector<Edge> edges) {
   }
 }
 
-std::vector<cdtn::Condition> PathConditions::conditions(Edge edge) {
+std::vector<cdtn::Condition> PathConditions::conditions(BranchEdge edge) {
   std::vector<cdtn::Condition> result;
-  if (planted(Fault::IgnoresInnerBranch) && !edge.always()) edge = branches_[edge.branch].around;
+  if (planted(ConversionFault::IgnoresInnerBranch) && !edge.always()) edge = branches_[edge.branch].around;
   for (; !edge.always() && result.size() < kMostConditions; edge = branches_[edge.branch].around) {
     if (!branches_[edge.branch].decided) result.push_back({branches_[edge.branch].node, edge.outcome});
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -11,11 +11,11 @@ namespace segue::convert {
 
 /// When something is on the path: a branch ends with that outcome, and all branches around it as they must.
 /// Without a branch: always.
-struct Edge {
+struct BranchEdge {
   std::uint32_t branch = cdtn::kNone;
   cdtn::OutcomeId outcome{};
   [[nodiscard]] bool always() const { return branch == cdtn::kNone; }
-  friend bool operator==(const Edge&, const Edge&) = default;
+  friend bool operator==(const BranchEdge&, const BranchEdge&) = default;
 };
 
 /// The branches of a plan: nodes whose outcomes lead to different places. They form a tree, since each lies
@@ -24,47 +24,47 @@ struct Edge {
 class PathConditions {
  public:
   /// `node` lies on `around` and ends with one of `outcomes`; if one is expected, others are not.
-  std::uint32_t add(cdtn::NodeId node, Edge around, std::vector<cdtn::OutcomeId> outcomes,
+  std::uint32_t add(cdtn::NodeId node, BranchEdge around, std::vector<cdtn::OutcomeId> outcomes,
                     std::optional<cdtn::OutcomeId> expected);
   /// `node` ends with `reached` where one of `edges` is on the path, all of which lie within `around`.
-  Edge add_join(cdtn::NodeId node, Edge around, std::vector<Edge> edges, cdtn::OutcomeId reached,
-                cdtn::OutcomeId missed);
+  BranchEdge add_join(cdtn::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
+                      cdtn::OutcomeId reached, cdtn::OutcomeId missed);
   void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
 
-  [[nodiscard]] cdtn::NodeId node(Edge edge) const { return branches_[edge.branch].node; }
+  [[nodiscard]] cdtn::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without what is decided; nothing where it is off the path.
-  std::optional<Edge> live(Edge edge) { return edge.always() ? edge : live_within(edge); }
+  std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
   /// Whether `outer` is on the path whenever `inner` is, as far as the tree tells.
-  bool implies(Edge inner, Edge outer);
+  bool implies(BranchEdge inner, BranchEdge outer);
   /// Whether they cannot both be on the path, as far as the tree tells.
-  bool exclude(Edge a, Edge b);
+  bool exclude(BranchEdge a, BranchEdge b);
   /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
   /// Requires that they are live.
-  std::optional<Edge> merged(std::vector<Edge> edges);
+  std::optional<BranchEdge> merged(std::vector<BranchEdge> edges);
   /// The innermost edge that both imply.
-  Edge common(Edge a, Edge b);
+  BranchEdge common(BranchEdge a, BranchEdge b);
   /// Whether nothing between `outer` and `edge` is against what is expected.
-  bool expected(Edge edge, Edge outer);
+  bool expected(BranchEdge edge, BranchEdge outer);
   /// The innermost conditions of the edge, for a node that lies on it.
-  [[nodiscard]] std::vector<cdtn::Condition> conditions(Edge edge);
+  [[nodiscard]] std::vector<cdtn::Condition> conditions(BranchEdge edge);
 
  private:
   struct Branch {
     cdtn::NodeId node{};
-    Edge around;
+    BranchEdge around;
     std::uint32_t depth = 0;
     std::vector<cdtn::OutcomeId> outcomes;
-    std::vector<Edge> meaning;  ///< joins
+    std::vector<BranchEdge> meaning;  ///< joins
     std::optional<cdtn::OutcomeId> decided;
     std::optional<cdtn::OutcomeId> expected;
     bool dead = false;
   };
-  [[nodiscard]] std::uint32_t depth(Edge edge) const {
+  [[nodiscard]] std::uint32_t depth(BranchEdge edge) const {
     return edge.always() ? 0 : branches_[edge.branch].depth;
   }
-  std::optional<Edge> live_within(Edge edge);
-  bool reduce(std::vector<Edge>& edges);
-  bool expand(std::vector<Edge>& edges);
+  std::optional<BranchEdge> live_within(BranchEdge edge);
+  bool reduce(std::vector<BranchEdge>& edges);
+  bool expand(std::vector<BranchEdge>& edges);
 
   std::vector<Branch> branches_;
   std::vector<std::uint32_t> by_node_;

@@ -13,8 +13,9 @@ namespace {
 /// A plan, and whoever follows the actions whose ends count.
 class ObservedPlan final : public cdtn::Expansion {
  public:
-  ObservedPlan(Plan& plan, mission::ActionObserver observe) : plan_(plan), observe_(std::move(observe)) {}
-  void expand(cdtn::Network& network, std::size_t wanted) override { plan_.expand(network, wanted); }
+  ObservedPlan(MissionPlan& plan, mission::ActionObserver observe)
+      : plan_(plan), observe_(std::move(observe)) {}
+  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
   [[nodiscard]] bool finished() const override { return plan_.finished(); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
     if (observe_ && plan_[node].role == Role::Action) report(node, outcome, outputs);
@@ -39,7 +40,7 @@ class ObservedPlan final : public cdtn::Expansion {
               error == nullptr ? std::string_view{} : std::string_view(error->as_string())});
   }
 
-  Plan& plan_;
+  MissionPlan& plan_;
   const mission::ActionObserver observe_;
 };
 
@@ -57,7 +58,7 @@ mission::ActionObserver one_at_a_time(mission::ActionObserver observe) {
 
 class Run::Implementation {
  public:
-  Implementation(std::unique_ptr<Plan> plan, const mission::Runners& runners,
+  Implementation(std::unique_ptr<MissionPlan> plan, const mission::Runners& runners,
                  std::vector<std::shared_ptr<mission::ActionRunner>> by_action, const RunOptions& options)
       : plan_(std::move(plan)),
         runners_(runners),
@@ -79,8 +80,8 @@ class Run::Implementation {
     return result_;
   }
 
-  static cdtn::EngineOptions settings(const RunOptions& options) {
-    cdtn::EngineOptions made;
+  static cdtn::ConcurrentEngineOptions settings(const RunOptions& options) {
+    cdtn::ConcurrentEngineOptions made;
     made.clock = options.clock;
     made.strict = options.strict;
     made.speculate = options.speculate;
@@ -90,11 +91,11 @@ class Run::Implementation {
     return made;
   }
 
-  std::unique_ptr<Plan> plan_;
+  std::unique_ptr<MissionPlan> plan_;
   const mission::Runners runners_;
   ActionEnvironment environment_;
   ObservedPlan observed_;
-  cdtn::Engine engine_;
+  cdtn::ConcurrentEngine engine_;
   cdtn::RunResult network_result_;
   mission::MissionResult result_;
 };
@@ -108,7 +109,7 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
   options.observe = one_at_a_time(std::move(options.observe));
-  auto plan = Plan::create(std::move(program), std::move(inputs), options.facts);
+  auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts);
   if (!plan) return plan.error();
   return std::unique_ptr<Run>(
       new Run(std::make_unique<Implementation>(std::move(*plan), runners, std::move(*assigned), options)));
@@ -127,7 +128,7 @@ const cdtn::RunResult& Run::network_result() const {
 const cdtn::Order& Run::order() const {
   return implementation_->engine_.order();
 }
-const Plan& Run::plan() const {
+const MissionPlan& Run::plan() const {
   return *implementation_->plan_;
 }
 mission::Globals& Run::globals() {
@@ -139,8 +140,8 @@ namespace {
 /// A plan that has come to its end, as far as an engine is told, when there are so many nodes.
 class Bounded final : public cdtn::Expansion {
  public:
-  Bounded(Plan& plan, std::size_t most) : plan_(plan), most_(most) {}
-  void expand(cdtn::Network& network, std::size_t wanted) override {
+  Bounded(MissionPlan& plan, std::size_t most) : plan_(plan), most_(most) {}
+  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override {
     if (network.size() < most_) plan_.expand(network, std::min(wanted, most_ - network.size()));
   }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
@@ -149,13 +150,14 @@ class Bounded final : public cdtn::Expansion {
   [[nodiscard]] bool finished() const override { return plan_.finished() || plan_.network().size() >= most_; }
 
  private:
-  Plan& plan_;
+  MissionPlan& plan_;
   const std::size_t most_;
 };
 
 }  // namespace
 
-Result<std::optional<Error>> plan_ahead(Plan& plan, std::size_t most, const mission::Runners* assumed) {
+Result<std::optional<Error>> plan_ahead(MissionPlan& plan, std::size_t most,
+                                        const mission::Runners* assumed) {
   if (assumed == nullptr) {
     plan.expand(plan.network(), most);
     return std::optional<Error>();
@@ -166,10 +168,10 @@ Result<std::optional<Error>> plan_ahead(Plan& plan, std::size_t most, const miss
   options.clock = cdtn::ClockKind::Virtual;
   ActionEnvironment environment(plan, *assumed, std::move(*by_action), options);
   Bounded bounded(plan, most);
-  cdtn::EngineOptions settings;
+  cdtn::ConcurrentEngineOptions settings;
   settings.clock = cdtn::ClockKind::Virtual;
   settings.horizon = most;
-  cdtn::Engine engine(plan.network(), bounded, environment, settings);
+  cdtn::ConcurrentEngine engine(plan.network(), bounded, environment, settings);
   cdtn::RunResult result = engine.run();
   environment.close();
   return std::move(result.error);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 #include <segue/mission/engine.hpp>
 
 #include <cstddef>
@@ -47,7 +47,7 @@ class Run {
   /// After the run.
   [[nodiscard]] const cdtn::RunResult& network_result() const;
   [[nodiscard]] const cdtn::Order& order() const;
-  [[nodiscard]] const Plan& plan() const;
+  [[nodiscard]] const MissionPlan& plan() const;
   [[nodiscard]] mission::Globals& globals();
 
  private:
@@ -59,7 +59,7 @@ class Run {
 /// Plans about `most` nodes, or as far as the mission can be known; then, where `assumed` is given, on as if
 /// actions ended as these runners say, in virtual time. Blocks; the plan is of no use for a run afterwards.
 /// An error of the mission itself, which ends it early, is returned; NotFound where an action has no runner.
-Result<std::optional<Error>> plan_ahead(Plan& plan, std::size_t most,
+Result<std::optional<Error>> plan_ahead(MissionPlan& plan, std::size_t most,
                                         const mission::Runners* assumed = nullptr);
 
 }  // namespace segue::convert

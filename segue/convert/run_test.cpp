@@ -103,11 +103,11 @@ TEST(ConcurrentMission, APlanRefusesWhatDoesNotFit) {
   ASSERT_TRUE(mission) << to_string(diagnostics);
   const auto program = mission::Program::compile(std::move(*mission)).value();
   const auto refused = [&](std::vector<type::Value> inputs, std::vector<mission::Fact> facts) {
-    const auto plan = Plan::create(program, std::move(inputs), facts);
+    const auto plan = MissionPlan::create(program, std::move(inputs), facts);
     return plan ? ErrorCode::Internal : plan.error().code;
   };
-  EXPECT_TRUE(Plan::create(program, {type::Value(3)}));
-  EXPECT_TRUE(Plan::create(program, {type::Value()})) << "null is its default";
+  EXPECT_TRUE(MissionPlan::create(program, {type::Value(3)}));
+  EXPECT_TRUE(MissionPlan::create(program, {type::Value()})) << "null is its default";
   EXPECT_EQ(refused({type::Value("three")}, {}), ErrorCode::TypeMismatch);
   EXPECT_EQ(refused({type::Value(3), type::Value(4)}, {}), ErrorCode::InvalidArgument);
   EXPECT_EQ(refused({}, {{true, "at", {"a,b"}, {}}}), ErrorCode::InvalidArgument);

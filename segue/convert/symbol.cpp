@@ -22,7 +22,7 @@ Defaults with(const Defaults& defaults, Default more) {
 }
 
 /// What was written before, where the new value always counts, goes; and what is off the path.
-void Slots::write(std::uint32_t slot, Edge when, Symbol value, PathConditions& paths) {
+void Slots::write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths) {
   auto& writes = slots_[slot];
   std::erase_if(writes, [&](Write& old) {
     const auto live = paths.live(old.when);
@@ -43,15 +43,15 @@ bool Slots::Reader::take(const Write& write) {
     if (!live || paths.exclude(*live, at)) continue;
     result.candidates.push_back({candidate->node, candidate->output, *live, candidate->defaults});
   }
-  const bool last = planted(Fault::ForgetsOldWrites) && !write.value.candidates.empty();
+  const bool last = planted(ConversionFault::ForgetsOldWrites) && !write.value.candidates.empty();
   if (!paths.implies(at, *when) && !last) return true;
   result.rest = write.value.rest;
   return false;
 }
 
-Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditions& paths) const {
+Symbol Slots::read(const std::vector<std::uint32_t>& slots, BranchEdge at, PathConditions& paths) const {
   Reader reader{at, paths, {}};
-  if (slots.size() == 1 && !planted(Fault::TakesOldestWrite)) {
+  if (slots.size() == 1 && !planted(ConversionFault::TakesOldestWrite)) {
     const auto& writes = slots_[slots.front()];  // in the order of their turns
     for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
       ++write;
@@ -62,7 +62,7 @@ Symbol Slots::read(const std::vector<std::uint32_t>& slots, Edge at, PathConditi
         found.emplace_back(write.turn, &write);
     }
     std::ranges::sort(found, std::greater<>{});
-    if (planted(Fault::TakesOldestWrite)) std::ranges::reverse(found);
+    if (planted(ConversionFault::TakesOldestWrite)) std::ranges::reverse(found);
     for (auto write = found.begin(); write != found.end() && reader.take(*write->second);)
       ++write;
   }

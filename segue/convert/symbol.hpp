@@ -24,8 +24,8 @@ Defaults with(const Defaults& defaults, Default more);
 /// An output of a node that may be the value, and what stands for a null there.
 struct Candidate {
   cdtn::NodeId node{};
-  std::uint32_t output = 0;  ///< of Network::names
-  Edge when;
+  std::uint32_t output = 0;  ///< of TaskNetwork::names
+  BranchEdge when;
   Defaults defaults;
 };
 
@@ -44,19 +44,20 @@ class Slots {
 
   /// From here on, where `when` is on the path, the slot holds `value`, all of whose candidates lie on
   /// `when`.
-  void write(std::uint32_t slot, Edge when, Symbol value, PathConditions& paths);
+  void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
   /// What was written last to any of the slots, seen from `at`. Where nobody may have written, `rest` is
   /// null.
-  [[nodiscard]] Symbol read(const std::vector<std::uint32_t>& slots, Edge at, PathConditions& paths) const;
+  [[nodiscard]] Symbol read(const std::vector<std::uint32_t>& slots, BranchEdge at,
+                            PathConditions& paths) const;
 
  private:
   struct Write {
     std::uint64_t turn = 0;
-    Edge when;
+    BranchEdge when;
     Symbol value;
   };
   struct Reader {
-    Edge at;
+    BranchEdge at;
     PathConditions& paths;
     Symbol result;  ///< the newest candidate first
     bool take(const Write& write);

@@ -17,14 +17,14 @@ using mission::StateIndex;
 using mission::StateKind;
 using mission::Step;
 
-Unroller::Unroller(Plan& plan, std::vector<type::Value> inputs)
+Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs)
     : plan_(plan), given_(std::move(inputs)), touches_(plan.program().mission().actions.size()) {
-  find_routines();
+  find_opaque_subtrees();
   find_varying();
 }
 
 Result<void> Unroller::begin() {
-  Entry entry;
+  StateEntry entry;
   entry.state = 0;
   const auto& supplies = node(0).inputs;
   for (std::size_t i = 0; i < supplies.size(); ++i) {
@@ -59,7 +59,7 @@ bool Unroller::step(Track& track) {
 void Unroller::take_alternatives(Track& track) {
   for (std::size_t i = 0; i < track.alternatives.size();) {
     Frame& frame = track.alternatives[i].back();
-    Activation& activation = *frame.activation;
+    ContainerExecution& activation = *frame.activation;
     const auto head = activation.order->vertices[frame.loops.back().head];
     const auto& arrivals = live_arrivals(activation.arrivals[head]);
     const auto base = paths_.live(activation.entry.when);
@@ -69,7 +69,7 @@ void Unroller::take_alternatives(Track& track) {
     }
     const bool certain = std::ranges::any_of(
         arrivals, [&](const Arrival& arrival) { return paths_.implies(*base, arrival.when); });
-    if (!certain || planted(Fault::NeverGoesBack)) {
+    if (!certain || planted(ConversionFault::NeverGoesBack)) {
       ++i;
       continue;
     }
@@ -100,7 +100,7 @@ bool Unroller::step_hierarchy(Track& track) {
 /// not expected to go on.
 bool Unroller::end_of_loop(Track& track) {
   Frame& frame = track.frames.back();
-  Activation& activation = *frame.activation;
+  ContainerExecution& activation = *frame.activation;
   Frame::Loop& loop = frame.loops.back();
   const auto again = [&] {
     frame.place = loop.head;
@@ -114,13 +114,13 @@ bool Unroller::end_of_loop(Track& track) {
   }
   const auto base = paths_.live(activation.entry.when);
   if (!base) return false;
-  const auto certain = [&](const Edge& edge) {
+  const auto certain = [&](const BranchEdge& edge) {
     const auto live = paths_.live(edge);
     return live && paths_.implies(*base, *live);
   };
   while (!loop.open.empty() && std::ranges::any_of(loop.open.front(), certain))
     loop.open.erase(loop.open.begin());
-  std::vector<Edge> edges;
+  std::vector<BranchEdge> edges;
   bool expected = false;
   for (const Arrival& arrival : arrivals) {
     edges.push_back(arrival.when);
@@ -144,7 +144,7 @@ bool Unroller::end_of_loop(Track& track) {
 }
 
 void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
-  const Activation& activation = *frame.activation;
+  const ContainerExecution& activation = *frame.activation;
   const auto place = activation.order->vertices[frame.loops.back().head];
   const StateIndex head = node(activation.entry.state).children[place];
   plan_.waits_for_ = fmt::format("whether the loop at {} goes on{}", path_of(activation, head), addition);
@@ -152,7 +152,7 @@ void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
 
 /// Whether there is a way to something behind a loop.
 bool Unroller::leads_on(Frame& frame, std::uint32_t from) {
-  Activation& activation = *frame.activation;
+  ContainerExecution& activation = *frame.activation;
   const auto live = [&](const Exit& exit) { return paths_.live(exit.arrival.when).has_value(); };
   if (std::ranges::any_of(activation.exits, live)) return true;
   const auto& vertices = activation.order->vertices;
@@ -171,7 +171,7 @@ const std::vector<Arrival>& Unroller::live_arrivals(std::vector<Arrival>& arriva
   return arrivals;
 }
 
-std::string Unroller::path_of(const Activation& around, StateIndex child) const {
+std::string Unroller::path_of(const ContainerExecution& around, StateIndex child) const {
   const std::string& id = plan_.program().state(child).id.str();
   return around.entry.path.empty() ? id : around.entry.path + "/" + id;
 }
@@ -179,20 +179,20 @@ std::string Unroller::path_of(const Activation& around, StateIndex child) const 
 /// Enters the state at the frame's place, where anything leads to it.
 bool Unroller::visit(Track& track, StateIndex state) {
   Frame& frame = track.frames.back();
-  Activation& activation = *frame.activation;
+  ContainerExecution& activation = *frame.activation;
   auto& waiting = activation.arrivals[node(state).position];
   const auto& arrivals = live_arrivals(waiting);
-  if (planted(Fault::ForgetsArrivals) && waiting.size() > 1) waiting.pop_back();
+  if (planted(ConversionFault::ForgetsArrivals) && waiting.size() > 1) waiting.pop_back();
   if (arrivals.empty()) {
     ++frame.place;
     return true;
   }
-  Entry entry;
+  StateEntry entry;
   entry.state = state;
   entry.when = meet(arrivals);
   entry.inputs = inputs_of(activation, state, entry.when);
   for (const Arrival& arrival : arrivals) {
-    if (arrival.aborted && !planted(Fault::ForgetsAbortedError))
+    if (arrival.aborted && !planted(ConversionFault::ForgetsAbortedError))
       entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());
   }
   if (const auto port = mission::position(*node(state).input_ports, "error")) {
@@ -208,7 +208,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
 }
 
 bool Unroller::enter_pending(Track& track) {
-  Entry entry = std::move(*track.pending);
+  StateEntry entry = std::move(*track.pending);
   track.pending.reset();
   const auto live = paths_.live(entry.when);
   if (!live) return true;
@@ -219,10 +219,11 @@ bool Unroller::enter_pending(Track& track) {
 
 /// The state comes next; a leaf that names what it touches by its inputs once they are known.
 
-void Unroller::enter(Track& track, Entry entry) {
+void Unroller::enter(Track& track, StateEntry entry) {
   const StateIndex state = entry.state;
   const StateKind kind = node(state).kind;
-  if (routines_[state].kind != RoutineReason::Kind::None) return finish(track, state, add_routine(entry));
+  if (subtrees_[state].kind != OpaqueSubtreeReason::Kind::None)
+    return finish(track, state, add_subtree(entry));
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
   if (!naming_values(entry)) {
@@ -234,17 +235,17 @@ void Unroller::enter(Track& track, Entry entry) {
   finish(track, state, add_action(entry, &beside));
 }
 
-void Unroller::enter_container(Track& track, Entry entry) {
+void Unroller::enter_container(Track& track, StateEntry entry) {
   const StateIndex state = entry.state;
   const mission::Node& container = node(state);
-  auto activation = std::make_shared<Activation>(std::move(entry), container.slots);
+  auto activation = std::make_shared<ContainerExecution>(std::move(entry), container.slots);
   track.frames.push_back({activation, 0, {}, {}});
   if (container.kind == StateKind::Library) {
-    Entry inside = activation->entry;
+    StateEntry inside = activation->entry;
     inside.state = container.library;
     return enter(track, std::move(inside));
   }
-  const Edge when = activation->entry.when;
+  const BranchEdge when = activation->entry.when;
   auto slot = static_cast<std::uint32_t>(activation->entry.inputs.size());
   for (const mission::Supply& variable : container.variables) {
     Symbol value;
@@ -266,7 +267,7 @@ void Unroller::enter_container(Track& track, Entry entry) {
   }
   for (const StateIndex child : container.children) {
     if (child == container.decider) continue;
-    Entry branch;
+    StateEntry branch;
     branch.state = child;
     branch.when = when;
     branch.inputs = inputs_of(*activation, child, when);
@@ -303,8 +304,8 @@ void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
   const mission::Node& around = node(frame.activation->entry.state);
   if (around.kind == StateKind::Hierarchy) return finish_in_hierarchy(frame, state, std::move(end));
   if (around.kind != StateKind::Library) return finish_decider(track, state, std::move(end));
-  const Entry& entry = frame.activation->entry;
-  for (std::size_t i = 0; i < end.outputs.size() && !planted(Fault::ForgetsOuterDefaults); ++i) {
+  const StateEntry& entry = frame.activation->entry;
+  for (std::size_t i = 0; i < end.outputs.size() && !planted(ConversionFault::ForgetsOuterDefaults); ++i) {
     const Default fallback_value = fallback(around.outputs[i], entry.when);
     for (Candidate& candidate : end.outputs[i].candidates)
       candidate.defaults = with(candidate.defaults, fallback_value);
@@ -316,7 +317,7 @@ void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
 }
 
 void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end) {
-  Activation& activation = *frame.activation;
+  ContainerExecution& activation = *frame.activation;
   const mission::Node& child = node(state);
   std::erase_if(end.exits, [&](Exit& exit) {
     const auto live = paths_.live(exit.arrival.when);
@@ -325,7 +326,7 @@ void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end)
   });
   if (end.exits.empty()) return;  // it has turned out to be off the path
   // It is written whichever way the child ends; where it is entered is where all its ends lie.
-  Edge entered = end.exits.front().arrival.when;
+  BranchEdge entered = end.exits.front().arrival.when;
   for (const Exit& exit : end.exits)
     entered = paths_.common(entered, exit.arrival.when);
   take_outputs(activation, state, entered, std::move(end.outputs));
@@ -360,7 +361,7 @@ bool Unroller::step_barrier(Track& track) {
 }
 
 void Unroller::join_barrier(Track& track) {
-  Activation& activation = *track.frames.back().activation;
+  ContainerExecution& activation = *track.frames.back().activation;
   const mission::Node& barrier = node(activation.entry.state);
   const std::vector<StateEnd> ends = ends_beside(track);
   std::size_t next = 0;
@@ -368,7 +369,7 @@ void Unroller::join_barrier(Track& track) {
     if (child != barrier.decider)
       take_outputs(activation, child, activation.entry.when, ends[next++].outputs);
   }
-  Entry entry;
+  StateEntry entry;
   entry.state = barrier.decider;
   entry.when = activation.entry.when;
   entry.inputs = inputs_of(activation, barrier.decider, entry.when);
@@ -387,7 +388,7 @@ std::vector<StateEnd> Unroller::ends_beside(const Track& track) const {
 }
 
 void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
-  Activation& activation = *track.frames.back().activation;
+  ContainerExecution& activation = *track.frames.back().activation;
   take_outputs(activation, state, activation.entry.when, end.outputs);
   for (Exit& exit : end.exits) {
     const Step& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 #include <segue/convert/weak_order.hpp>
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace segue::convert {
 
 /// A way to a state, and what went wrong on it.
 struct Arrival {
-  Edge when;
+  BranchEdge when;
   bool aborted = false;  ///< the state before aborted, and the next one learns why
   std::vector<Candidate> errors;
 };
@@ -31,9 +31,9 @@ struct StateEnd {
 };
 
 /// What a state is entered with.
-struct Entry {
+struct StateEntry {
   mission::StateIndex state = mission::kNoState;
-  Edge when;
+  BranchEdge when;
   std::string path;
   bool aborts_handled = false;  ///< somebody around follows its abort
   std::vector<Symbol> inputs;
@@ -41,9 +41,10 @@ struct Entry {
 };
 
 /// One execution of a container in the plan.
-struct Activation {
-  explicit Activation(Entry given, std::size_t slot_count) : entry(std::move(given)), slots(slot_count) {}
-  Entry entry;
+struct ContainerExecution {
+  explicit ContainerExecution(StateEntry given, std::size_t slot_count)
+      : entry(std::move(given)), slots(slot_count) {}
+  StateEntry entry;
   Slots slots;
   std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
   std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
@@ -57,9 +58,10 @@ struct Frame {
   struct Loop {
     std::uint32_t head = 0;  ///< a place in the order
     std::size_t iterations = 1;
-    std::vector<std::vector<Edge>> open{};  ///< of iterations that are not certain: where they are entered
+    std::vector<std::vector<BranchEdge>>
+        open{};  ///< of iterations that are not certain: where they are entered
   };
-  std::shared_ptr<Activation> activation;
+  std::shared_ptr<ContainerExecution> activation;
   std::uint32_t place = 0;
   std::vector<Loop> loops;
   std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state but the decider
@@ -70,7 +72,7 @@ struct Frame {
 struct Track {
   std::vector<Frame> frames;
   std::vector<std::vector<Frame>> alternatives;
-  std::optional<Entry> pending;  ///< comes next, once it is known what it touches
+  std::optional<StateEntry> pending;  ///< comes next, once it is known what it touches
   std::optional<StateEnd> end;
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
@@ -89,7 +91,7 @@ struct Touch {
 /// each state stands in the plan once for each iteration of the loops around it.
 class Unroller {
  public:
-  Unroller(Plan& plan, std::vector<type::Value> inputs);
+  Unroller(MissionPlan& plan, std::vector<type::Value> inputs);
   Result<void> begin();
   /// A node more, or a few; false where the plan must wait for what is decided.
   bool step() { return step(main_); }
@@ -97,8 +99,8 @@ class Unroller {
   [[nodiscard]] bool finished() const { return main_.settled(); }
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
-  [[nodiscard]] const RoutineReason& routine_reason(mission::StateIndex state) const {
-    return routines_[state];
+  [[nodiscard]] const OpaqueSubtreeReason& subtree_reason(mission::StateIndex state) const {
+    return subtrees_[state];
   }
   /// Once that is known for certain.
   [[nodiscard]] std::optional<type::Value> value_of(const Symbol& symbol);
@@ -113,8 +115,8 @@ class Unroller {
   void wait_for_loop(const Frame& frame, std::string_view addition);
   bool visit(Track& track, mission::StateIndex state);
   bool enter_pending(Track& track);
-  void enter(Track& track, Entry entry);
-  void enter_container(Track& track, Entry entry);
+  void enter(Track& track, StateEntry entry);
+  void enter_container(Track& track, StateEntry entry);
   void leave(Track& track);
   void finish(Track& track, mission::StateIndex state, StateEnd end);
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
@@ -122,35 +124,36 @@ class Unroller {
   void join_barrier(Track& track);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
-  [[nodiscard]] std::string path_of(const Activation& around, mission::StateIndex child) const;
+  [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
-  void find_routines();
+  void find_opaque_subtrees();
   [[nodiscard]] mission::StateIndex opaque_within(mission::StateIndex state,
                                                   const std::vector<mission::StateIndex>& opaque) const;
-  [[nodiscard]] RoutineReason routine_reason(mission::StateIndex state, mission::StateIndex opaque) const;
+  [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state,
+                                                   mission::StateIndex opaque) const;
   void find_varying();
 
   // Nodes (unroller_nodes.cpp)
-  StateEnd add_action(const Entry& entry, const std::vector<StateEnd>* branches);
-  std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const Entry& decider,
+  StateEnd add_action(const StateEntry& entry, const std::vector<StateEnd>* branches);
+  std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const StateEntry& decider,
                                              const std::vector<StateEnd>& ends);
-  StateEnd add_routine(const Entry& entry);
-  Edge meet(const std::vector<Arrival>& arrivals);
-  Symbol copied(Symbol value, Edge when);
+  StateEnd add_subtree(const StateEntry& entry);
+  BranchEdge meet(const std::vector<Arrival>& arrivals);
+  Symbol copied(Symbol value, BranchEdge when);
   cdtn::NodeSpec& blank();
   cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
-  Source connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
-  StateEnd ends_of(const Entry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
-  void count(cdtn::NodeSpec& spec, PlannedNode& node, const Entry& entry);
-  void store(Activation& activation, std::uint32_t slot, Edge when, Symbol value);
-  void take_outputs(Activation& activation, mission::StateIndex child, Edge when,
+  ValueSource connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
+  StateEnd ends_of(const StateEntry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);
+  void count(cdtn::NodeSpec& spec, PlannedNode& node, const StateEntry& entry);
+  void store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value);
+  void take_outputs(ContainerExecution& activation, mission::StateIndex child, BranchEdge when,
                     std::vector<Symbol> outputs);
-  std::vector<Symbol> inputs_of(Activation& activation, mission::StateIndex child, Edge at);
-  Default fallback(const mission::Supply& supply, Edge at);
-  [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const Entry& entry);
-  void declare(const Entry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
-  [[nodiscard]] std::optional<std::string> look_up(const Entry& entry, Touch& touch);
+  std::vector<Symbol> inputs_of(ContainerExecution& activation, mission::StateIndex child, BranchEdge at);
+  Default fallback(const mission::Supply& supply, BranchEdge at);
+  [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
+  void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
+  [[nodiscard]] std::optional<std::string> look_up(const StateEntry& entry, Touch& touch);
   [[nodiscard]] const mission::Node& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }
@@ -158,16 +161,16 @@ class Unroller {
     return plan_.program().mission().actions[node(state).action];
   }
 
-  Plan& plan_;
+  MissionPlan& plan_;
   std::vector<type::Value> given_;
   PathConditions paths_;
   Track main_;
-  std::vector<RoutineReason> routines_;                      ///< by state
+  std::vector<OpaqueSubtreeReason> subtrees_;                ///< by state
   std::vector<std::string> varying_;                         ///< resources that come and go, as patterns
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;
-  std::vector<std::uint32_t> copies_;  ///< by name, of Network::names
+  std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
   cdtn::NodeSpec spec_;                ///< of the node at hand
 };

@@ -43,7 +43,7 @@ NodeClass class_of(const Action& action) {
 /// What reads reality without saying what of it may rely on anything.
 bool is_opaque(const Action& action) {
   return class_of(action) != NodeClass::Pure && !declares_footprint(action) &&
-         !planted(Fault::NothingIsOpaque);
+         !planted(ConversionFault::NothingIsOpaque);
 }
 
 Duration expected_duration(const Action& action) {
@@ -66,9 +66,9 @@ std::string numbered(std::string_view name, std::size_t number) {
 
 /// States that run sequentially: preemptive ones, hierarchies where a preemption is handled, and barriers
 /// with an action that does not say what it touches, since those would otherwise wait for each other.
-void Unroller::find_routines() {
+void Unroller::find_opaque_subtrees() {
   const std::size_t count = plan_.program().nodes().size();
-  routines_.assign(count, {});
+  subtrees_.assign(count, {});
   std::vector<StateIndex> opaque(count, kNoState);  // by state: what in it may touch anything
   for (bool changed = true; changed;) {
     changed = false;
@@ -76,13 +76,13 @@ void Unroller::find_routines() {
       const StateKind kind = node(i).kind;
       const bool leaf = kind == StateKind::Execution || kind == StateKind::Decider;
       const StateIndex inside = opaque_within(i, opaque);
-      const RoutineReason reason = routine_reason(i, inside);
+      const OpaqueSubtreeReason reason = subtree_reason(i, inside);
       StateIndex unknown = inside;
-      if (leaf ? is_opaque(action(i)) : reason.kind != RoutineReason::Kind::None && inside == kNoState)
+      if (leaf ? is_opaque(action(i)) : reason.kind != OpaqueSubtreeReason::Kind::None && inside == kNoState)
         unknown = i;
       changed =
-          changed || reason.kind != routines_[i].kind || (unknown == kNoState) != (opaque[i] == kNoState);
-      routines_[i] = reason;
+          changed || reason.kind != subtrees_[i].kind || (unknown == kNoState) != (opaque[i] == kNoState);
+      subtrees_[i] = reason;
       opaque[i] = unknown;
     }
   }
@@ -118,18 +118,18 @@ StateIndex Unroller::opaque_within(StateIndex state, const std::vector<StateInde
 }
 
 /// `opaque`: what in it may touch anything, if something may.
-RoutineReason Unroller::routine_reason(StateIndex state, StateIndex opaque) const {
+OpaqueSubtreeReason Unroller::subtree_reason(StateIndex state, StateIndex opaque) const {
   const mission::Node& entry = node(state);
-  if (entry.kind == StateKind::Preemptive) return {RoutineReason::Kind::Preemptive, state};
+  if (entry.kind == StateKind::Preemptive) return {OpaqueSubtreeReason::Kind::Preemptive, state};
   if (entry.kind == StateKind::Hierarchy) {
     const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
       return child != entry.decider && node(child).next[0].kind != Step::Kind::Nowhere;
     });
-    if (handler != entry.children.end()) return {RoutineReason::Kind::HandlesPreemption, *handler};
+    if (handler != entry.children.end()) return {OpaqueSubtreeReason::Kind::HandlesPreemption, *handler};
   }
   const bool beside = entry.children.size() > (entry.decider == kNoState ? 1U : 2U);
   if (entry.kind == StateKind::Barrier && beside && opaque != kNoState)
-    return {RoutineReason::Kind::OpaqueBeside, opaque};
+    return {OpaqueSubtreeReason::Kind::OpaqueBeside, opaque};
   return {};
 }
 
@@ -163,9 +163,9 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
 }
 
 /// Every candidate becomes an input of its own, since what stands for a null may differ.
-Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view name) {
+ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view name) {
   auto& names = plan_.network_.names;
-  Source source;
+  ValueSource source;
   source.rest = symbol.rest;
   for (std::size_t i = symbol.candidates.size(); i-- > 0;) {
     const Candidate& candidate = symbol.candidates[i];
@@ -189,7 +189,7 @@ Source Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view 
 }
 
 /// A default from the mission; a global variable is read by a node of its own, where it has its turn.
-Default Unroller::fallback(const mission::Supply& supply, Edge at) {
+Default Unroller::fallback(const mission::Supply& supply, BranchEdge at) {
   if (supply.global.empty()) return {supply.fallback};
   NodeSpec& spec = blank();
   spec.opaque = true;
@@ -201,7 +201,7 @@ Default Unroller::fallback(const mission::Supply& supply, Edge at) {
   return {Value(), append(spec, std::move(planned), "$" + supply.global)};
 }
 
-std::vector<Symbol> Unroller::inputs_of(Activation& activation, StateIndex child, Edge at) {
+std::vector<Symbol> Unroller::inputs_of(ContainerExecution& activation, StateIndex child, BranchEdge at) {
   std::vector<Symbol> inputs;
   for (const mission::Supply& supply : node(child).inputs) {
     Symbol input = activation.slots.read(supply.slots, at, paths_);
@@ -214,7 +214,7 @@ std::vector<Symbol> Unroller::inputs_of(Activation& activation, StateIndex child
   return inputs;
 }
 
-void Unroller::take_outputs(Activation& activation, StateIndex child, Edge when,
+void Unroller::take_outputs(ContainerExecution& activation, StateIndex child, BranchEdge when,
                             std::vector<Symbol> outputs) {
   const mission::Node& state = node(child);
   for (std::uint32_t i = 0; i < outputs.size(); ++i)
@@ -224,9 +224,9 @@ void Unroller::take_outputs(Activation& activation, StateIndex child, Edge when,
 }
 
 /// What would count even where `when` is off the path gets a node on it.
-void Unroller::store(Activation& activation, std::uint32_t slot, Edge when, Symbol value) {
+void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value) {
   const bool certain = paths_.implies(activation.entry.when, when);
-  bool within = certain || planted(Fault::SkipsCopies);
+  bool within = certain || planted(ConversionFault::SkipsCopies);
   if (!within) {
     within = !value.candidates.empty();
     bool one_is_certain = false;
@@ -240,7 +240,7 @@ void Unroller::store(Activation& activation, std::uint32_t slot, Edge when, Symb
   activation.slots.write(slot, when, within ? std::move(value) : copied(std::move(value), when), paths_);
 }
 
-Symbol Unroller::copied(Symbol value, Edge when) {
+Symbol Unroller::copied(Symbol value, BranchEdge when) {
   NodeSpec& spec = blank();
   spec.kind = NodeClass::Pure;
   spec.cannot_fail = true;
@@ -255,14 +255,14 @@ Symbol Unroller::copied(Symbol value, Edge when) {
 }
 
 /// Where several ways lead to one state: the edge that stands for all of them.
-Edge Unroller::meet(const std::vector<Arrival>& arrivals) {
+BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   if (arrivals.size() == 1) return arrivals.front().when;
-  std::vector<Edge> edges;
+  std::vector<BranchEdge> edges;
   for (const Arrival& arrival : arrivals)
     edges.push_back(arrival.when);
   if (const auto one = paths_.merged(edges)) return *one;
-  Edge around = edges.front();
-  for (const Edge edge : edges)
+  BranchEdge around = edges.front();
+  for (const BranchEdge edge : edges)
     around = paths_.common(around, edge);
   NodeSpec& spec = blank();
   spec.kind = NodeClass::Pure;
@@ -275,7 +275,7 @@ Edge Unroller::meet(const std::vector<Arrival>& arrivals) {
   PlannedNode planned;
   planned.role = Role::Join;
   const auto output = plan_.network_.names.intern(kOutcomeOutput);
-  for (const Edge edge : edges) {
+  for (const BranchEdge edge : edges) {
     const auto input = plan_.network_.names.intern(numbered("way", planned.joined.size()));
     spec.inputs.push_back({paths_.node(edge), output, input});
     planned.joined.emplace_back(input, edge.outcome);
@@ -311,7 +311,7 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
 }
 
 /// The inputs that name facts and resources, by port; nothing where one is not known yet.
-std::optional<std::vector<Value>> Unroller::naming_values(const Entry& entry) {
+std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entry) {
   const Action& what = action(entry.state);
   Touch& touch = touches_[node(entry.state).action];
   if (!touch.named_by) touch.named_by = mission::naming_inputs(what);
@@ -331,7 +331,7 @@ std::optional<std::vector<Value>> Unroller::naming_values(const Entry& entry) {
 }
 
 /// What it touches; where a name cannot be formed, that it will not begin.
-void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned) {
+void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
   Touch& touch = touches_[node(entry.state).action];
   if (!touch.known) {
     if (auto refused = look_up(entry, touch)) {
@@ -346,7 +346,7 @@ void Unroller::declare(const Entry& entry, NodeSpec& spec, PlannedNode& planned)
 }
 
 /// Why a name cannot be formed, if that is so.
-std::optional<std::string> Unroller::look_up(const Entry& entry, Touch& touch) {
+std::optional<std::string> Unroller::look_up(const StateEntry& entry, Touch& touch) {
   const Action& what = action(entry.state);
   const auto values = naming_values(entry);
   assert(values);
@@ -359,14 +359,14 @@ std::optional<std::string> Unroller::look_up(const Entry& entry, Touch& touch) {
     }
   };
   literals(touched->preconditions, touch.preconditions);
-  if (!planted(Fault::ForgetsEffects)) literals(touched->effects, touch.effects);
+  if (!planted(ConversionFault::ForgetsEffects)) literals(touched->effects, touch.effects);
   touch.claims.clear();
   const auto varies = [&](const std::string& name) {
     return std::ranges::any_of(varying_, [&](const auto& pattern) { return matches_glob(pattern, name); });
   };
-  for (std::size_t i = 0; i < what.resources.size() && !planted(Fault::ForgetsResources); ++i) {
+  for (std::size_t i = 0; i < what.resources.size() && !planted(ConversionFault::ForgetsResources); ++i) {
     const auto resource = plan_.network_.resources.intern(touched->resources[i]);
-    cdtn::Resource& known = plan_.network_.resources[resource];
+    cdtn::ResourceRecord& known = plan_.network_.resources[resource];
     known.varies = known.varies || varies(touched->resources[i]);
     const mission::ResourceUse& use = what.resources[i];
     touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
@@ -376,14 +376,14 @@ std::optional<std::string> Unroller::look_up(const Entry& entry, Touch& touch) {
 }
 
 /// How often the state has begun is a value like others, so that runs ahead know it too.
-void Unroller::count(NodeSpec& spec, PlannedNode& planned, const Entry& entry) {
+void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& entry) {
   if (!counts_executions(action(entry.state))) return;
   auto& begun = begun_.try_emplace(entry.state, 1).first->second;
   planned.begun = connect(spec, begun.read({0}, entry.when, paths_), kCountOutput);
   planned.counts = true;
 }
 
-StateEnd Unroller::ends_of(const Entry& entry, NodeId id, const NodeSpec& spec) {
+StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& spec) {
   const mission::Node& state = node(entry.state);
   StateEnd end;
   for (const mission::Port& port : *state.output_ports) {
@@ -407,14 +407,14 @@ StateEnd Unroller::ends_of(const Entry& entry, NodeId id, const NodeSpec& spec) 
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
   if (!entry.aborts_handled) return end;
-  const Edge aborted{branch, cdtn::kAborted};
+  const BranchEdge aborted{branch, cdtn::kAborted};
   end.exits.push_back(
       {mission::kAborted, {aborted, true, {{id, plan_.network_.names.intern(kErrorOutput), aborted, {}}}}});
   return end;
 }
 
 /// For a decider: how the states beside it end.
-std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const Entry& decider,
+std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const StateEntry& decider,
                                                      const std::vector<StateEnd>& ends) {
   std::vector<BranchSource> sources;
   for (const StateIndex state : node(node(decider.state).parent).children) {
@@ -440,7 +440,7 @@ std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const Entry
   return sources;
 }
 
-StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* branches) {
+StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEnd>* branches) {
   const Action& what = action(entry.state);
   NodeSpec& spec = blank();
   PlannedNode planned;
@@ -473,14 +473,14 @@ StateEnd Unroller::add_action(const Entry& entry, const std::vector<StateEnd>* b
   return ends_of(entry, id, spec);
 }
 
-StateEnd Unroller::add_routine(const Entry& entry) {
+StateEnd Unroller::add_subtree(const StateEntry& entry) {
   const mission::Node& state = node(entry.state);
   NodeSpec& spec = blank();
   PlannedNode planned;
-  planned.role = Role::Routine;
+  planned.role = Role::OpaqueSubtree;
   planned.path = entry.path;
   planned.state = entry.state;
-  spec.routine = true;
+  spec.opaque_subtree = true;
   spec.opaque = true;
   spec.reads_world = true;
   spec.branches = state.outcomes->size() > 1 || entry.aborts_handled;

@@ -45,7 +45,7 @@ using Kind = Diagram::Kind;
 /// Puts into words what an order says of a network.
 class DiagramMaker {
  public:
-  DiagramMaker(const cdtn::Network& network, const cdtn::Order& order,
+  DiagramMaker(const cdtn::TaskNetwork& network, const cdtn::Order& order,
                const std::vector<cdtn::Dependency>& further)
       : network_(network), order_(order), further_(further), implied_(implied_dependencies(network, order)) {}
 
@@ -75,12 +75,12 @@ class DiagramMaker {
   }
 
   [[nodiscard]] Diagram::Node described(cdtn::NodeId node) const {
-    const cdtn::Node& entry = network_[node];
+    const cdtn::NodeRecord& entry = network_[node];
     Diagram::Node made{network_.label(node)};
     made.duration = entry.duration;
-    if (entry.opaque && !entry.routine) made.note = "opaque";
-    if (entry.routine)
-      made.role = Diagram::Role::Routine;
+    if (entry.opaque && !entry.opaque_subtree) made.note = "opaque";
+    if (entry.opaque_subtree)
+      made.role = Diagram::Role::OpaqueSubtree;
     else if (entry.kind != cdtn::NodeClass::Irreversible)
       made.role = entry.kind == cdtn::NodeClass::Pure ? Diagram::Role::Pure : Diagram::Role::Sensing;
     return made;
@@ -115,8 +115,8 @@ class DiagramMaker {
         break;
     }
     const cdtn::NodeId toucher = network_[dependency.to].opaque ? dependency.to : dependency.from;
-    if (network_[toucher].routine)
-      return {Kind::Routine, network_.label(toucher), "it may touch anything", index(toucher)};
+    if (network_[toucher].opaque_subtree)
+      return {Kind::OpaqueSubtree, network_.label(toucher), "it may touch anything", index(toucher)};
     const bool silent = network_.accesses(toucher).empty() && network_.claims(toucher).empty();
     return {Kind::Opaque, network_.label(toucher),
             silent ? "it declares no facts and no resources, so it may touch anything"
@@ -149,7 +149,7 @@ class DiagramMaker {
   }
 
   [[nodiscard]] Diagram::Cause on_resource(cdtn::ResourceId id, const std::string& subject) const {
-    const cdtn::Resource& resource = network_.resources[id];
+    const cdtn::ResourceRecord& resource = network_.resources[id];
     if (resource.grouped)
       return {Kind::Group, subject, "held over several nodes, whose starts keep the program's order"};
     if (resource.varies)
@@ -157,7 +157,7 @@ class DiagramMaker {
     return {Kind::Resource, subject, "what is irreversible uses it in the program's order"};
   }
 
-  const cdtn::Network& network_;
+  const cdtn::TaskNetwork& network_;
   const cdtn::Order& order_;
   const std::vector<cdtn::Dependency>& further_;
   const std::vector<bool> implied_;
@@ -170,7 +170,7 @@ class DiagramMaker {
 
 }  // namespace
 
-Diagram diagram_of(const cdtn::Network& network, const cdtn::Order& order,
+Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
                    const std::vector<cdtn::Dependency>& further, std::size_t most) {
   return DiagramMaker(network, order, further).make(most);
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
+#include <segue/cdtn/task_network.hpp>
 #include <segue/type/value.hpp>
 
 #include <array>
@@ -19,16 +19,17 @@ namespace segue::draw {
 struct Diagram {
   /// What a node is. Join: tells whether one of several ways was taken. Copy: hands on a value under a
   /// condition. Global: reads a global variable.
-  enum class Role : std::uint8_t { Irreversible, Pure, Sensing, Routine, Join, Copy, Global };
-  /// Why one comes after another. World: of a fact. Opaque, Routine: one of them may touch anything.
-  enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, Routine };
+  enum class Role : std::uint8_t { Irreversible, Pure, Sensing, OpaqueSubtree, Join, Copy, Global };
+  /// Why one comes after another. World: of a fact. Opaque, OpaqueSubtree: one of them may touch anything.
+  enum class Kind : std::uint8_t { Data, Condition, World, Resource, Group, Opaque, OpaqueSubtree };
   static constexpr std::size_t kKinds = 7;
 
   struct Cause {
     Kind kind = Kind::Data;
-    std::string subject{};  ///< the input, outcome, fact or resource; of Opaque and Routine: who touches what
+    std::string
+        subject{};  ///< the input, outcome, fact or resource; of Opaque and OpaqueSubtree: who touches what
     std::string detail{};  ///< the output that becomes the input; what both do with the fact or resource; why
-    std::uint32_t node = cdtn::kNone;  ///< of Opaque and Routine: who that is
+    std::uint32_t node = cdtn::kNone;  ///< of Opaque and OpaqueSubtree: who that is
   };
   struct Dependency {
     std::uint32_t from = 0;
@@ -39,7 +40,7 @@ struct Diagram {
   struct Node {
     std::string name;
     Role role = Role::Irreversible;
-    std::string note{};  ///< why it is a routine, or reads what
+    std::string note{};  ///< why it is an opaque subtree, or reads what
     std::string
         container{};      ///< of a mission's state: the path of the state around; empty: the mission itself
     Duration duration{};  ///< expected
@@ -67,7 +68,7 @@ std::string_view to_string(Diagram::Kind kind);
 std::string to_string(const Diagram::Cause& cause);
 
 /// The first `most` nodes. `further`: what derive_order says of it.
-Diagram diagram_of(const cdtn::Network& network, const cdtn::Order& order,
+Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
                    const std::vector<cdtn::Dependency>& further, std::size_t most = cdtn::kNone);
 
 /// A line for each node and each node that it comes after; what is implied comes last, and is marked.

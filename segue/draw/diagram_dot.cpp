@@ -115,7 +115,7 @@ class DotWriter {
 
   void write(const Diagram::Dependency& dependency, std::uint32_t to) {
     const Diagram::Cause& cause = dependency.causes.front();
-    const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::Routine;
+    const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::OpaqueSubtree;
     fmt::format_to(out(), "  {} -> {} [color=\"{}\", fontcolor=\"{}\", label={}, tooltip={}{}];\n",
                    dependency.from, to, colour_of(cause.kind), colour_of(cause.kind),
                    quoted(named ? cause.subject : std::string(to_string(cause.kind))),

@@ -121,7 +121,7 @@ class Drawing {
     std::size_t left = dependency.causes.size();
     std::string_view before = prefix;
     for (const Diagram::Cause& cause : dependency.causes) {
-      const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::Routine;
+      const bool named = cause.kind != Diagram::Kind::Opaque && cause.kind != Diagram::Kind::OpaqueSubtree;
       const std::string own = shortened(named ? cause.subject : std::string(to_string(cause.kind)),
                                         std::max<std::size_t>(room, 6));
       if (left < dependency.causes.size() && own.size() + 4 > room) break;

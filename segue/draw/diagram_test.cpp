@@ -28,7 +28,7 @@ FlatNetwork read(const std::string& nodes, const std::string& head = "") {
   return flat ? std::move(*flat) : FlatNetwork{};
 }
 
-Diagram diagram_of(const Network& network, OrderRule rule = OrderRule::Epoch) {
+Diagram diagram_of(const TaskNetwork& network, OrderRule rule = OrderRule::Epoch) {
   std::vector<Dependency> further;
   const Order order = derive_order(network, rule, &further);
   return draw::diagram_of(network, order, further);
@@ -99,7 +99,7 @@ TEST(Diagram, TellsWhetherUnitsOrTheProgramOrderAreTheMatter) {
 }
 
 TEST(Diagram, TellsOfResourcesThatAreHeldOverSeveralNodes) {
-  Network network;
+  TaskNetwork network;
   const ResourceId arm = network.resources.intern("system:arm");
   const std::uint32_t group = network.add_group(arm);
   NodeSpec spec;
@@ -145,7 +145,7 @@ TEST(Diagram, MarksWhatOthersImply) {
 
 TEST(Diagram, ARunAheadIsNotImpliedByWhatOnlyHoldsResultsBack) {
   // `see` must find reality as `a` leaves it; that `b` comes first only holds its result back.
-  Network network;
+  TaskNetwork network;
   NodeSpec a;
   a.name = "a";
   a.effects = {{*network.facts.intern("p()"), true}};
@@ -217,7 +217,7 @@ TEST(Diagram, ShowsTheOrderThatTheEngineUsesAndLeavesNothingOutThatMatters) {
 }
 
 TEST(Diagram, LinesThatWouldBeTooLongAreCut) {
-  Network network;
+  TaskNetwork network;
   NodeSpec spec;
   spec.effects.resize(1);
   const std::uint32_t port = network.names.intern("value");
@@ -244,7 +244,7 @@ TEST(Diagram, HostileNamesStayText) {
 }
 
 TEST(Diagram, AnEmptyNetworkIsAPictureToo) {
-  const Diagram diagram = diagram_of(Network());
+  const Diagram diagram = diagram_of(TaskNetwork());
   EXPECT_THAT(diagram.nodes, IsEmpty());
   EXPECT_THAT(to_svg(diagram), HasSubstr("</svg>"));
   EXPECT_THAT(to_dot(diagram), HasSubstr("digraph"));
@@ -252,7 +252,7 @@ TEST(Diagram, AnEmptyNetworkIsAPictureToo) {
 }
 
 TEST(Diagram, LargePlansAreCutInPicturesAndSaySo) {
-  Network network;
+  TaskNetwork network;
   NodeSpec spec;
   spec.name = "step";
   spec.effects = {{*network.facts.intern("p()"), true}};

@@ -20,7 +20,8 @@ std::string plural(std::size_t count, std::string_view one) {
 }
 
 bool waits_for_safety(const Diagram& diagram, const Diagram::Node& node) {
-  return diagram.strict && (node.role == Diagram::Role::Irreversible || node.role == Diagram::Role::Routine);
+  return diagram.strict &&
+         (node.role == Diagram::Role::Irreversible || node.role == Diagram::Role::OpaqueSubtree);
 }
 
 std::string summary(const Diagram& diagram) {

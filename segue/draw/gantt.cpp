@@ -25,7 +25,7 @@ void Gantt::arrange() {
 
 namespace {
 
-Gantt::Node node_of(const cdtn::Network& network, const cdtn::RunResult& result,
+Gantt::Node node_of(const cdtn::TaskNetwork& network, const cdtn::RunResult& result,
                     const cdtn::WaitFinder& waits, cdtn::NodeId id) {
   const cdtn::NodeResult& own = result.nodes[index(id)];
   Gantt::Node node;
@@ -35,14 +35,14 @@ Gantt::Node node_of(const cdtn::Network& network, const cdtn::RunResult& result,
   const bool ended = own.status != cdtn::NodeStatus::NotReached && own.status != cdtn::NodeStatus::Skipped;
   if (!ended) return node;
   node.outcome = network.outcomes.name(static_cast<std::uint32_t>(own.outcome));
-  node.ahead = own.status == cdtn::NodeStatus::Done && waits.ran_ahead(id);
+  node.speculative = own.status == cdtn::NodeStatus::Done && waits.was_speculative(id);
   node.waits = waits.of(id);
   return node;
 }
 
 }  // namespace
 
-Gantt gantt_of(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
                const cdtn::RunSummary& summary) {
   const cdtn::WaitFinder waits(network, order, result);
   Gantt gantt;

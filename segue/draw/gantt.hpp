@@ -25,9 +25,9 @@ struct Gantt {
     std::string name;
     cdtn::NodeClass kind = cdtn::NodeClass::Irreversible;
     cdtn::NodeStatus status = cdtn::NodeStatus::NotReached;
-    std::string outcome{};  ///< empty where it did not end
-    bool critical = false;  ///< in the chain of nodes that the run was as long for
-    bool ahead = false;     ///< its run that counts began before that was certain
+    std::string outcome{};     ///< empty where it did not end
+    bool critical = false;     ///< in the chain of nodes that the run was as long for
+    bool speculative = false;  ///< its run that counts began before that was certain
     std::vector<cdtn::Wait> waits{};
     std::vector<std::uint32_t> resources{};
     std::vector<std::uint32_t> bars{};  ///< from arrange()
@@ -51,7 +51,7 @@ struct Gantt {
   void arrange();
 };
 
-Gantt gantt_of(const cdtn::Network& network, const cdtn::Order& order, const cdtn::RunResult& result,
+Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
                const cdtn::RunSummary& summary);
 
 /// An SVG drawing, by node and by resource: how long nodes waited and for what, what was run ahead and what

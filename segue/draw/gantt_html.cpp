@@ -39,7 +39,7 @@ Value node_value(const Gantt::Node& node) {
   for (const std::uint32_t resource : node.resources)
     resources.emplace_back(number(resource));
   return Value::List{node.name,     number(node.kind), number(node.status), node.outcome,
-                     node.critical, node.ahead,        std::move(waits),    std::move(resources)};
+                     node.critical, node.speculative,  std::move(waits),    std::move(resources)};
 }
 
 /// As gantt_page_draw.js reads it.

@@ -161,14 +161,15 @@ class Drawing {
     const Gantt::Node& node = gantt_.nodes[one.node];
     const std::string title =
         fmt::format("{}: {:.2f} to {:.2f} s{}", node.name, seconds(one.from), seconds(one.until),
-                    one.wasted   ? ", thrown away"
-                    : node.ahead ? ", ran ahead, and won"
-                                 : "");
+                    one.wasted         ? ", thrown away"
+                    : node.speculative ? ", ran ahead, and won"
+                                       : "");
     std::string style(one.wasted ? "fill='none' stroke='#d62728' stroke-dasharray='3 2'"
                                  : run_colour(node.kind));
     if (critical && !one.wasted) style += " stroke='#d62728' stroke-width='2'";
     bar(seconds(one.from), seconds(one.until), y_ + 1, 12, style, title);
-    if (node.ahead && !one.wasted) bar(seconds(one.from), seconds(one.until), y_ + 14, 2, kAhead, title);
+    if (node.speculative && !one.wasted)
+      bar(seconds(one.from), seconds(one.until), y_ + 14, 2, kAhead, title);
   }
 
   void by_resource() {

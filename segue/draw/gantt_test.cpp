@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
@@ -21,9 +21,9 @@ using testing::Not;
 
 /// A network with its order and a run of it.
 struct Ran {
-  explicit Ran(const std::string& nodes, EngineOptions options = {}) : flat(read(nodes)) {
+  explicit Ran(const std::string& nodes, ConcurrentEngineOptions options = {}) : flat(read(nodes)) {
     SimulatedEnvironment environment(flat.network, flat.trials);
-    result = Engine(flat.network, order, environment, std::move(options)).run();
+    result = ConcurrentEngine(flat.network, order, environment, std::move(options)).run();
   }
   static FlatNetwork read(const std::string& nodes) {
     Diagnostics diagnostics;
@@ -101,11 +101,11 @@ constexpr const char* kGuess = R"j(
 TEST(Gantt, TellsWhatRanAheadForSomethingAndForNothing) {
   const Gantt gantt = Ran(kGuess).gantt();
   ASSERT_EQ(gantt.nodes.size(), 3U);
-  EXPECT_FALSE(gantt.nodes[0].ahead);
-  EXPECT_FALSE(gantt.nodes[1].ahead) << "it is skipped";
+  EXPECT_FALSE(gantt.nodes[0].speculative);
+  EXPECT_FALSE(gantt.nodes[1].speculative) << "it is skipped";
   ASSERT_EQ(gantt.nodes[1].bars.size(), 1U);
   EXPECT_TRUE(gantt.bars[gantt.nodes[1].bars[0]].wasted);
-  EXPECT_TRUE(gantt.nodes[2].ahead) << "it began before ask had ended, and counts";
+  EXPECT_TRUE(gantt.nodes[2].speculative) << "it began before ask had ended, and counts";
   EXPECT_FALSE(gantt.bars[gantt.nodes[2].bars[0]].wasted);
 }
 
@@ -249,7 +249,7 @@ TEST(GanttPage, NoNameIsTakenForMarkupOrScript) {
 }
 
 TEST(GanttPage, AnEmptyRunIsAPageToo) {
-  const type::Value run = run_in(to_html(gantt_of(Network(), Order(), RunResult{}, {})));
+  const type::Value run = run_in(to_html(gantt_of(TaskNetwork(), Order(), RunResult{}, {})));
   EXPECT_TRUE(run.find("nodes")->as_list().empty());
 }
 

@@ -9,32 +9,32 @@ namespace segue::draw {
 
 namespace {
 
-using convert::Plan;
+using convert::MissionPlan;
+using convert::OpaqueSubtreeReason;
 using convert::PlannedNode;
 using convert::Role;
-using convert::RoutineReason;
 
-std::string note_of(const Plan& plan, const PlannedNode& planned) {
+std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
   const auto id = [&](mission::StateIndex state) { return plan.program().state(state).id.str(); };
   if (planned.role == Role::Global) return "the variable " + planned.global;
   if (planned.role == Role::Join) return fmt::format("of {} ways", planned.joined.size());
-  if (planned.role != Role::Routine) return {};
-  const RoutineReason reason = plan.routine_reason(planned.state);
+  if (planned.role != Role::OpaqueSubtree) return {};
+  const OpaqueSubtreeReason reason = plan.subtree_reason(planned.state);
   switch (reason.kind) {
-    case RoutineReason::Kind::Preemptive:
+    case OpaqueSubtreeReason::Kind::Preemptive:
       return "since the first of its states that ends preempts the others";
-    case RoutineReason::Kind::HandlesPreemption:
+    case OpaqueSubtreeReason::Kind::HandlesPreemption:
       return "since a preemption of " + id(reason.state) + " is handled in it";
-    case RoutineReason::Kind::OpaqueBeside:
+    case OpaqueSubtreeReason::Kind::OpaqueBeside:
       return "since " + id(reason.state) + " in it, side by side with others, may touch anything";
-    case RoutineReason::Kind::None:
+    case OpaqueSubtreeReason::Kind::None:
       break;
   }
   return {};
 }
 
 /// Names that the plan makes up, as a reader of the mission takes them.
-std::string readable(const std::string& name, const Plan& plan, const PlannedNode& planned) {
+std::string readable(const std::string& name, const MissionPlan& plan, const PlannedNode& planned) {
   if (name.starts_with(convert::kCountOutput))
     return "executions" + name.substr(convert::kCountOutput.size());
   for (std::size_t i = 0; i < planned.branches.size(); ++i) {
@@ -44,7 +44,7 @@ std::string readable(const std::string& name, const Plan& plan, const PlannedNod
   return name.starts_with('#') ? name.substr(1) : name;
 }
 
-void name_causes(Diagram::Node& node, const Plan& plan, const PlannedNode& planned) {
+void name_causes(Diagram::Node& node, const MissionPlan& plan, const PlannedNode& planned) {
   for (Diagram::Dependency& dependency : node.before) {
     for (Diagram::Cause& cause : dependency.causes) {
       if (cause.kind == Diagram::Kind::Data) {
@@ -61,8 +61,8 @@ void name_causes(Diagram::Node& node, const Plan& plan, const PlannedNode& plann
 
 Diagram::Role role_of(Role role, Diagram::Role otherwise) {
   switch (role) {
-    case Role::Routine:
-      return Diagram::Role::Routine;
+    case Role::OpaqueSubtree:
+      return Diagram::Role::OpaqueSubtree;
     case Role::Join:
       return Diagram::Role::Join;
     case Role::Copy:
@@ -77,7 +77,7 @@ Diagram::Role role_of(Role role, Diagram::Role otherwise) {
 
 }  // namespace
 
-Diagram diagram_of(const Plan& plan) {
+Diagram diagram_of(const MissionPlan& plan) {
   std::vector<cdtn::Dependency> further;
   const cdtn::Order order = cdtn::derive_order(plan.network(), cdtn::OrderRule::Epoch, &further);
   Diagram diagram = diagram_of(plan.network(), order, further);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 #include <segue/draw/diagram.hpp>
 
 namespace segue::draw {
 
 /// The plan as far as it has got, in the words of the mission.
-Diagram diagram_of(const convert::Plan& plan);
+Diagram diagram_of(const convert::MissionPlan& plan);
 
 }  // namespace segue::draw

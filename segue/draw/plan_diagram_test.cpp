@@ -16,14 +16,14 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::unique_ptr<Plan> plan(const std::string& text) {
+std::unique_ptr<MissionPlan> plan(const std::string& text) {
   Diagnostics diagnostics;
   auto mission = mission::read_mission(text, "test.yaml", diagnostics);
   if (mission) diagnostics.append(mission::validate(*mission));
   EXPECT_FALSE(diagnostics.has_errors()) << to_string(diagnostics);
   auto program = mission::Program::compile(std::move(*mission));
   EXPECT_TRUE(program);
-  auto made = Plan::create(*program);
+  auto made = MissionPlan::create(*program);
   EXPECT_TRUE(made);
   return std::move(*made);
 }
@@ -162,7 +162,7 @@ TEST(MissionDiagram, TellsWhyAStateIsARoutine) {
       a: {action: turn, on: {success: return success}}
       b: {action: turn, on: {success: return success}}
 )j"));
-  EXPECT_EQ(node(first, "s").role, Diagram::Role::Routine);
+  EXPECT_EQ(node(first, "s").role, Diagram::Role::OpaqueSubtree);
   EXPECT_THAT(node(first, "s").note, HasSubstr("ends preempts the others"));
   EXPECT_THAT(causes(first, "s", "t"), ElementsAre("routine s: it may touch anything"));
 

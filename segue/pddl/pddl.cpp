@@ -6,14 +6,14 @@
 
 namespace segue::pddl {
 
-std::optional<cdtn::Network> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
-                                       Diagnostics& diagnostics) {
+std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
+                                           const PddlText& plan, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();
   const auto domain_terms = detail::parse_pddl(domain.text, domain.file, diagnostics);
   const auto problem_terms = detail::parse_pddl(problem.text, problem.file, diagnostics);
   const auto plan_terms = detail::parse_pddl(plan.text, plan.file, diagnostics);
   if (!domain_terms || !problem_terms || !plan_terms) return std::nullopt;
-  std::optional<cdtn::Network> network(std::in_place);
+  std::optional<cdtn::TaskNetwork> network(std::in_place);
   detail::PddlTask task(*network, diagnostics);
   task.read_domain(*domain_terms);
   task.read_problem(*problem_terms);
@@ -22,9 +22,9 @@ std::optional<cdtn::Network> read_pddl(const PddlText& domain, const PddlText& p
   return network;
 }
 
-std::optional<cdtn::Network> load_pddl(const std::filesystem::path& domain,
-                                       const std::filesystem::path& problem,
-                                       const std::filesystem::path& plan, Diagnostics& diagnostics) {
+std::optional<cdtn::TaskNetwork> load_pddl(const std::filesystem::path& domain,
+                                           const std::filesystem::path& problem,
+                                           const std::filesystem::path& plan, Diagnostics& diagnostics) {
   std::string texts[3];
   const std::filesystem::path* files[3] = {&domain, &problem, &plan};
   for (std::size_t i = 0; i < 3; ++i) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -24,11 +24,11 @@ struct PddlText {
 /// does where the plan puts it, with the facts that decide it as preconditions. The plan is carried out step
 /// by step: a precondition or a goal that does not hold is an error with its place. Where there are errors,
 /// nothing is returned.
-std::optional<cdtn::Network> read_pddl(const PddlText& domain, const PddlText& problem, const PddlText& plan,
-                                       Diagnostics& diagnostics);
+std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
+                                           const PddlText& plan, Diagnostics& diagnostics);
 /// Likewise from files. Blocks.
-std::optional<cdtn::Network> load_pddl(const std::filesystem::path& domain,
-                                       const std::filesystem::path& problem,
-                                       const std::filesystem::path& plan, Diagnostics& diagnostics);
+std::optional<cdtn::TaskNetwork> load_pddl(const std::filesystem::path& domain,
+                                           const std::filesystem::path& problem,
+                                           const std::filesystem::path& plan, Diagnostics& diagnostics);
 
 }  // namespace segue::pddl

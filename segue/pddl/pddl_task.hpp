@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 #include <segue/pddl/pddl_text.hpp>
 
 #include <map>
@@ -15,7 +15,8 @@ namespace segue::pddl::detail {
 /// by step. Internal to read_pddl.
 class PddlTask {
  public:
-  PddlTask(cdtn::Network& network, Diagnostics& diagnostics) : network_(network), diagnostics_(diagnostics) {}
+  PddlTask(cdtn::TaskNetwork& network, Diagnostics& diagnostics)
+      : network_(network), diagnostics_(diagnostics) {}
   void read_domain(const std::vector<PddlTerm>& terms);
   void read_problem(const std::vector<PddlTerm>& terms);
   void read_plan(const std::vector<PddlTerm>& terms);
@@ -30,7 +31,7 @@ class PddlTask {
   /// What one step does in the world where the plan puts it.
   struct Step {
     cdtn::NodeSpec spec;
-    cdtn::World before;
+    cdtn::VersionedWorld before;
   };
 
   void error(std::string code, std::string message, const SourceLocation& where);
@@ -53,11 +54,11 @@ class PddlTask {
   void add_for_all(const PddlTerm& effect, const Binding& binding, Step& step, std::size_t variable = 0);
   void demand(Step& step, const cdtn::Literal& literal);
 
-  cdtn::Network& network_;
+  cdtn::TaskNetwork& network_;
   Diagnostics& diagnostics_;
   std::unordered_map<std::string, Action> actions_;
   std::vector<std::string> objects_;
-  cdtn::World world_;
+  cdtn::VersionedWorld world_;
 };
 
 }  // namespace segue::pddl::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
-#include <segue/cdtn/engine.hpp>
 #include <segue/cdtn/simulation.hpp>
 #include <segue/pddl/pddl.hpp>
 #include <support/shared_data.hpp>
@@ -22,8 +22,9 @@ std::int64_t seconds(Duration duration) {
 
 /// Carries the plan out in random sequences that the order allows: every precondition and the goal must hold,
 /// and for the epoch rule the whole final world. Knows nothing of how the order came about.
-std::string wrong_linearisation(const Network& network, const Order& order, bool whole_world, int samples) {
-  World expected = network.initial_world;
+std::string wrong_linearisation(const TaskNetwork& network, const Order& order, bool whole_world,
+                                int samples) {
+  VersionedWorld expected = network.initial_world;
   for (std::uint32_t i = 0; i < network.size(); ++i) {
     for (const Access& access : network.accesses(NodeId{i})) {
       if (access.writes) expected.set({access.fact, access.value});
@@ -37,7 +38,7 @@ std::string wrong_linearisation(const Network& network, const Order& order, bool
       open[i] = order.before(NodeId{i}).size();
       if (open[i] == 0) ready.push_back(NodeId{i});
     }
-    World world = network.initial_world;
+    VersionedWorld world = network.initial_world;
     for (std::uint32_t done = 0; done < network.size(); ++done) {
       if (ready.empty()) return "a cycle";
       std::swap(ready[std::uniform_int_distribution<std::size_t>(0, ready.size() - 1)(random)], ready.back());
@@ -63,9 +64,9 @@ std::string wrong_linearisation(const Network& network, const Order& order, bool
   return {};
 }
 
-std::int64_t makespan(const Network& network, const Order& order) {
+std::int64_t makespan(const TaskNetwork& network, const Order& order) {
   SimulatedEnvironment environment(network);
-  Engine engine(network, order, environment);
+  ConcurrentEngine engine(network, order, environment);
   const RunResult result = engine.run();
   EXPECT_TRUE(result.done()) << to_string(*result.error);
   EXPECT_EQ(seconds(result.makespan), seconds(critical_path(network, order).length));
@@ -136,7 +137,7 @@ constexpr std::string_view kProblem = R"(
 )";
 
 struct Read {
-  std::optional<Network> network;
+  std::optional<TaskNetwork> network;
   std::string problems;
 };
 

@@ -2,7 +2,7 @@
 // Task networks: what is read is written as what reads the same, and runs to an end.
 #include "require.hpp"
 
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 
 #include <cstddef>
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(cdtn::write_flat_network(*again) == text, "what is written reads back equal:\n" + text);
   const cdtn::Order order = cdtn::derive_order(flat->network);
   cdtn::SimulatedEnvironment environment(flat->network, flat->trials);
-  const cdtn::RunResult result = cdtn::Engine(flat->network, order, environment).run();
+  const cdtn::RunResult result = cdtn::ConcurrentEngine(flat->network, order, environment).run();
   require(result.done() != result.error.has_value(), "a run that fails says why");
   return 0;
 }

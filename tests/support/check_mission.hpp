@@ -136,7 +136,7 @@ class MissionCheck {
   /// Who comes after another because of facts, or since one of them may touch anything, begins when that is
   /// done: so there is no cycle of conflicts.
   std::string conflicts() {
-    const cdtn::Network& network = run_.plan().network();
+    const cdtn::TaskNetwork& network = run_.plan().network();
     const cdtn::Order order = cdtn::derive_order(network);
     const auto& nodes = run_.network_result().nodes;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -164,7 +164,7 @@ class MissionCheck {
   /// What was made and used up is what the actions that ended as expected declare.
   std::string units() {
     if (failed()) return {};
-    const cdtn::Network& network = run_.plan().network();
+    const cdtn::TaskNetwork& network = run_.plan().network();
     const auto stock = network.resources.find("stock");
     if (!stock) return {};
     std::int64_t left = network.resources[*stock].count;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace segue::cdtn {
 
 class RunCheck {
  public:
-  RunCheck(const Network& network, const RunResult& sequential, const RunResult& concurrent, bool strict)
+  RunCheck(const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent, bool strict)
       : network_(network), sequential_(sequential), concurrent_(concurrent), strict_(strict) {}
 
   /// The first difference, or "".
@@ -98,7 +98,7 @@ class RunCheck {
     for (const LogEntry& entry : concurrent_.log) {
       if (entry.kind != LogKind::Start && entry.kind != LogKind::End) continue;
       for (const Claim& claim : network_.claims(entry.node)) {
-        const Resource& resource = network_.resources[claim.resource];
+        const ResourceRecord& resource = network_.resources[claim.resource];
         if (claim.op != ResourceOp::Block || resource.varies) continue;
         std::uint32_t& units = used[index(claim.resource)];
         units = entry.kind == LogKind::Start ? units + claim.count : units - claim.count;
@@ -123,7 +123,7 @@ class RunCheck {
     });
     std::string text;
     for_each_claim([&](NodeId node, const Claim& claim) {
-      const Resource& resource = network_.resources[claim.resource];
+      const ResourceRecord& resource = network_.resources[claim.resource];
       if (claim.op != ResourceOp::Block || claim.group != kNone || resource.varies) return;
       const NodeResult& result = concurrent_.nodes[index(node)];
       for (const auto& [group, times] : held) {
@@ -141,7 +141,7 @@ class RunCheck {
     std::map<std::uint32_t, NodeId> last;
     std::string text;
     for_each_claim([&](NodeId node, const Claim& claim) {
-      const Resource& resource = network_.resources[claim.resource];
+      const ResourceRecord& resource = network_.resources[claim.resource];
       if (network_[node].kind != NodeClass::Irreversible || claim.op == ResourceOp::Exists ||
           resource.commutes)
         return;
@@ -175,7 +175,7 @@ class RunCheck {
     }
   }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   const RunResult& sequential_;
   const RunResult& concurrent_;
   const bool strict_;

@@ -150,7 +150,7 @@ class ConcurrentRun {
     });
   }
 
-  [[nodiscard]] const Plan& plan() const { return run_->plan(); }
+  [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
   [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
   [[nodiscard]] std::uint64_t begun() const { return begun_; }
 
@@ -170,7 +170,7 @@ class ConcurrentRun {
   [[nodiscard]] bool in_routine(const std::string& path) const {
     for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
       const PlannedNode& node = plan()[cdtn::NodeId{i}];
-      if (node.role != Role::Routine) continue;
+      if (node.role != Role::OpaqueSubtree) continue;
       if (node.path.empty() || path.starts_with(std::string(node.path) + "/")) return true;
     }
     return false;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/environment.hpp>
-#include <segue/cdtn/network.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <algorithm>
 #include <cstdint>
@@ -47,7 +47,7 @@ class RandomNetwork {
       add_node(i);
   }
 
-  Network network;
+  TaskNetwork network;
 
  private:
   int pick(int least, int most) { return std::uniform_int_distribution<int>(least, most)(random_); }
@@ -139,7 +139,7 @@ class RandomNetwork {
   Variety variety_;
   OutcomeId other_{};
   std::vector<FactId> facts_;
-  World expected_;                    ///< where everything goes as expected
+  VersionedWorld expected_;           ///< where everything goes as expected
   std::vector<std::uint32_t> units_;  ///< that are certainly there
   std::uint32_t group_ = kNone;
   int group_left_ = 0;
@@ -153,15 +153,15 @@ enum class Pace : std::uint8_t { Unsteady, Steady };
 /// Answers are a function of the node and of the values that it reads; how long anything takes is not.
 class RandomEnvironment final : public Environment {
  public:
-  RandomEnvironment(const Network& network, std::uint64_t answers, Variety variety, std::uint64_t schedule,
-                    Pace pace = Pace::Unsteady)
+  RandomEnvironment(const TaskNetwork& network, std::uint64_t answers, Variety variety,
+                    std::uint64_t schedule, Pace pace = Pace::Unsteady)
       : network_(network), answers_(answers), variety_(variety), schedule_(schedule), pace_(pace) {}
 
-  void start(Launch& launch, Completions& completions) override {
-    const std::uint64_t run = pace_ == Pace::Steady ? 1 : launch.attempt();
-    const std::uint64_t when = mix(mix(schedule_, index(launch.node())), run);
+  void start(NodeContext& context, Completions& completions) override {
+    const std::uint64_t run = pace_ == Pace::Steady ? 1 : context.attempt();
+    const std::uint64_t when = mix(mix(schedule_, index(context.node())), run);
     const TimePoint end = completions.now() + std::chrono::seconds(when % 3 == 0 ? 0 : when / 3 % 20);
-    completions.finish_at(end, launch.node(), launch.attempt(), report(launch));
+    completions.finish_at(end, context.node(), context.attempt(), report(context));
   }
 
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
@@ -174,27 +174,27 @@ class RandomEnvironment final : public Environment {
   }
 
  private:
-  [[nodiscard]] std::uint64_t digest(Launch& launch) const {
-    const NodeId node = launch.node();
+  [[nodiscard]] std::uint64_t digest(NodeContext& context) const {
+    const NodeId node = context.node();
     std::uint64_t digest = mix(answers_, index(node));
     for (const Access& access : network_.accesses(node)) {
-      if (access.reads) digest = mix(digest, launch.holds(access.fact) ? 2 : 1);
+      if (access.reads) digest = mix(digest, context.holds(access.fact) ? 2 : 1);
     }
     for (const char* name : {"in0", "in1"}) {
       const auto number = network_.names.find(name);
-      const type::Value* value = number ? launch.input(*number) : nullptr;
+      const type::Value* value = number ? context.input(*number) : nullptr;
       digest = mix(digest, value == nullptr ? 7 : value->as_uint());
     }
     if (network_[node].reads_world) {
-      for (const FactId fact : launch.world().facts())
+      for (const FactId fact : context.world().facts())
         digest = mix(digest, index(fact));
     }
     return digest;
   }
 
-  ReportPtr report(Launch& launch) const {
-    const Node& node = network_[launch.node()];
-    const std::uint64_t number = digest(launch);
+  ReportPtr report(NodeContext& context) const {
+    const NodeRecord& node = network_[context.node()];
+    const std::uint64_t number = digest(context);
     auto report = std::make_unique<Report>();
     report->outcome = node.expected;
     if (node.branches) {
@@ -202,7 +202,7 @@ class RandomEnvironment final : public Environment {
       if (node.handles_abort && number % 5 == 0) report->outcome = kAborted;
     }
     if (variety_.failures && !node.cannot_fail && mix(number, 3) % 40 == 0) report->outcome = kAborted;
-    if (node.uncertain) report->effects = otherwise(launch.node(), number);
+    if (node.uncertain) report->effects = otherwise(context.node(), number);
     if (node.opaque)
       (report->effects ? *report->effects : report->effects.emplace()).push_back(anything(number));
     if (variety_.undeclared_effects && mix(number, 4) % 40 == 0) report->effects = {{anything(number)}};
@@ -226,7 +226,7 @@ class RandomEnvironment final : public Environment {
     return effects;
   }
 
-  const Network& network_;
+  const TaskNetwork& network_;
   std::uint64_t answers_;
   Variety variety_;
   std::uint64_t schedule_;

@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "network.hpp"
+#include "task_network.hpp"
 
 #include <algorithm>
 #include <cassert>
 
 namespace segue::cdtn {
 
-Network::Network() {
+TaskNetwork::TaskNetwork() {
   for (const std::string_view known : {"success", "aborted", "preempted"})
     outcomes.intern(known);
   nodes_.emplace_back();
 }
 
-std::string Network::label(NodeId node) const {
+std::string TaskNetwork::label(NodeId node) const {
   const std::uint32_t iteration = (*this)[node].iteration;
   return iteration == 0 ? name_of(node) : name_of(node) + '#' + std::to_string(iteration);
 }
 
-std::uint32_t Network::add_group(ResourceId resource, std::uint32_t count) {
+std::uint32_t TaskNetwork::add_group(ResourceId resource, std::uint32_t count) {
   resources[resource].grouped = true;
   groups_.push_back({resource, count, 0});
   return static_cast<std::uint32_t>(groups_.size()) - 1;
 }
 
-NodeId Network::append(const NodeSpec& spec, std::uint32_t called) {
+NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   const NodeId node{size()};
-  Node& entry = nodes_.back();
+  NodeRecord& entry = nodes_.back();
   entry.duration = spec.duration;
   entry.name = called;
   entry.iteration = spec.iteration;
@@ -33,7 +33,7 @@ NodeId Network::append(const NodeSpec& spec, std::uint32_t called) {
   entry.kind = spec.kind;
   entry.branches = spec.branches;
   entry.handles_abort = spec.handles_abort;
-  entry.routine = spec.routine;
+  entry.opaque_subtree = spec.opaque_subtree;
   entry.opaque = spec.opaque;
   entry.reads_world = spec.reads_world;
   entry.uncertain = spec.uncertain;
@@ -50,20 +50,20 @@ NodeId Network::append(const NodeSpec& spec, std::uint32_t called) {
   const auto conditions = conditions_.begin() + entry.first_condition;
   std::sort(conditions, conditions_.end());
   conditions_.erase(std::unique(conditions, conditions_.end()), conditions_.end());
-  Node next;
+  NodeRecord next;
   close(next);
   nodes_.push_back(next);
   return node;
 }
 
-void Network::close(Node& next) const {
+void TaskNetwork::close(NodeRecord& next) const {
   next.first_access = access_count();
   next.first_claim = static_cast<std::uint32_t>(claims_.size());
   next.first_input = static_cast<std::uint32_t>(inputs_.size());
   next.first_condition = static_cast<std::uint32_t>(conditions_.size());
 }
 
-void Network::append_accesses(const NodeSpec& spec, NodeId node) {
+void TaskNetwork::append_accesses(const NodeSpec& spec, NodeId node) {
   const auto access_to = [&](FactId fact) -> Access& {
     const auto known = std::ranges::find(scratch_, fact, &Access::fact);
     if (known != scratch_.end()) return *known;
@@ -94,10 +94,10 @@ void Network::append_accesses(const NodeSpec& spec, NodeId node) {
   }
 }
 
-void Network::append_claims(const NodeSpec& spec) {
+void TaskNetwork::append_claims(const NodeSpec& spec) {
   const std::size_t first = claims_.size();
   for (const Claim& claim : spec.claims) {
-    Resource& resource = resources[claim.resource];
+    ResourceRecord& resource = resources[claim.resource];
     const bool changes =
         claim.op == ResourceOp::Create || claim.op == ResourceOp::Consume || claim.op == ResourceOp::Delete;
     resource.varies = resource.varies || changes;
@@ -115,9 +115,10 @@ void Network::append_claims(const NodeSpec& spec) {
   }
 }
 
-std::size_t Network::bytes() const {
-  return nodes_.size() * sizeof(Node) + accesses_.size() * sizeof(Access) + claims_.size() * sizeof(Claim) +
-         inputs_.size() * sizeof(DataInput) + conditions_.size() * sizeof(Condition);
+std::size_t TaskNetwork::bytes() const {
+  return nodes_.size() * sizeof(NodeRecord) + accesses_.size() * sizeof(Access) +
+         claims_.size() * sizeof(Claim) + inputs_.size() * sizeof(DataInput) +
+         conditions_.size() * sizeof(Condition);
 }
 
 }  // namespace segue::cdtn

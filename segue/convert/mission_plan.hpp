@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/run_result.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/mission/program.hpp>
@@ -17,15 +17,15 @@
 /// Missions as task networks: what a state machine does, unrolled into nodes that run concurrently.
 namespace segue::convert {
 
-/// Action: a leaf. Routine: a state that runs by itself, one thing after the other, with all that is in it.
-/// Join: tells whether one of several ways to a state was taken. Copy: an input or a constant that a
+/// Action: a leaf. OpaqueSubtree: a state that runs by itself, one thing after the other, with all that is in
+/// it. Join: tells whether one of several ways to a state was taken. Copy: an input or a constant that a
 /// container hands on under a condition. Global: reads a global variable.
-enum class Role : std::uint8_t { Action, Routine, Join, Copy, Global };
+enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global };
 
 /// Where a value comes from: the first input that is there, the newest first; else `rest`.
-struct Source {
+struct ValueSource {
   struct Feed {
-    std::uint32_t input = 0;  ///< of Network::names
+    std::uint32_t input = 0;  ///< of TaskNetwork::names
     Defaults defaults;
   };
   std::vector<Feed> feeds;
@@ -37,7 +37,7 @@ struct BranchEnd {
   std::uint32_t input = cdtn::kNone;  ///< none: that is certain
   cdtn::OutcomeId reached{};
   mission::Outcome outcome = 0;
-  Source error;
+  ValueSource error;
 };
 struct BranchSource {
   mission::StateIndex state = mission::kNoState;
@@ -48,11 +48,11 @@ struct BranchSource {
 struct PlannedNode {
   Role role = Role::Action;
   mission::StateIndex state = mission::kNoState;
-  std::uint32_t iteration = 0;  ///< how often it stands in the plan before
-  std::string_view path;        ///< in Network::names; empty: the mission itself, or no state
-  std::vector<Source> inputs;   ///< by port; of a Copy or Global: one, what it hands on
-  Source error_before;
-  Source begun;  ///< how often the state has begun, where its action asks for that
+  std::uint32_t iteration = 0;      ///< how often it stands in the plan before
+  std::string_view path;            ///< in TaskNetwork::names; empty: the mission itself, or no state
+  std::vector<ValueSource> inputs;  ///< by port; of a Copy or Global: one, what it hands on
+  ValueSource error_before;
+  ValueSource begun;  ///< how often the state has begun, where its action asks for that
   bool counts = false;
   std::vector<BranchSource> branches;                             ///< deciders
   std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>> joined;  ///< Join: inputs and what they must say
@@ -66,8 +66,8 @@ inline constexpr std::string_view kErrorOutput = "#error";      ///< only where 
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kValueOutput = "value";
 
-/// Why a state is a Routine.
-struct RoutineReason {
+/// Why a state is a OpaqueSubtree.
+struct OpaqueSubtreeReason {
   enum class Kind : std::uint8_t {
     None,
     Preemptive,         ///< a preemptive container
@@ -83,28 +83,28 @@ class Unroller;
 /// A mission on its way to be a task network. Grows while it runs: loops are unrolled ahead of what is
 /// decided, more iterations the longer they go on; what the mission does not expect (aborts, other outcomes
 /// than declared) is planned for once it has happened, where it leads back. One thread.
-class Plan final : public cdtn::Expansion {
+class MissionPlan final : public cdtn::Expansion {
  public:
   /// `inputs` by port of the root, null for its default; `facts` hold at the beginning, or do not, whatever
   /// the mission says of its world. TypeMismatch for an input of another type, InvalidArgument for one too
   /// many and for a fact that is none.
-  static Result<std::unique_ptr<Plan>> create(std::shared_ptr<const mission::Program> program,
-                                              std::vector<type::Value> inputs = {},
-                                              const std::vector<mission::Fact>& facts = {});
-  ~Plan() override;
+  static Result<std::unique_ptr<MissionPlan>> create(std::shared_ptr<const mission::Program> program,
+                                                     std::vector<type::Value> inputs = {},
+                                                     const std::vector<mission::Fact>& facts = {});
+  ~MissionPlan() override;
 
-  void expand(cdtn::Network& network, std::size_t wanted) override;
+  void expand(cdtn::TaskNetwork& network, std::size_t wanted) override;
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override;
   [[nodiscard]] bool finished() const override;
 
-  [[nodiscard]] cdtn::Network& network() { return network_; }
-  [[nodiscard]] const cdtn::Network& network() const { return network_; }
+  [[nodiscard]] cdtn::TaskNetwork& network() { return network_; }
+  [[nodiscard]] const cdtn::TaskNetwork& network() const { return network_; }
   [[nodiscard]] const mission::Program& program() const { return *program_; }
   [[nodiscard]] const std::shared_ptr<const mission::Program>& shared_program() const { return program_; }
   [[nodiscard]] const PlannedNode& operator[](cdtn::NodeId node) const { return nodes_[index(node)]; }
   /// Why it could not go on when it last tried: "" where it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
-  [[nodiscard]] RoutineReason routine_reason(mission::StateIndex state) const;
+  [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// The number of an outcome of that node's state.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 
@@ -114,10 +114,10 @@ class Plan final : public cdtn::Expansion {
 
  private:
   friend class Unroller;
-  explicit Plan(std::shared_ptr<const mission::Program> program);
+  explicit MissionPlan(std::shared_ptr<const mission::Program> program);
 
   std::shared_ptr<const mission::Program> program_;
-  cdtn::Network network_;
+  cdtn::TaskNetwork network_;
   std::deque<PlannedNode> nodes_;
   std::string waits_for_;
   std::unique_ptr<Unroller> unroller_;

@@ -15,7 +15,7 @@ enum class ClockKind : std::uint8_t { Virtual, Real };
 
 /// The ends of nodes in the order of their time. Virtual time jumps to the next one; real time waits. What
 /// was told first comes first at equal times, so the same calls give the same order.
-class EventQueue final : public Completions {
+class CompletionQueue final : public Completions {
  public:
   struct End {
     TimePoint when;
@@ -24,7 +24,7 @@ class EventQueue final : public Completions {
     ReportPtr report;
   };
 
-  explicit EventQueue(ClockKind clock);
+  explicit CompletionQueue(ClockKind clock);
 
   void finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) override;
   void finish(NodeId node, std::uint32_t attempt, ReportPtr report) override;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "event_queue.hpp"
+#include "completion_queue.hpp"
 
 #include <algorithm>
 
 namespace segue::cdtn {
 
-EventQueue::EventQueue(ClockKind clock) : clock_(clock) {}
+CompletionQueue::CompletionQueue(ClockKind clock) : clock_(clock) {}
 
-TimePoint EventQueue::elapsed() const {
+TimePoint CompletionQueue::elapsed() const {
   return TimePoint{} + (RealClock::instance().now() - began_);
 }
 
-void EventQueue::finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) {
+void CompletionQueue::finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) {
   if (when <= now_) {
     due_.push_back({now_, node, attempt, std::move(report)});
     return;
@@ -20,20 +20,20 @@ void EventQueue::finish_at(TimePoint when, NodeId node, std::uint32_t attempt, R
   std::push_heap(later_.begin(), later_.end());
 }
 
-void EventQueue::finish(NodeId node, std::uint32_t attempt, ReportPtr report) {
+void CompletionQueue::finish(NodeId node, std::uint32_t attempt, ReportPtr report) {
   const std::lock_guard lock(mutex_);
   posted_.push_back({{}, node, attempt, std::move(report)});
   arrived_.notify_one();
 }
 
-EventQueue::Scheduled EventQueue::take_later() {
+CompletionQueue::Scheduled CompletionQueue::take_later() {
   std::pop_heap(later_.begin(), later_.end());
   Scheduled first = std::move(later_.back());
   later_.pop_back();
   return first;
 }
 
-void EventQueue::fetch_posted() {
+void CompletionQueue::fetch_posted() {
   for (End& end : posted_) {
     end.when = now_;
     due_.push_back(std::move(end));
@@ -41,7 +41,7 @@ void EventQueue::fetch_posted() {
   posted_.clear();
 }
 
-std::optional<EventQueue::End> EventQueue::take_due() {
+std::optional<CompletionQueue::End> CompletionQueue::take_due() {
   if (clock_ == ClockKind::Real) now_ = std::max(now_, elapsed());
   if (due_.empty()) {
     const std::lock_guard lock(mutex_);
@@ -59,7 +59,7 @@ std::optional<EventQueue::End> EventQueue::take_due() {
 }
 
 /// Until something may be due; false once the deadline has passed.
-bool EventQueue::wait(TimePoint deadline) {
+bool CompletionQueue::wait(TimePoint deadline) {
   std::unique_lock lock(mutex_);
   const auto arrived = [&] { return !posted_.empty(); };
   const TimePoint limit = later_.empty() ? deadline : std::min(deadline, later_.front().when);

@@ -1,31 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
 
 namespace segue::cdtn {
 
-Engine::Engine(const Network& network, const Order& order, Environment& environment, EngineOptions options)
+ConcurrentEngine::ConcurrentEngine(const TaskNetwork& network, const Order& order, Environment& environment,
+                                   ConcurrentEngineOptions options)
     : implementation_(std::make_unique<Implementation>(network, order, environment, std::move(options))) {}
-Engine::Engine(Network& network, Expansion& expansion, Environment& environment, EngineOptions options)
+ConcurrentEngine::ConcurrentEngine(TaskNetwork& network, Expansion& expansion, Environment& environment,
+                                   ConcurrentEngineOptions options)
     : implementation_(std::make_unique<Implementation>(network, expansion, environment, std::move(options))) {
 }
-Engine::~Engine() = default;
-RunResult Engine::run() {
+ConcurrentEngine::~ConcurrentEngine() = default;
+RunResult ConcurrentEngine::run() {
   return implementation_->run();
 }
-void Engine::stop() {
+void ConcurrentEngine::stop() {
   implementation_->stop();
 }
-const Order& Engine::order() const {
+const Order& ConcurrentEngine::order() const {
   return implementation_->order();
 }
-std::size_t Engine::bytes() const {
+std::size_t ConcurrentEngine::bytes() const {
   return implementation_->bytes();
 }
 
-Engine::Implementation::Implementation(const Network& network, const Order& order, Environment& environment,
-                                       EngineOptions options)
+ConcurrentEngine::Implementation::Implementation(const TaskNetwork& network, const Order& order,
+                                                 Environment& environment, ConcurrentEngineOptions options)
     : network_(network),
       order_(order),
       environment_(environment),
@@ -35,8 +37,8 @@ Engine::Implementation::Implementation(const Network& network, const Order& orde
       world_(network.initial_world),
       prefix_world_(network.initial_world) {}
 
-Engine::Implementation::Implementation(Network& network, Expansion& expansion, Environment& environment,
-                                       EngineOptions options)
+ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion& expansion,
+                                                 Environment& environment, ConcurrentEngineOptions options)
     : Implementation(network, own_order_, environment, std::move(options)) {
   growing_ = &network;
   expansion_ = &expansion;
@@ -44,16 +46,16 @@ Engine::Implementation::Implementation(Network& network, Expansion& expansion, E
   builder_->extend();  // what is there already
 }
 
-Rank Engine::Implementation::rank(NodeId node) const {
+Rank ConcurrentEngine::Implementation::rank(NodeId node) const {
   return {index(node) < options_.priorities.size() ? options_.priorities[index(node)] : 0, node};
 }
 
-void Engine::Implementation::log(NodeId node, LogKind kind) {
+void ConcurrentEngine::Implementation::log(NodeId node, LogKind kind) {
   if (options_.log) log_.push_back({events_.now(), node, at(node).attempt, kind});
 }
 
 /// Takes in the nodes that were appended since.
-void Engine::Implementation::adopt() {
+void ConcurrentEngine::Implementation::adopt() {
   const auto first = static_cast<std::uint32_t>(states_.size());
   const std::uint32_t size = network_.size();
   states_.resize(size);
@@ -63,59 +65,60 @@ void Engine::Implementation::adopt() {
   versions_.resize(network_.input_count());
   pool_.grow();
   pool_.take_groups(network_.groups());
-  lent_.resize(network_.resources.size());
-  returning_.resize(network_.resources.size());
+  speculative_.resize(network_.resources.size());
+  preempted_units_.resize(network_.resources.size());
   for (std::uint32_t i = first; i < size; ++i)
     adopt_node(NodeId{i});
 }
 
-void Engine::Implementation::adopt_node(NodeId node) {
+void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   State& state = at(node);
   for (const Dependency& dependency : order_.before(node))
     count(state, dependency);
-  if (state.gate == 0 || (!irreversible(node) && state.ahead == 0)) work_.push_back(node);
+  if (state.commit_gate == 0 || (!irreversible(node) && state.start_gate == 0)) work_.push_back(node);
 }
 
 /// Whether running ahead waits for the passage too: reality must be as it is meant to be, and nothing is
 /// known of what an opaque node will do.
-bool Engine::Implementation::ahead_matters(const Dependency& dependency) const {
+bool ConcurrentEngine::Implementation::gates_start(const Dependency& dependency) const {
   const Reason reason = dependency.reason();
   return !irreversible(dependency.to) && (reason == Reason::Fact || reason == Reason::Place) &&
          holds_start(network_, dependency);
 }
 
 /// Always, but for planted faults.
-bool Engine::Implementation::counts(const Dependency& dependency) const {
+bool ConcurrentEngine::Implementation::counts(const Dependency& dependency) const {
   switch (dependency.reason()) {
     case Reason::Fact:
-      return !planted(Fault::ForgetsFactOrder) || index(dependency.to) % 7 != 3;
+      return !planted(EngineFault::ForgetsFactOrder) || index(dependency.to) % 7 != 3;
     case Reason::Resource:
-      return !planted(Fault::ForgetsResourceOrder);
+      return !planted(EngineFault::ForgetsResourceOrder);
     case Reason::Condition:
-      return !planted(Fault::IgnoresConditions) || !irreversible(dependency.to);
+      return !planted(EngineFault::IgnoresConditions) || !irreversible(dependency.to);
     default:
       return true;
   }
 }
 
-void Engine::Implementation::count(State& state, const Dependency& dependency) {
+void ConcurrentEngine::Implementation::count(State& state, const Dependency& dependency) {
   const State& from = at(dependency.from);
   if (!counts(dependency)) return;
   if (dependency.reason() == Reason::Resource) {
-    if (!from.began) ++(irreversible(dependency.to) ? state.gate : state.ahead);
+    if (!from.began) ++(irreversible(dependency.to) ? state.commit_gate : state.start_gate);
     return;
   }
-  if (dependency.reason() == Reason::Data && !irreversible(dependency.to) && !from.announced) ++state.ahead;
+  if (dependency.reason() == Reason::Data && !irreversible(dependency.to) && !from.announced)
+    ++state.start_gate;
   if (from.passed) {
     meet(dependency);
     return;
   }
-  ++state.gate;
-  if (ahead_matters(dependency)) ++state.ahead;
+  ++state.commit_gate;
+  if (gates_start(dependency)) ++state.start_gate;
 }
 
 /// False where nothing came.
-bool Engine::Implementation::expand() {
+bool ConcurrentEngine::Implementation::expand() {
   if (expansion_ == nullptr || limit_ != kNone) return false;
   const std::uint32_t first = network_.size();
   while (!expansion_->finished()) {
@@ -131,11 +134,11 @@ bool Engine::Implementation::expand() {
 }
 
 /// Looks at the nodes that something happened to, in program order.
-void Engine::Implementation::work_off() {
+void ConcurrentEngine::Implementation::work_off() {
   for (;;) {
     take_granted();
     take_waiting();
-    recall_for_waiting();
+    preempt_for_waiting();
     if (work_.empty()) return;
     batch_.swap(work_);
     if (batch_.size() > 1) std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });
@@ -145,14 +148,14 @@ void Engine::Implementation::work_off() {
   }
 }
 
-bool Engine::Implementation::complete() const {
+bool ConcurrentEngine::Implementation::complete() const {
   if (!running_.empty()) return false;
   if (limit_ != kNone) return prefix_ >= limit_;
   return passed_count_ == network_.size() && (expansion_ == nullptr || expansion_->finished());
 }
 
 /// All ends at the next moment; false where none will come.
-bool Engine::Implementation::take_ends() {
+bool ConcurrentEngine::Implementation::take_ends() {
   const auto counts = [this](const auto& end) {
     if (index(end.node) == kNone) return true;  // `stop` wants to be heard
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
@@ -167,7 +170,7 @@ bool Engine::Implementation::take_ends() {
   return true;
 }
 
-void Engine::Implementation::loop() {
+void ConcurrentEngine::Implementation::loop() {
   adopt();
   for (;;) {
     do {
@@ -181,22 +184,22 @@ void Engine::Implementation::loop() {
   error_ = error;
 }
 
-void Engine::Implementation::stop() {
+void ConcurrentEngine::Implementation::stop() {
   stop_asked_ = true;
   events_.finish(NodeId{kNone}, 0, nullptr);
 }
 
-void Engine::Implementation::ask_to_stop() {
+void ConcurrentEngine::Implementation::ask_to_stop() {
   stopped_ = true;
   truncate(NodeId{0});
 }
 
-RunResult Engine::Implementation::run() {
+RunResult ConcurrentEngine::Implementation::run() {
   loop();
   return result();
 }
 
-RunResult Engine::Implementation::result() {
+RunResult ConcurrentEngine::Implementation::result() {
   RunResult result;
   result.failed = failed_;
   result.error = error_;
@@ -227,7 +230,7 @@ RunResult Engine::Implementation::result() {
   return result;
 }
 
-std::size_t Engine::Implementation::bytes() const {
+std::size_t ConcurrentEngine::Implementation::bytes() const {
   return states_.capacity() * sizeof(State) + reports_.capacity() * sizeof(ReportPtr) + reads_.capacity() +
          writes_.capacity() + versions_.capacity() * sizeof(std::uint32_t);
 }

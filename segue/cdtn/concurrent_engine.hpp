@@ -2,11 +2,11 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/cdtn/completion_queue.hpp>
 #include <segue/cdtn/environment.hpp>
-#include <segue/cdtn/event_queue.hpp>
-#include <segue/cdtn/network.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/cdtn/task_network.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -21,7 +21,7 @@ class Expansion {
   virtual ~Expansion() = default;
   /// Appends what is known to come next, about `wanted` nodes. Called on the engine's thread when fewer nodes
   /// than the horizon are unfinished, and again after every end while that is so.
-  virtual void expand(Network& network, std::size_t wanted) = 0;
+  virtual void expand(TaskNetwork& network, std::size_t wanted) = 0;
   /// `node` has ended for good, with that outcome and those outputs (null: none). Not called for nodes that
   /// were skipped.
   virtual void ended(NodeId node, OutcomeId outcome, const type::Value* outputs) = 0;
@@ -29,7 +29,7 @@ class Expansion {
   [[nodiscard]] virtual bool finished() const = 0;
 };
 
-struct EngineOptions {
+struct ConcurrentEngineOptions {
   ClockKind clock = ClockKind::Virtual;
   bool strict = false;             ///< irreversible nodes wait for every earlier node that may fail
   bool speculate = true;           ///< pure nodes run ahead
@@ -45,15 +45,17 @@ struct EngineOptions {
 /// allow, with the outcome of the sequential execution: the same values read, the same final world, the same
 /// resources consumed, the same order of irreversible nodes for each fact and resource. One thread decides,
 /// the one that calls `run`.
-class Engine {
+class ConcurrentEngine {
  public:
   /// All three must outlive the engine; `order` must cover the network.
-  Engine(const Network& network, const Order& order, Environment& environment, EngineOptions options = {});
+  ConcurrentEngine(const TaskNetwork& network, const Order& order, Environment& environment,
+                   ConcurrentEngineOptions options = {});
   /// A network that grows: the engine derives the order itself, by the epoch rule.
-  Engine(Network& network, Expansion& expansion, Environment& environment, EngineOptions options = {});
-  ~Engine();
-  Engine(const Engine&) = delete;
-  Engine& operator=(const Engine&) = delete;
+  ConcurrentEngine(TaskNetwork& network, Expansion& expansion, Environment& environment,
+                   ConcurrentEngineOptions options = {});
+  ~ConcurrentEngine();
+  ConcurrentEngine(const ConcurrentEngine&) = delete;
+  ConcurrentEngine& operator=(const ConcurrentEngine&) = delete;
 
   /// Runs it to its end. A failure of the mission is part of the result. Blocks; call it once.
   RunResult run();

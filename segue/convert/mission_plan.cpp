@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/convert/plan.hpp>
+#include <segue/convert/mission_plan.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/world.hpp>
@@ -13,8 +13,8 @@ using cdtn::NodeId;
 using cdtn::OutcomeId;
 using type::Value;
 
-Plan::Plan(std::shared_ptr<const mission::Program> program) : program_(std::move(program)) {}
-Plan::~Plan() = default;
+MissionPlan::MissionPlan(std::shared_ptr<const mission::Program> program) : program_(std::move(program)) {}
+MissionPlan::~MissionPlan() = default;
 
 namespace {
 
@@ -33,13 +33,13 @@ Result<void> check_inputs(const std::vector<mission::Port>& ports, const std::ve
 
 }  // namespace
 
-Result<std::unique_ptr<Plan>> Plan::create(std::shared_ptr<const mission::Program> program,
-                                           std::vector<Value> inputs,
-                                           const std::vector<mission::Fact>& facts) {
+Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const mission::Program> program,
+                                                         std::vector<Value> inputs,
+                                                         const std::vector<mission::Fact>& facts) {
   if (auto fits = check_inputs(*program->node(0).input_ports, inputs); !fits) return fits.error();
   const auto world = mission::initial_facts(program->mission(), facts);
   if (!world) return world.error();
-  auto plan = std::unique_ptr<Plan>(new Plan(std::move(program)));
+  auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(std::move(program)));
   plan->network_.name = plan->program().mission().name;
   for (const std::string& fact : *world) {
     const auto known = plan->network_.facts.intern_named(fact);
@@ -47,7 +47,7 @@ Result<std::unique_ptr<Plan>> Plan::create(std::shared_ptr<const mission::Progra
     plan->network_.initial_world.set({*known, true});
   }
   for (const mission::Resource& resource : plan->program().mission().resources) {
-    cdtn::Resource& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
+    cdtn::ResourceRecord& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
     entry.kind = static_cast<cdtn::ResourceClass>(resource.kind);
     entry.count = static_cast<std::uint32_t>(std::max(0, resource.count));
     entry.commutes = resource.commutes;
@@ -57,7 +57,7 @@ Result<std::unique_ptr<Plan>> Plan::create(std::shared_ptr<const mission::Progra
   return plan;
 }
 
-void Plan::expand(cdtn::Network& network, std::size_t wanted) {
+void MissionPlan::expand(cdtn::TaskNetwork& network, std::size_t wanted) {
   const std::size_t limit = network.size() + wanted;
   waits_for_.clear();
   while (network.size() < limit && unroller_->step()) {
@@ -65,19 +65,19 @@ void Plan::expand(cdtn::Network& network, std::size_t wanted) {
   if (network.size() >= limit) waits_for_.clear();
 }
 
-void Plan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
+void MissionPlan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
   unroller_->ended(node, outcome, outputs);
 }
 
-bool Plan::finished() const {
+bool MissionPlan::finished() const {
   return unroller_->finished();
 }
 
-RoutineReason Plan::routine_reason(mission::StateIndex state) const {
-  return unroller_->routine_reason(state);
+OpaqueSubtreeReason MissionPlan::subtree_reason(mission::StateIndex state) const {
+  return unroller_->subtree_reason(state);
 }
 
-mission::Outcome Plan::outcome(NodeId node, OutcomeId outcome) const {
+mission::Outcome MissionPlan::outcome(NodeId node, OutcomeId outcome) const {
   if (outcome == cdtn::kAborted) return mission::kAborted;
   if (outcome == cdtn::kPreempted) return mission::kPreempted;
   const auto& names = *program_->node((*this)[node].state).outcomes;
@@ -85,7 +85,7 @@ mission::Outcome Plan::outcome(NodeId node, OutcomeId outcome) const {
   return found == names.end() ? mission::kAborted : static_cast<mission::Outcome>(found - names.begin());
 }
 
-mission::Outcome Plan::final_outcome(const cdtn::RunResult& result) {
+mission::Outcome MissionPlan::final_outcome(const cdtn::RunResult& result) {
   if (result.stopped) return mission::kPreempted;
   if (result.failed) {
     const bool preempted = result.error && result.error->code == ErrorCode::Cancelled;
@@ -98,7 +98,7 @@ mission::Outcome Plan::final_outcome(const cdtn::RunResult& result) {
   return mission::kAborted;
 }
 
-std::vector<Value> Plan::final_outputs() {
+std::vector<Value> MissionPlan::final_outputs() {
   std::vector<Value> values;
   for (const Symbol& symbol : unroller_->end().outputs)
     values.push_back(unroller_->value_of(symbol).value_or(Value()));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/cdtn/cow_ptr.hpp>
 #include <segue/cdtn/fact.hpp>
 #include <segue/cdtn/ids.hpp>
-#include <segue/cdtn/shared.hpp>
 
 #include <cstdint>
 #include <string>
@@ -14,10 +14,10 @@ namespace segue::cdtn {
 
 /// What a user attaches to a world, such as a geometric model. It follows the facts: every change of one is
 /// told to `changed`, on a copy of its own where others share it.
-class UserData : public SharedObject {
+class UserData : public CowObject {
  public:
   /// A copy that can change without this one being touched.
-  [[nodiscard]] virtual Shared<UserData> clone() const = 0;
+  [[nodiscard]] virtual CowPtr<UserData> clone() const = 0;
   /// `literal` has come true. Called on the thread that changes the world.
   virtual void changed(const Literal& literal) = 0;
 };
@@ -26,7 +26,7 @@ class UserData : public SharedObject {
 /// the same whatever the size, and shares what neither has changed since (a persistent tree); changing costs
 /// the depth of that tree, at most 7. Snapshots may be read on several threads; one object belongs to one
 /// thread.
-class World {
+class VersionedWorld {
  public:
   /// False until it was set.
   [[nodiscard]] bool holds(FactId fact) const { return (cell(fact) & 1U) != 0; }
@@ -40,7 +40,7 @@ class World {
   bool set(const Literal& literal);
 
   /// Attaches data under a name, in the place of what had that name.
-  void attach(std::string name, Shared<UserData> data);
+  void attach(std::string name, CowPtr<UserData> data);
   /// Null where nothing has that name. Valid until this world changes.
   [[nodiscard]] const UserData* attached(std::string_view name) const;
 
@@ -50,21 +50,21 @@ class World {
   [[nodiscard]] std::vector<std::string> texts(const FactTable& table) const;
 
   /// Whether the same facts hold; versions and user data aside. Does not look at what both share.
-  friend bool operator==(const World& a, const World& b);
+  friend bool operator==(const VersionedWorld& a, const VersionedWorld& b);
 
  private:
   static constexpr unsigned kBits = 5;
   static constexpr std::size_t kWidth = std::size_t{1} << kBits;
-  struct Page : SharedObject {};
+  struct Page : CowObject {};
   struct Leaf final : Page {
     std::uint64_t cells[kWidth] = {};  ///< version * 2 + value
   };
   struct Inner final : Page {
-    Shared<Page> children[kWidth];
+    CowPtr<Page> children[kWidth];
   };
   struct Attachment {
     std::string name;
-    Shared<UserData> data;
+    CowPtr<UserData> data;
   };
 
   [[nodiscard]] std::uint64_t cell(FactId fact) const;
@@ -73,7 +73,7 @@ class World {
   static void collect(const Page* page, unsigned depth, std::uint32_t first, std::vector<FactId>& facts);
   [[nodiscard]] bool reaches(std::uint32_t number) const;
 
-  Shared<Page> root_;
+  CowPtr<Page> root_;
   unsigned depth_ = 0;  ///< inner levels above the leaves
   std::uint64_t version_ = 0;
   std::vector<Attachment> attachments_;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
 
 namespace segue::cdtn {
 
 /// What a node sees of the engine while it starts.
-class Engine::Implementation::NodeLaunch final : public Launch {
+class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
  public:
-  NodeLaunch(Implementation& engine, NodeId node) : engine_(engine), node_(node) {}
+  RunContext(Implementation& engine, NodeId node) : engine_(engine), node_(node) {}
   [[nodiscard]] NodeId node() const override { return node_; }
   [[nodiscard]] std::uint32_t attempt() const override { return engine_.at(node_).attempt; }
   [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
@@ -29,7 +29,7 @@ class Engine::Implementation::NodeLaunch final : public Launch {
     }
     return false;
   }
-  [[nodiscard]] World world() override {
+  [[nodiscard]] VersionedWorld world() override {
     engine_.at(node_).asked_world = true;
     return engine_.network_[node_].kind == NodeClass::Pure ? engine_.projected_world(node_) : engine_.world_;
   }
@@ -40,15 +40,16 @@ class Engine::Implementation::NodeLaunch final : public Launch {
 };
 
 /// Something that the node waits for may have come.
-void Engine::Implementation::check(NodeId node) {
+void ConcurrentEngine::Implementation::check(NodeId node) {
   State& state = at(node);
   if (state.passed || beyond(node)) return;
   if (state.phase == Phase::Skipped) {
-    if (state.gate == 0 && state.ahead == 0) pass(node);
+    if (state.commit_gate == 0 && state.start_gate == 0) pass(node);
     return;
   }
-  const bool open = state.gate == 0;
-  if (state.phase == Phase::Parked && (open || planted(Fault::CommitsSpeculation))) return try_commit(node);
+  const bool open = state.commit_gate == 0;
+  if (state.phase == Phase::Parked && (open || planted(EngineFault::CommitsSpeculation)))
+    return try_commit(node);
   if (state.phase == Phase::Copying && open) {
     copying_.erase(rank(node));
     state.phase = Phase::Waiting;
@@ -58,57 +59,59 @@ void Engine::Implementation::check(NodeId node) {
     abandon(node);  // it changed meanwhile
     state.phase = Phase::Waiting;
   }
-  if (state.phase == Phase::Queued && certain(node)) return recall_units(node);
-  if (state.phase == Phase::Ready && certain(node) && ready_ahead_.erase(rank(node)) > 0)
+  if (state.phase == Phase::Queued && certain(node)) return preempt_for_units(node);
+  if (state.phase == Phase::Ready && certain(node) && ready_speculative_.erase(rank(node)) > 0)
     ready_.insert(rank(node));
   if (state.phase != Phase::Waiting || state.active) return;
-  const bool may_run_ahead = options_.speculate && !takes_in_order(node);
-  if (irreversible(node) ? open : state.ahead == 0 && (settled(node) || may_run_ahead)) try_start(node);
+  const bool may_speculate = options_.speculate && !takes_in_order(node);
+  if (irreversible(node) ? open : state.start_gate == 0 && (settled(node) || may_speculate)) try_start(node);
 }
 
 /// Whether all that it relies on has come about.
-bool Engine::Implementation::settled(NodeId node) const {
-  return at(node).gate == 0 && (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
+bool ConcurrentEngine::Implementation::settled(NodeId node) const {
+  return at(node).commit_gate == 0 &&
+         (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
 }
 
 /// Whether a run that begins now counts, as far as the mission means to say: nothing but a failure could make
 /// it vain, in strict mode not even that.
-bool Engine::Implementation::certain(NodeId node) const {
+bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   return settled(node) && !must_be_safe(node);
 }
 
 /// Whether its units are taken in program order: a run that is repeated would come too late for its own.
-bool Engine::Implementation::takes_in_order(NodeId node) const {
+bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
   return std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
-    const Resource& resource = network_.resources[claim.resource];
+    const ResourceRecord& resource = network_.resources[claim.resource];
     return resource.varies || resource.grouped;
   });
 }
 
 /// In strict mode nothing may come about behind a node that may still fail.
-bool Engine::Implementation::must_be_safe(NodeId node) const {
-  return options_.strict && index(node) > safe_ && !planted(Fault::StrictIsNot);
+bool ConcurrentEngine::Implementation::must_be_safe(NodeId node) const {
+  return options_.strict && index(node) > safe_ && !planted(EngineFault::StrictIsNot);
 }
 
-void Engine::Implementation::try_start(NodeId node) {
+void ConcurrentEngine::Implementation::try_start(NodeId node) {
   if (must_be_safe(node) && (irreversible(node) || takes_in_order(node))) {
     strict_.insert(index(node));
     return;
   }
   if (const Access* access = false_precondition(node)) {
     // Ahead of its turn, the world may still become what it needs; facts_changed or the gate will tell.
-    if (at(node).gate == 0) refuse(node, precondition_error(network_, node, {access->fact, access->needed}));
+    if (at(node).commit_gate == 0)
+      refuse(node, precondition_error(network_, node, {access->fact, access->needed}));
     return;
   }
   if (admit(node)) claim(node);
 }
 
 /// A node that cannot start ends as if it had aborted at once.
-void Engine::Implementation::refuse(NodeId node, const Error& error) {
+void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   State& state = at(node);
   state.started = state.ended = events_.now();
-  NodeLaunch refused(*this, node);
-  reports_[index(node)] = environment_.refuse(refused, error.message);
+  RunContext context(*this, node);
+  reports_[index(node)] = environment_.refuse(context, error.message);
   ++state.version;  // an earlier run ahead may have given outputs, which somebody has used
   outputs_changed(node);
   announce_start(node);
@@ -117,9 +120,10 @@ void Engine::Implementation::refuse(NodeId node, const Error& error) {
 
 /// Whether there is a copy of the world for a node that runs ahead. Nodes whose turn it is need none, so that
 /// whoever keeps a copy until somebody takes its result is waited for by nobody in vain.
-bool Engine::Implementation::admit(NodeId node) {
+bool ConcurrentEngine::Implementation::admit(NodeId node) {
   State& state = at(node);
-  if (options_.world_copies == 0 || state.gate == 0 || network_[node].kind != NodeClass::Pure) return true;
+  if (options_.world_copies == 0 || state.commit_gate == 0 || network_[node].kind != NodeClass::Pure)
+    return true;
   if (copies_ >= options_.world_copies) {
     copying_.insert(rank(node));
     state.phase = Phase::Copying;
@@ -130,21 +134,21 @@ bool Engine::Implementation::admit(NodeId node) {
   return true;
 }
 
-void Engine::Implementation::claim(NodeId node) {
+void ConcurrentEngine::Implementation::claim(NodeId node) {
   const auto claims = network_.claims(node);
   if (claims.empty() || pool_.request(rank(node), claims)) return dispatch(node);
   at(node).phase = Phase::Queued;
-  if (certain(node)) recall_units(node);
+  if (certain(node)) preempt_for_units(node);
 }
 
-void Engine::Implementation::dispatch(NodeId node) {
-  note_lent(node, true);
+void ConcurrentEngine::Implementation::dispatch(NodeId node) {
+  note_speculative(node, true);
   if (options_.workers == 0) return launch(node);
   at(node).phase = Phase::Ready;
-  (certain(node) ? ready_ : ready_ahead_).insert(rank(node));
+  (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
 }
 
-void Engine::Implementation::take_granted() {
+void ConcurrentEngine::Implementation::take_granted() {
   for (;;) {
     pool_.granted(granted_);
     if (granted_.empty()) return;
@@ -160,9 +164,9 @@ void Engine::Implementation::take_granted() {
 
 /// Free workers and copies of the world go to the first who wait for them; workers first to those who are
 /// certain to be wanted.
-void Engine::Implementation::take_waiting() {
-  while (running_.size() < options_.workers && !(ready_.empty() && ready_ahead_.empty())) {
-    std::set<Rank>& from = ready_.empty() ? ready_ahead_ : ready_;
+void ConcurrentEngine::Implementation::take_waiting() {
+  while (running_.size() < options_.workers && !(ready_.empty() && ready_speculative_.empty())) {
+    std::set<Rank>& from = ready_.empty() ? ready_speculative_ : ready_;
     const NodeId node = from.begin()->node;
     from.erase(from.begin());
     launch(node);
@@ -176,7 +180,7 @@ void Engine::Implementation::take_waiting() {
 }
 
 /// In reality, or as projected for a pure node.
-const Access* Engine::Implementation::false_precondition(NodeId node) const {
+const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) const {
   const bool pure = network_[node].kind == NodeClass::Pure;
   for (const Access& access : network_.accesses(node)) {
     if (!access.reads) continue;
@@ -185,7 +189,7 @@ const Access* Engine::Implementation::false_precondition(NodeId node) const {
   return nullptr;
 }
 
-void Engine::Implementation::note_what_is_read(NodeId node) {
+void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
   const auto accesses = network_.accesses(node);
   const bool pure = network_[node].kind == NodeClass::Pure;
   for (std::size_t i = 0; i < accesses.size(); ++i) {
@@ -198,37 +202,37 @@ void Engine::Implementation::note_what_is_read(NodeId node) {
     versions_[network_[node].first_input + i] = input_version(node, i);
 }
 
-void Engine::Implementation::launch(NodeId node) {
+void ConcurrentEngine::Implementation::launch(NodeId node) {
   State& state = at(node);
   if (network_[node].kind == NodeClass::Pure &&
       false_precondition(node) != nullptr) {  // it changed meanwhile
-    note_lent(node, false);
+    note_speculative(node, false);
     pool_.release(network_.claims(node), false);
     return_copy(node);
     state.phase = Phase::Waiting;
-    if (state.gate == 0) work_.push_back(node);
+    if (state.commit_gate == 0) work_.push_back(node);
     return;
   }
   state.phase = Phase::Running;
   state.active = true;
   state.cancelled = false;
-  state.ran_ahead = !certain(node);
+  state.speculative = !certain(node);
   state.started = events_.now();
   state.run_place = static_cast<std::uint32_t>(running_.size());
   running_.push_back(node);
   ++state.attempt;
   ++statistics_.starts;
-  if (state.ran_ahead) ++statistics_.ahead;
+  if (state.speculative) ++statistics_.speculative;
   if (state.attempt > 1) ++statistics_.repeated;
   note_what_is_read(node);
   log(node, LogKind::Start);
   announce_start(node);
-  NodeLaunch launched(*this, node);
-  environment_.start(launched, events_);
-  if (planted(Fault::PassesAtStart)) notify(node);
+  RunContext context(*this, node);
+  environment_.start(context, events_);
+  if (planted(EngineFault::PassesAtStart)) notify(node);
 }
 
-void Engine::Implementation::return_copy(NodeId node) {
+void ConcurrentEngine::Implementation::return_copy(NodeId node) {
   State& state = at(node);
   if (!state.has_copy) return;
   state.has_copy = false;
@@ -236,7 +240,7 @@ void Engine::Implementation::return_copy(NodeId node) {
 }
 
 /// The projection behind a result goes when everybody who takes the result has ended.
-void Engine::Implementation::return_copies_of_producers(NodeId node) {
+void ConcurrentEngine::Implementation::return_copies_of_producers(NodeId node) {
   if (options_.world_copies == 0) return;
   for (const DataInput& input : network_.inputs(node)) {
     if (!at(input.producer).has_copy) continue;

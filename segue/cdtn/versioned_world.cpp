@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "world.hpp"
+#include "versioned_world.hpp"
 
 #include <algorithm>
 
 namespace segue::cdtn {
 
-bool World::reaches(std::uint32_t number) const {
+bool VersionedWorld::reaches(std::uint32_t number) const {
   return root_ && (std::uint64_t{number} >> (kBits * (depth_ + 1))) == 0;
 }
 
-std::uint64_t World::cell(FactId fact) const {
+std::uint64_t VersionedWorld::cell(FactId fact) const {
   const std::uint32_t number = index(fact);
   if (!reaches(number)) return 0;
   const Page* page = root_.get();
@@ -20,31 +20,31 @@ std::uint64_t World::cell(FactId fact) const {
   return static_cast<const Leaf*>(page)->cells[number % kWidth];
 }
 
-std::uint64_t& World::writable_cell(FactId fact) {
+std::uint64_t& VersionedWorld::writable_cell(FactId fact) {
   const std::uint32_t number = index(fact);
-  if (!root_) root_ = make_shared_object<Leaf>();
+  if (!root_) root_ = make_cow<Leaf>();
   while (!reaches(number)) {
-    auto above = make_shared_object<Inner>();
+    auto above = make_cow<Inner>();
     above->children[0] = std::move(root_);
     root_ = std::move(above);
     ++depth_;
   }
-  Shared<Page>* place = &root_;
+  CowPtr<Page>* place = &root_;
   for (unsigned level = depth_; level > 0; --level) {
     if (!*place)
-      *place = make_shared_object<Inner>();
+      *place = make_cow<Inner>();
     else if (!place->unique())
-      *place = Shared<Inner>(new Inner(static_cast<const Inner&>(**place)));
+      *place = CowPtr<Inner>(new Inner(static_cast<const Inner&>(**place)));
     place = &static_cast<Inner&>(**place).children[(number >> (kBits * level)) % kWidth];
   }
   if (!*place)
-    *place = make_shared_object<Leaf>();
+    *place = make_cow<Leaf>();
   else if (!place->unique())
-    *place = Shared<Leaf>(new Leaf(static_cast<const Leaf&>(**place)));
+    *place = CowPtr<Leaf>(new Leaf(static_cast<const Leaf&>(**place)));
   return static_cast<Leaf&>(**place).cells[number % kWidth];
 }
 
-bool World::set(const Literal& literal) {
+bool VersionedWorld::set(const Literal& literal) {
   if (holds(literal)) return false;
   writable_cell(literal.fact) = ++version_ << 1 | (literal.value ? 1U : 0U);
   for (Attachment& attachment : attachments_) {
@@ -54,7 +54,7 @@ bool World::set(const Literal& literal) {
   return true;
 }
 
-void World::attach(std::string name, Shared<UserData> data) {
+void VersionedWorld::attach(std::string name, CowPtr<UserData> data) {
   const auto found = std::ranges::find(attachments_, name, &Attachment::name);
   if (found != attachments_.end())
     found->data = std::move(data);
@@ -62,12 +62,13 @@ void World::attach(std::string name, Shared<UserData> data) {
     attachments_.push_back({std::move(name), std::move(data)});
 }
 
-const UserData* World::attached(std::string_view name) const {
+const UserData* VersionedWorld::attached(std::string_view name) const {
   const auto found = std::ranges::find(attachments_, name, &Attachment::name);
   return found == attachments_.end() ? nullptr : found->data.get();
 }
 
-void World::collect(const Page* page, unsigned depth, std::uint32_t first, std::vector<FactId>& facts) {
+void VersionedWorld::collect(const Page* page, unsigned depth, std::uint32_t first,
+                             std::vector<FactId>& facts) {
   if (page == nullptr) return;
   for (std::uint32_t i = 0; i < kWidth; ++i) {
     if (depth > 0)
@@ -78,13 +79,13 @@ void World::collect(const Page* page, unsigned depth, std::uint32_t first, std::
   }
 }
 
-std::vector<FactId> World::facts() const {
+std::vector<FactId> VersionedWorld::facts() const {
   std::vector<FactId> facts;
   collect(root_.get(), depth_, 0, facts);
   return facts;
 }
 
-std::vector<std::string> World::texts(const FactTable& table) const {
+std::vector<std::string> VersionedWorld::texts(const FactTable& table) const {
   std::vector<std::string> texts;
   for (const FactId fact : facts())
     texts.push_back(table.text(fact));
@@ -92,7 +93,7 @@ std::vector<std::string> World::texts(const FactTable& table) const {
   return texts;
 }
 
-bool World::same(const Page* a, const Page* b, unsigned depth) {
+bool VersionedWorld::same(const Page* a, const Page* b, unsigned depth) {
   if (a == b) return true;
   if (a == nullptr || b == nullptr) {
     std::vector<FactId> rest;
@@ -111,9 +112,9 @@ bool World::same(const Page* a, const Page* b, unsigned depth) {
   return true;
 }
 
-bool operator==(const World& a, const World& b) {
+bool operator==(const VersionedWorld& a, const VersionedWorld& b) {
   if (a.depth_ != b.depth_ && a.root_ && b.root_) return a.facts() == b.facts();
-  return World::same(a.root_.get(), b.root_.get(), std::max(a.depth_, b.depth_));
+  return VersionedWorld::same(a.root_.get(), b.root_.get(), std::max(a.depth_, b.depth_));
 }
 
 }  // namespace segue::cdtn

@@ -7,17 +7,17 @@
 
 namespace segue::cdtn {
 
-/// What `Shared` counts the owners of. A copy has no owners yet.
-class SharedObject {
+/// What `CowPtr` counts the owners of. A copy has no owners yet.
+class CowObject {
  public:
-  SharedObject() = default;
-  SharedObject(const SharedObject&) {}
-  SharedObject& operator=(const SharedObject&) { return *this; }
-  virtual ~SharedObject() = default;
+  CowObject() = default;
+  CowObject(const CowObject&) {}
+  CowObject& operator=(const CowObject&) { return *this; }
+  virtual ~CowObject() = default;
 
  private:
   template <class>
-  friend class Shared;
+  friend class CowPtr;
   mutable std::atomic<std::uint32_t> owners_{0};
 };
 
@@ -25,20 +25,20 @@ class SharedObject {
 /// synchronises with owners that have let go on other threads, so that a unique object may be changed in
 /// place.
 template <class T>
-class Shared {
+class CowPtr {
  public:
-  Shared() = default;
-  explicit Shared(T* object) : object_(object) { acquire(); }
-  Shared(const Shared& other) : object_(other.object_) { acquire(); }
-  Shared(Shared&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  CowPtr() = default;
+  explicit CowPtr(T* object) : object_(object) { acquire(); }
+  CowPtr(const CowPtr& other) : object_(other.object_) { acquire(); }
+  CowPtr(CowPtr&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
   template <class U>
-  Shared(Shared<U> other)
+  CowPtr(CowPtr<U> other)
       : object_(std::exchange(other.object_, nullptr)) {}  // NOLINT(google-explicit-constructor)
-  Shared& operator=(Shared other) noexcept {
+  CowPtr& operator=(CowPtr other) noexcept {
     std::swap(object_, other.object_);
     return *this;
   }
-  ~Shared() {
+  ~CowPtr() {
     if (object_ != nullptr && object_->owners_.fetch_sub(1, std::memory_order_acq_rel) == 1) delete object_;
   }
 
@@ -50,7 +50,7 @@ class Shared {
 
  private:
   template <class>
-  friend class Shared;
+  friend class CowPtr;
   void acquire() const {
     if (object_ != nullptr) object_->owners_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -58,8 +58,8 @@ class Shared {
 };
 
 template <class T, class... Arguments>
-Shared<T> make_shared_object(Arguments&&... arguments) {
-  return Shared<T>(new T(std::forward<Arguments>(arguments)...));
+CowPtr<T> make_cow(Arguments&&... arguments) {
+  return CowPtr<T>(new T(std::forward<Arguments>(arguments)...));
 }
 
 }  // namespace segue::cdtn

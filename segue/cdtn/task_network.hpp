@@ -6,7 +6,7 @@
 #include <segue/cdtn/ids.hpp>
 #include <segue/cdtn/name_table.hpp>
 #include <segue/cdtn/resource.hpp>
-#include <segue/cdtn/world.hpp>
+#include <segue/cdtn/versioned_world.hpp>
 
 #include <cstdint>
 #include <span>
@@ -25,8 +25,8 @@ enum class NodeClass : std::uint8_t { Irreversible, Pure, Sensing };
 /// counts.
 struct DataInput {
   NodeId producer{};
-  std::uint32_t output = 0;  ///< of Network::names
-  std::uint32_t input = 0;   ///< of Network::names
+  std::uint32_t output = 0;  ///< of TaskNetwork::names
+  std::uint32_t input = 0;   ///< of TaskNetwork::names
 };
 
 /// The node is on the path only if `node` ends with `outcome`.
@@ -45,7 +45,7 @@ struct NodeSpec {
   OutcomeId expected = kSuccess;  ///< its effects belong to this outcome
   bool branches = false;          ///< conditions of later nodes tell its outcomes apart
   bool handles_abort = false;     ///< `aborted` is an outcome like others; requires `branches`
-  bool routine = false;           ///< a part of the plan that runs sequentially within
+  bool opaque_subtree = false;    ///< a part of the plan that runs sequentially within
   bool opaque = false;            ///< may touch facts and resources that it does not declare
   bool reads_world = false;  ///< may look at facts that it does not declare; in reality that makes it opaque
   bool uncertain = false;    ///< its effects may turn out to be others, on the same facts
@@ -70,7 +70,7 @@ struct Access {
 };
 
 /// A node as stored: everything of variable length lies in arrays of the network.
-struct Node {
+struct NodeRecord {
   Duration duration{};
   std::uint32_t name = 0;
   std::uint32_t iteration = 0;
@@ -82,7 +82,7 @@ struct Node {
   NodeClass kind = NodeClass::Irreversible;
   bool branches : 1 = false;
   bool handles_abort : 1 = false;
-  bool routine : 1 = false;
+  bool opaque_subtree : 1 = false;
   bool opaque : 1 = false;
   bool reads_world : 1 = false;
   bool uncertain : 1 = false;
@@ -91,16 +91,16 @@ struct Node {
 
 /// Nodes in program order, in flat arrays, with the facts and resources that they are about. Nodes are only
 /// ever appended, which may go on while an engine runs the network (on the engine's thread). Not thread safe.
-class Network {
+class TaskNetwork {
  public:
-  Network();
+  TaskNetwork();
 
   std::string name;
   FactTable facts;
   ResourceTable resources;
   NameTable names;     ///< of nodes, inputs and outputs
   NameTable outcomes;  ///< as OutcomeId; begins with success, aborted, preempted
-  World initial_world;
+  VersionedWorld initial_world;
   std::vector<Literal> goal;  ///< what matters in the end, for the order `goal`; empty: the whole world
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
@@ -112,22 +112,22 @@ class Network {
   OutcomeId outcome(std::string_view text) { return OutcomeId(outcomes.intern(text)); }
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(nodes_.size()) - 1; }
-  [[nodiscard]] const Node& operator[](NodeId node) const { return nodes_[index(node)]; }
+  [[nodiscard]] const NodeRecord& operator[](NodeId node) const { return nodes_[index(node)]; }
   [[nodiscard]] const std::string& name_of(NodeId node) const { return names.name((*this)[node].name); }
   /// The name, with the iteration where it is not the first: "dig#2".
   [[nodiscard]] std::string label(NodeId node) const;
 
   [[nodiscard]] std::span<const Access> accesses(NodeId node) const {
-    return part(accesses_, node, &Node::first_access);
+    return part(accesses_, node, &NodeRecord::first_access);
   }
   [[nodiscard]] std::span<const Claim> claims(NodeId node) const {
-    return part(claims_, node, &Node::first_claim);
+    return part(claims_, node, &NodeRecord::first_claim);
   }
   [[nodiscard]] std::span<const DataInput> inputs(NodeId node) const {
-    return part(inputs_, node, &Node::first_input);
+    return part(inputs_, node, &NodeRecord::first_input);
   }
   [[nodiscard]] std::span<const Condition> conditions(NodeId node) const {
-    return part(conditions_, node, &Node::first_condition);
+    return part(conditions_, node, &NodeRecord::first_condition);
   }
   [[nodiscard]] const Access& access(std::uint32_t place) const { return accesses_[place]; }
   [[nodiscard]] std::uint32_t access_count() const { return static_cast<std::uint32_t>(accesses_.size()); }
@@ -143,15 +143,15 @@ class Network {
   };
   template <class T>
   [[nodiscard]] std::span<const T> part(const std::vector<T>& all, NodeId node,
-                                        std::uint32_t Node::*first) const {
-    const Node* entry = &nodes_[index(node)];
+                                        std::uint32_t NodeRecord::*first) const {
+    const NodeRecord* entry = &nodes_[index(node)];
     return {all.data() + entry->*first, all.data() + (entry + 1)->*first};
   }
   void append_accesses(const NodeSpec& spec, NodeId node);
   void append_claims(const NodeSpec& spec);
-  void close(Node& next) const;
+  void close(NodeRecord& next) const;
 
-  std::vector<Node> nodes_;  ///< and one beyond the last, where the next one begins
+  std::vector<NodeRecord> nodes_;  ///< and one beyond the last, where the next one begins
   std::vector<Access> accesses_;
   std::vector<Claim> claims_;
   std::vector<DataInput> inputs_;

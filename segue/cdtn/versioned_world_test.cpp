@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/world.hpp>
+#include <segue/cdtn/versioned_world.hpp>
 
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
@@ -55,8 +55,8 @@ TEST(FactTable, ChecksArgumentsAgainstDeclarations) {
   EXPECT_FALSE(table.declare_predicate("moves", {}));
 }
 
-TEST(World, ChangesOnlyWhereAValueChanges) {
-  World world;
+TEST(VersionedWorld, ChangesOnlyWhereAValueChanges) {
+  VersionedWorld world;
   EXPECT_TRUE(world.set({fact(3), true}));
   EXPECT_FALSE(world.set({fact(3), true}));
   EXPECT_FALSE(world.set({fact(1'000'000), false}));
@@ -65,8 +65,8 @@ TEST(World, ChangesOnlyWhereAValueChanges) {
   EXPECT_EQ(world.version_of(fact(4)), 0U);
 }
 
-RC_GTEST_PROP(World, IsWhatANaiveOneIs, ()) {
-  std::vector<World> worlds(1);
+RC_GTEST_PROP(VersionedWorld, IsWhatANaiveOneIs, ()) {
+  std::vector<VersionedWorld> worlds(1);
   std::vector<std::map<std::uint32_t, bool>> naive(1);
   const auto steps = *rc::gen::inRange(1, 200);
   for (int i = 0; i < steps; ++i) {
@@ -96,20 +96,20 @@ RC_GTEST_PROP(World, IsWhatANaiveOneIs, ()) {
 
 class Counter final : public UserData {
  public:
-  [[nodiscard]] Shared<UserData> clone() const override { return make_shared_object<Counter>(*this); }
+  [[nodiscard]] CowPtr<UserData> clone() const override { return make_cow<Counter>(*this); }
   void changed(const Literal& literal) override { sum += literal.value ? 1 : -1; }
   int sum = 0;
 };
 
-int sum_of(const World& world) {
+int sum_of(const VersionedWorld& world) {
   return static_cast<const Counter&>(*world.attached("count")).sum;
 }
 
-TEST(World, UserDataFollowsTheFactsOfItsOwnCopy) {
-  World world;
-  world.attach("count", make_shared_object<Counter>());
+TEST(VersionedWorld, UserDataFollowsTheFactsOfItsOwnCopy) {
+  VersionedWorld world;
+  world.attach("count", make_cow<Counter>());
   world.set({fact(1), true});
-  World copy = world;
+  VersionedWorld copy = world;
   EXPECT_EQ(copy.attached("count"), world.attached("count")) << "shared until one changes";
   copy.set({fact(2), true});
   EXPECT_EQ(sum_of(world), 1);
@@ -117,9 +117,9 @@ TEST(World, UserDataFollowsTheFactsOfItsOwnCopy) {
   EXPECT_EQ(world.attached("other"), nullptr);
 }
 
-TEST(World, SnapshotsAreReadOnOtherThreadsWhileTheWorldChanges) {
-  World world;
-  world.attach("count", make_shared_object<Counter>());
+TEST(VersionedWorld, SnapshotsAreReadOnOtherThreadsWhileTheWorldChanges) {
+  VersionedWorld world;
+  world.attach("count", make_cow<Counter>());
   std::vector<std::thread> readers;
   for (std::uint32_t i = 0; i < 200; ++i) {
     world.set({fact(i), true});

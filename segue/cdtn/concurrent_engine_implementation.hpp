@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/fault.hpp>
 #include <segue/cdtn/node_outcome.hpp>
 #include <segue/cdtn/resource_pool.hpp>
@@ -16,14 +16,16 @@
 
 namespace segue::cdtn {
 
-/// What Engine is made of. A node waits until two counts are zero: `gate`, of what must have passed before it
-/// may count, and `ahead`, of what must have happened before a pure or sensing node may run at all. A node
-/// passes when it has committed, or was skipped and everything before it has passed. Everything is driven by
-/// such passages, nothing looks at the whole network.
-class Engine::Implementation {
+/// What Engine is made of. A node waits until two counts are zero: `commit_gate`, of what must have passed
+/// before it may count, and `start_gate`, of what must have happened before a pure or sensing node may run at
+/// all. A node passes when it has committed, or was skipped and everything before it has passed. Everything
+/// is driven by such passages, nothing looks at the whole network.
+class ConcurrentEngine::Implementation {
  public:
-  Implementation(const Network& network, const Order& order, Environment& environment, EngineOptions options);
-  Implementation(Network& network, Expansion& expansion, Environment& environment, EngineOptions options);
+  Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
+                 ConcurrentEngineOptions options);
+  Implementation(TaskNetwork& network, Expansion& expansion, Environment& environment,
+                 ConcurrentEngineOptions options);
   RunResult run();
   void stop();
   [[nodiscard]] const Order& order() const { return order_; }
@@ -37,8 +39,8 @@ class Engine::Implementation {
     TimePoint started;
     TimePoint ended;
     TimePoint committed;
-    std::uint32_t gate = 0;
-    std::uint32_t ahead = 0;
+    std::uint32_t commit_gate = 0;
+    std::uint32_t start_gate = 0;
     std::uint32_t attempt = 0;
     std::uint32_t version = 0;    ///< of its outputs; changes when they do
     std::uint32_t run_place = 0;  ///< in running_
@@ -50,11 +52,11 @@ class Engine::Implementation {
     bool cancelled : 1 = false;  ///< the run that goes on is not wanted
     bool active : 1 = false;     ///< a run goes on
     bool has_copy : 1 = false;
-    bool ran_ahead : 1 = false;
+    bool speculative : 1 = false;
     bool failed : 1 = false;
     bool asked_world : 1 = false;
   };
-  class NodeLaunch;
+  class RunContext;
 
   // Setting up and the loop (engine.cpp).
   void adopt();
@@ -69,7 +71,7 @@ class Engine::Implementation {
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool beyond(NodeId node) const { return index(node) >= limit_; }
   [[nodiscard]] Rank rank(NodeId node) const;
-  [[nodiscard]] bool ahead_matters(const Dependency& dependency) const;
+  [[nodiscard]] bool gates_start(const Dependency& dependency) const;
   [[nodiscard]] bool irreversible(NodeId node) const {
     return network_[node].kind == NodeClass::Irreversible;
   }
@@ -97,15 +99,16 @@ class Engine::Implementation {
   void return_copies_of_producers(NodeId node);
 
   // Giving back what runs ahead have (engine_recall.cpp).
-  void note_lent(NodeId node, bool lent);
-  void note_returning(NodeId node, bool returning);
-  void recall_units(NodeId node);
-  void recall_for_waiting();
-  void recall(NodeId node);
-  [[nodiscard]] bool collect_lenders(NodeId node, const Claim& claim, std::vector<NodeId>& lenders);
+  void note_speculative(NodeId node, bool speculative);
+  void note_preempted(NodeId node, bool preempted);
+  void preempt_for_units(NodeId node);
+  void preempt_for_waiting();
+  void preempt(NodeId node);
+  [[nodiscard]] bool collect_speculative_holders(NodeId node, const Claim& claim,
+                                                 std::vector<NodeId>& holders);
 
   // Ending (engine_finish.cpp).
-  void end_run(EventQueue::End end);
+  void end_run(CompletionQueue::End end);
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
   void commit(NodeId node);
@@ -136,9 +139,9 @@ class Engine::Implementation {
   // What is true where (projection.cpp).
   [[nodiscard]] bool projected(const Access& access) const;
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
-  World projected_world(NodeId at);
+  VersionedWorld projected_world(NodeId at);
   void catch_up_prefix_world();
-  void add_effects(World& world, NodeId node) const;
+  void add_effects(VersionedWorld& world, NodeId node) const;
   [[nodiscard]] std::uint32_t input_version(NodeId node, std::size_t place) const;
   [[nodiscard]] bool reads_are_valid(NodeId node) const;
   [[nodiscard]] bool inputs_are_valid(NodeId node) const;
@@ -148,18 +151,18 @@ class Engine::Implementation {
   [[nodiscard]] Error stall_error() const;
   [[nodiscard]] std::string waits_for(NodeId node) const;
 
-  const Network& network_;
+  const TaskNetwork& network_;
   const Order& order_;
   Environment& environment_;
-  const EngineOptions options_;
-  Network* growing_ = nullptr;
+  const ConcurrentEngineOptions options_;
+  TaskNetwork* growing_ = nullptr;
   Expansion* expansion_ = nullptr;
   Order own_order_;
   std::unique_ptr<OrderBuilder> builder_;
 
-  EventQueue events_;
+  CompletionQueue events_;
   ResourcePool pool_;
-  World world_;
+  VersionedWorld world_;
   std::vector<State> states_;
   std::vector<ReportPtr> reports_;
   std::vector<std::uint8_t> reads_;      ///< by access: 0 not read, else 2 + value
@@ -170,13 +173,13 @@ class Engine::Implementation {
   std::vector<NodeId> batch_;
   std::vector<NodeId> to_skip_;
   std::vector<NodeId> granted_;
-  std::set<Rank> ready_;        ///< certain to be wanted
-  std::set<Rank> ready_ahead_;  ///< others
+  std::set<Rank> ready_;              ///< certain to be wanted
+  std::set<Rank> ready_speculative_;  ///< others
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;
-  std::vector<std::set<Rank>> lent_;      ///< by resource: who runs ahead with units of it, or is about to
-  std::vector<std::uint64_t> returning_;  ///< by resource: units of runs that were cancelled and go on
-  std::uint32_t returning_workers_ = 0;   ///< likewise
+  std::vector<std::set<Rank>> speculative_;  ///< by resource: who runs ahead with units of it, or is about to
+  std::vector<std::uint64_t> preempted_units_;  ///< by resource: units of runs that were cancelled and go on
+  std::uint32_t preempted_workers_ = 0;         ///< likewise
   std::uint32_t passed_count_ = 0;
   std::uint32_t prefix_ = 0;        ///< everything before has passed
   std::uint32_t safe_ = 0;          ///< nothing before may fail any more
@@ -186,7 +189,7 @@ class Engine::Implementation {
   std::optional<NodeId> failed_;
   bool stopped_ = false;
   TimePoint patience_ = TimePoint::max();  ///< until when cancelled runs must have ended
-  World prefix_world_;                     ///< at prefix_world_at_, in program order
+  VersionedWorld prefix_world_;            ///< at prefix_world_at_, in program order
   std::uint32_t prefix_world_at_ = 0;
   std::unordered_map<std::uint32_t, std::vector<std::pair<NodeId, bool>>>
       undeclared_;                                                   ///< by fact: of opaque nodes

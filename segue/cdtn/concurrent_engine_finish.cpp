@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
 
@@ -13,17 +13,17 @@ bool same_outputs(const ReportPtr& a, const ReportPtr& b) {
   return first == second || (first != nullptr && second != nullptr && *first == *second);
 }
 
-bool has_effects(const Network& network, NodeId node) {
+bool has_effects(const TaskNetwork& network, NodeId node) {
   return std::ranges::any_of(network.accesses(node), [](const Access& access) { return access.writes; });
 }
 
-bool succeeded(const Network& network, NodeId node, const ReportPtr& report) {
+bool succeeded(const TaskNetwork& network, NodeId node, const ReportPtr& report) {
   return (report ? report->outcome : kSuccess) == network[node].expected;
 }
 
 }  // namespace
 
-void Engine::Implementation::end_run(EventQueue::End end) {
+void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   const NodeId node = end.node;
   State& state = at(node);
   state.active = false;
@@ -33,17 +33,17 @@ void Engine::Implementation::end_run(EventQueue::End end) {
   running_.pop_back();
   log(node, LogKind::End);
   environment_.ended(node, end.attempt);
-  note_lent(node, false);
-  if (state.cancelled) note_returning(node, false);
+  note_speculative(node, false);
+  if (state.cancelled) note_preempted(node, false);
   if (const auto claims = network_.claims(node);
-      !claims.empty() && !(state.cancelled && planted(Fault::KeepsRecalledUnits)))
+      !claims.empty() && !(state.cancelled && planted(EngineFault::KeepsPreemptedUnits)))
     pool_.release(claims, succeeded(network_, node, end.report));
   if (end.report) learn_effects(*end.report);
   if (irreversible(node)) {
     reports_[index(node)] = std::move(end.report);
     return commit(node);
   }
-  if (!state.cancelled || planted(Fault::CountsRecalled)) return park(node, std::move(end.report));
+  if (!state.cancelled || planted(EngineFault::CountsPreempted)) return park(node, std::move(end.report));
   discard(node);
   if (state.phase == Phase::Skipped) return;
   state.phase = Phase::Waiting;
@@ -51,7 +51,7 @@ void Engine::Implementation::end_run(EventQueue::End end) {
 }
 
 /// Effects that were told as texts become effects like others.
-void Engine::Implementation::learn_effects(Report& report) {
+void ConcurrentEngine::Implementation::learn_effects(Report& report) {
   if (report.named_effects.empty()) return;
   auto& effects = report.effects ? *report.effects : report.effects.emplace();
   for (const NamedEffect& named : report.named_effects) {
@@ -63,16 +63,16 @@ void Engine::Implementation::learn_effects(Report& report) {
   }
 }
 
-void Engine::Implementation::discard(NodeId node) {
+void ConcurrentEngine::Implementation::discard(NodeId node) {
   const State& state = at(node);
   wasted_.push_back({node, state.started, state.ended});
-  if (state.ran_ahead) ++statistics_.wasted;
+  if (state.speculative) ++statistics_.wasted;
   log(node, LogKind::Discard);
   return_copy(node);
 }
 
 /// Keeps a result until it may count.
-void Engine::Implementation::park(NodeId node, ReportPtr report) {
+void ConcurrentEngine::Implementation::park(NodeId node, ReportPtr report) {
   State& state = at(node);
   state.phase = Phase::Parked;
   ReportPtr& kept = reports_[index(node)];
@@ -89,7 +89,7 @@ void Engine::Implementation::park(NodeId node, ReportPtr report) {
   work_.push_back(node);
 }
 
-void Engine::Implementation::try_commit(NodeId node) {
+void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix comes back to it
   if (must_be_safe(node) && has_effects(network_, node)) {
     strict_.insert(index(node));
@@ -100,7 +100,7 @@ void Engine::Implementation::try_commit(NodeId node) {
 }
 
 /// What the node did counts from now on.
-void Engine::Implementation::commit(NodeId node) {
+void ConcurrentEngine::Implementation::commit(NodeId node) {
   State& state = at(node);
   NodeOutcome outcome = judge(network_, node, reports_[index(node)].get());
   state.outcome = outcome.outcome;
@@ -113,17 +113,17 @@ void Engine::Implementation::commit(NodeId node) {
   pass(node);
 }
 
-void Engine::Implementation::fail_node(NodeId node, Error error) {
+void ConcurrentEngine::Implementation::fail_node(NodeId node, Error error) {
   State& state = at(node);
   state.failed = true;
   if (beyond(node)) return;  // it was preempted
   failed_ = node;
   error_ = std::move(error);
-  if (planted(Fault::GoesOnAfterFailure)) return pass(node);
+  if (planted(EngineFault::GoesOnAfterFailure)) return pass(node);
   truncate(node);
 }
 
-void Engine::Implementation::apply_effects(NodeId node, const NodeOutcome& outcome) {
+void ConcurrentEngine::Implementation::apply_effects(NodeId node, const NodeOutcome& outcome) {
   const std::uint32_t first = network_[node].first_access;
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
@@ -141,7 +141,7 @@ void Engine::Implementation::apply_effects(NodeId node, const NodeOutcome& outco
     apply_undeclared(node, literal);
 }
 
-void Engine::Implementation::apply_undeclared(NodeId node, const Literal& literal) {
+void ConcurrentEngine::Implementation::apply_undeclared(NodeId node, const Literal& literal) {
   const auto accesses = network_.accesses(node);
   if (std::ranges::any_of(accesses,
                           [&](const Access& one) { return one.writes && one.fact == literal.fact; }))
@@ -151,11 +151,11 @@ void Engine::Implementation::apply_undeclared(NodeId node, const Literal& litera
 }
 
 /// Everything that comes after it may take it as settled.
-void Engine::Implementation::pass(NodeId node) {
+void ConcurrentEngine::Implementation::pass(NodeId node) {
   State& state = at(node);
   state.passed = true;
   ++passed_count_;
-  if (!planted(Fault::PassesAtStart) || state.attempt == 0) notify(node);
+  if (!planted(EngineFault::PassesAtStart) || state.attempt == 0) notify(node);
   state.announced = state.began = true;
   settle(node);
   if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
@@ -165,7 +165,7 @@ void Engine::Implementation::pass(NodeId node) {
 }
 
 /// It needs nothing any more.
-void Engine::Implementation::settle(NodeId node) {
+void ConcurrentEngine::Implementation::settle(NodeId node) {
   leave_groups(node);
   return_copies_of_producers(node);
   if (!at(node).has_copy) return;
@@ -176,7 +176,7 @@ void Engine::Implementation::settle(NodeId node) {
   if (i == kNone) return_copy(node);
 }
 
-void Engine::Implementation::notify(NodeId node) {
+void ConcurrentEngine::Implementation::notify(NodeId node) {
   const State& state = at(node);
   for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
     const Dependency& dependency = order_[i];
@@ -186,24 +186,24 @@ void Engine::Implementation::notify(NodeId node) {
 }
 
 /// `from` has passed, or for a resource, started.
-void Engine::Implementation::arrive(const Dependency& dependency) {
+void ConcurrentEngine::Implementation::arrive(const Dependency& dependency) {
   if (index(dependency.to) >= states_.size() || !counts(dependency)) return;
   State& to = at(dependency.to);
   const bool firm = irreversible(dependency.to);
   if (dependency.reason() == Reason::Resource) {
-    --(firm ? to.gate : to.ahead);
+    --(firm ? to.commit_gate : to.start_gate);
   } else {
-    --to.gate;
+    --to.commit_gate;
     const bool news = dependency.reason() == Reason::Data && !firm && !at(dependency.from).announced;
-    if (news || ahead_matters(dependency)) --to.ahead;
+    if (news || gates_start(dependency)) --to.start_gate;
     meet(dependency);
   }
-  if (to.gate == 0 || (!firm && to.ahead == 0)) work_.push_back(dependency.to);
+  if (to.commit_gate == 0 || (!firm && to.start_gate == 0)) work_.push_back(dependency.to);
 }
 
 /// A condition that is not met takes the node off the path.
-void Engine::Implementation::meet(const Dependency& dependency) {
-  if (dependency.reason() != Reason::Condition || planted(Fault::SkippedStillActs)) return;
+void ConcurrentEngine::Implementation::meet(const Dependency& dependency) {
+  if (dependency.reason() != Reason::Condition || planted(EngineFault::SkippedStillActs)) return;
   const State& from = at(dependency.from);
   if (from.phase == Phase::Skipped || static_cast<std::uint32_t>(from.outcome) != dependency.subject)
     return skip(dependency.to);
@@ -211,7 +211,7 @@ void Engine::Implementation::meet(const Dependency& dependency) {
 }
 
 /// The node was not taken to be on the path, and may be: whoever relied on that its effects stay out.
-void Engine::Implementation::assumptions_changed(NodeId node) {
+void ConcurrentEngine::Implementation::assumptions_changed(NodeId node) {
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
     if (accesses[i].writes) facts_changed(network_[node].first_access + i);
@@ -219,17 +219,17 @@ void Engine::Implementation::assumptions_changed(NodeId node) {
 }
 
 /// There are outputs, if only speculative ones.
-void Engine::Implementation::announce_outputs(NodeId node) {
+void ConcurrentEngine::Implementation::announce_outputs(NodeId node) {
   if (at(node).announced) return;
   at(node).announced = true;
   for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
     const Dependency& dependency = order_[i];
     if (dependency.reason() != Reason::Data || irreversible(dependency.to)) continue;
-    if (--at(dependency.to).ahead == 0) work_.push_back(dependency.to);
+    if (--at(dependency.to).start_gate == 0) work_.push_back(dependency.to);
   }
 }
 
-void Engine::Implementation::announce_start(NodeId node) {
+void ConcurrentEngine::Implementation::announce_start(NodeId node) {
   if (at(node).began || network_.claims(node).empty()) return;
   at(node).began = true;
   for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
@@ -237,13 +237,13 @@ void Engine::Implementation::announce_start(NodeId node) {
   }
 }
 
-void Engine::Implementation::leave_groups(NodeId node) {
+void ConcurrentEngine::Implementation::leave_groups(NodeId node) {
   for (const Claim& claim : network_.claims(node)) {
     if (claim.group != kNone) pool_.leave_group(claim.group);
   }
 }
 
-void Engine::Implementation::advance_prefix() {
+void ConcurrentEngine::Implementation::advance_prefix() {
   const auto size = static_cast<std::uint32_t>(states_.size());
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine_implementation.hpp"
+#include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
 
 namespace segue::cdtn {
 
 /// Takes the node off the path, and whoever is there only because of it.
-void Engine::Implementation::skip(NodeId node) {
+void ConcurrentEngine::Implementation::skip(NodeId node) {
   to_skip_.push_back(node);
   if (to_skip_.size() > 1) return;  // further up the stack somebody is at it
   for (std::size_t i = 0; i < to_skip_.size(); ++i)
@@ -14,7 +14,7 @@ void Engine::Implementation::skip(NodeId node) {
   to_skip_.clear();
 }
 
-void Engine::Implementation::skip_one(NodeId node) {
+void ConcurrentEngine::Implementation::skip_one(NodeId node) {
   State& state = at(node);
   if (state.phase == Phase::Done || state.phase == Phase::Skipped) return;
   abandon(node);
@@ -33,11 +33,11 @@ void Engine::Implementation::skip_one(NodeId node) {
     if (order_[i].reason() == Reason::Condition && index(order_[i].to) < states_.size())
       to_skip_.push_back(order_[i].to);
   }
-  if (state.gate == 0) work_.push_back(node);
+  if (state.commit_gate == 0) work_.push_back(node);
 }
 
 /// Out of whatever it waits for or does.
-void Engine::Implementation::abandon(NodeId node) {
+void ConcurrentEngine::Implementation::abandon(NodeId node) {
   const State& state = at(node);
   switch (state.phase) {
     case Phase::Copying:
@@ -49,8 +49,8 @@ void Engine::Implementation::abandon(NodeId node) {
       break;
     case Phase::Ready:
       ready_.erase(rank(node));
-      ready_ahead_.erase(rank(node));
-      note_lent(node, false);
+      ready_speculative_.erase(rank(node));
+      note_speculative(node, false);
       pool_.release(network_.claims(node), false);
       return_copy(node);
       break;
@@ -65,22 +65,22 @@ void Engine::Implementation::abandon(NodeId node) {
   }
 }
 
-void Engine::Implementation::cancel_run(NodeId node) {
+void ConcurrentEngine::Implementation::cancel_run(NodeId node) {
   State& state = at(node);
   if (!state.active || state.cancelled) return;
   state.cancelled = true;
-  note_lent(node, false);
-  note_returning(node, true);
+  note_speculative(node, false);
+  note_preempted(node, true);
   log(node, LogKind::Cancel);
   environment_.cancel(node, state.attempt, events_);
 }
 
 /// Its result was based on what turned out otherwise: it is run again.
-void Engine::Implementation::invalidate(NodeId node) {
+void ConcurrentEngine::Implementation::invalidate(NodeId node) {
   State& state = at(node);
   if (state.phase == Phase::Running) return cancel_run(node);
   if (state.phase != Phase::Parked) return;
-  if (planted(Fault::AppliesEffectsTwice))
+  if (planted(EngineFault::AppliesEffectsTwice))
     apply_effects(node, judge(network_, node, reports_[index(node)].get()));
   discard(node);
   state.phase = Phase::Waiting;
@@ -88,7 +88,7 @@ void Engine::Implementation::invalidate(NodeId node) {
 }
 
 /// Nothing from here on in program order is reached any more.
-void Engine::Implementation::truncate(NodeId node) {
+void ConcurrentEngine::Implementation::truncate(NodeId node) {
   limit_ = std::min(limit_, index(node));
   patience_ = events_.elapsed() + environment_.patience();
   for (std::uint32_t i = limit_; i < states_.size(); ++i) {
@@ -102,8 +102,8 @@ void Engine::Implementation::truncate(NodeId node) {
 }
 
 /// Other outputs than its consumers may have used.
-void Engine::Implementation::outputs_changed(NodeId node) {
-  if (planted(Fault::KeepsStaleInputs)) return;
+void ConcurrentEngine::Implementation::outputs_changed(NodeId node) {
+  if (planted(EngineFault::KeepsStaleInputs)) return;
   for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
     const Dependency& dependency = order_[i];
     if (dependency.reason() != Reason::Data || index(dependency.to) >= states_.size()) continue;
@@ -114,8 +114,8 @@ void Engine::Implementation::outputs_changed(NodeId node) {
 }
 
 /// A write turned out otherwise than predicted: whoever relied on it, up to the next write that is certain.
-void Engine::Implementation::facts_changed(std::uint32_t place) {
-  if (planted(Fault::NeverValidates)) return;
+void ConcurrentEngine::Implementation::facts_changed(std::uint32_t place) {
+  if (planted(EngineFault::NeverValidates)) return;
   for (std::uint32_t i = network_.access(place).next; i != kNone; i = network_.access(i).next) {
     const Access& access = network_.access(i);
     if (index(access.node) >= states_.size()) return;
@@ -124,9 +124,9 @@ void Engine::Implementation::facts_changed(std::uint32_t place) {
       const bool read = state.phase == Phase::Running || state.phase == Phase::Parked;
       if (read && projected(access) != (reads_[i] == 3)) invalidate(access.node);
       const bool waits = state.phase == Phase::Waiting || state.phase == Phase::Queued;
-      if (waits && state.ahead == 0) work_.push_back(access.node);
+      if (waits && state.start_gate == 0) work_.push_back(access.node);
     }
-    const Node& node = network_[access.node];
+    const NodeRecord& node = network_[access.node];
     const bool certain = !node.uncertain && !node.branches && network_.conditions(access.node).empty();
     if (access.writes && certain) return;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/cdtn/engine.hpp>
+#include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
@@ -28,17 +28,17 @@ FlatNetwork read(const std::string& nodes, const std::string& head = "") {
   return flat ? std::move(*flat) : FlatNetwork{};
 }
 
-RunResult run(const FlatNetwork& flat, EngineOptions options = {}) {
+RunResult run(const FlatNetwork& flat, ConcurrentEngineOptions options = {}) {
   const Order order = derive_order(flat.network);
   SimulatedEnvironment environment(flat.network, flat.trials);
-  return Engine(flat.network, order, environment, options).run();
+  return ConcurrentEngine(flat.network, order, environment, options).run();
 }
 
-TEST(Engine, RunsAnEmptyNetwork) {
+TEST(ConcurrentEngine, RunsAnEmptyNetwork) {
   EXPECT_TRUE(run(read("")).done());
 }
 
-TEST(Engine, TakesTheBranchThatWasChosen) {
+TEST(ConcurrentEngine, TakesTheBranchThatWasChosen) {
   const auto flat = read(R"j({"name": "ask", "duration_s": 2, "pia": false, "outcome": "no"},
     {"name": "yes", "duration_s": 5, "pia": false, "condition_deps": ["ask"]},
     {"name": "no", "duration_s": 1, "pia": true, "effects": ["+done()"], "resources": [],
@@ -51,7 +51,7 @@ TEST(Engine, TakesTheBranchThatWasChosen) {
   EXPECT_THAT(result.world.texts(flat.network.facts), testing::ElementsAre("done()"));
 }
 
-TEST(Engine, AnAbortWithAHandlerIsABranch) {
+TEST(ConcurrentEngine, AnAbortWithAHandlerIsABranch) {
   const RunResult result = run(read(R"j({"name": "grasp", "pia": true, "effects": [], "fails": true},
     {"name": "lift", "pia": true, "effects": [], "condition_deps": ["grasp"]},
     {"name": "retry", "pia": true, "effects": [], "condition_deps": [{"node": "grasp", "outcome": "aborted"}]})j"));
@@ -60,7 +60,7 @@ TEST(Engine, AnAbortWithAHandlerIsABranch) {
   EXPECT_EQ(result.nodes[2].status, NodeStatus::Done);
 }
 
-TEST(Engine, EndsWithTheErrorOfTheLowestNode) {
+TEST(ConcurrentEngine, EndsWithTheErrorOfTheLowestNode) {
   const RunResult result = run(read(R"j(
     {"name": "slow", "duration_s": 9, "pia": true, "effects": [], "fails": true},
     {"name": "quick", "duration_s": 1, "pia": true, "effects": [], "fails": true},
@@ -79,25 +79,25 @@ const char* const kAheadWithTheArm = R"j(
     {"name": "plan", "duration_s": 10, "pia": false, "preconditions": ["used()"], "effects": [],
      "resources": [{"name": "system:arm", "op": "block"}]})j";
 
-TEST(Engine, WhoRunsAheadGivesBackWhatANodeBeforeItNeeds) {
+TEST(ConcurrentEngine, WhoRunsAheadGivesBackWhatANodeBeforeItNeeds) {
   const RunResult result = run(read(kAheadWithTheArm));
   ASSERT_TRUE(result.done());
   EXPECT_EQ(seconds(result.nodes[1].started.time_since_epoch()), 5);
   EXPECT_EQ(seconds(result.makespan), 17) << "as one after the other";
   ASSERT_EQ(result.wasted.size(), 1U);
   EXPECT_EQ(seconds(result.wasted[0].ended - result.wasted[0].started), 5);
-  EXPECT_EQ(result.statistics.recalled, 1U);
+  EXPECT_EQ(result.statistics.preempted, 1U);
   EXPECT_EQ(result.statistics.wasted, 1U);
 }
 
-TEST(Engine, WhoRunsAheadKeepsWhatIsThereTwice) {
+TEST(ConcurrentEngine, WhoRunsAheadKeepsWhatIsThereTwice) {
   const auto flat = read(kAheadWithTheArm, R"("resources": {"system:arm": {"count": 2}},)");
   const RunResult result = run(flat);
   EXPECT_EQ(seconds(result.makespan), 10);
-  EXPECT_EQ(result.statistics.recalled, 0U);
+  EXPECT_EQ(result.statistics.preempted, 0U);
 }
 
-TEST(Engine, WhoIsCertainToBeWantedKeepsWhatItHas) {
+TEST(ConcurrentEngine, WhoIsCertainToBeWantedKeepsWhatItHas) {
   const RunResult result = run(read(R"j(
     {"name": "drive", "duration_s": 5, "pia": true, "effects": ["+there()"]},
     {"name": "use", "duration_s": 2, "pia": true, "preconditions": ["there()"], "effects": [],
@@ -105,11 +105,11 @@ TEST(Engine, WhoIsCertainToBeWantedKeepsWhatItHas) {
     {"name": "plan", "duration_s": 10, "pia": false, "effects": [],
      "resources": [{"name": "system:arm", "op": "block"}]})j"));
   EXPECT_EQ(seconds(result.makespan), 12);
-  EXPECT_EQ(result.statistics.recalled, 0U);
+  EXPECT_EQ(result.statistics.preempted, 0U);
 }
 
-TEST(Engine, WhoRunsAheadGivesBackItsWorker) {
-  EngineOptions options;
+TEST(ConcurrentEngine, WhoRunsAheadGivesBackItsWorker) {
+  ConcurrentEngineOptions options;
   options.workers = 2;
   const RunResult result = run(read(R"j(
     {"name": "drive", "duration_s": 5, "pia": true, "effects": ["+there()"]},
@@ -119,10 +119,10 @@ TEST(Engine, WhoRunsAheadGivesBackItsWorker) {
                                options);
   EXPECT_EQ(seconds(result.nodes[2].started.time_since_epoch()), 5);
   EXPECT_EQ(seconds(result.makespan), 16);
-  EXPECT_EQ(result.statistics.recalled, 1U);
+  EXPECT_EQ(result.statistics.preempted, 1U);
 }
 
-TEST(Engine, AnEffectThatIsNotDeclaredNamesItsNode) {
+TEST(ConcurrentEngine, AnEffectThatIsNotDeclaredNamesItsNode) {
   const RunResult result =
       run(read(R"j({"name": "push", "pia": true, "effects": ["+at(a)"], "uncertain": false,
     "actual_effects": ["+at(b)"]})j"));
@@ -131,7 +131,7 @@ TEST(Engine, AnEffectThatIsNotDeclaredNamesItsNode) {
   EXPECT_THAT(to_string(*result.error), HasSubstr("at(b)"));
 }
 
-TEST(Engine, RunsAPureNodeAgainWhereThePredictionWasWrong) {
+TEST(ConcurrentEngine, RunsAPureNodeAgainWhereThePredictionWasWrong) {
   const auto flat = read(R"j({"name": "push", "duration_s": 3, "pia": true, "effects": ["+at(a)"],
      "actual_effects": ["+at(a)", "-open()"]},
     {"name": "plan", "duration_s": 1, "pia": false, "preconditions": ["at(a)"], "effects": []})j");
@@ -145,8 +145,8 @@ TEST(Engine, RunsAPureNodeAgainWhereThePredictionWasWrong) {
   EXPECT_EQ(seconds(result.makespan), 4) << "it could not run ahead";
 }
 
-TEST(Engine, SaysWhoWaitsForWhat) {
-  Network network;
+TEST(ConcurrentEngine, SaysWhoWaitsForWhat) {
+  TaskNetwork network;
   const ResourceId arm = network.resources.intern("system:arm");
   NodeSpec spec;
   spec.name = "lift";
@@ -156,7 +156,7 @@ TEST(Engine, SaysWhoWaitsForWhat) {
   network.append(spec);
   const Order order = derive_order(network);
   SimulatedEnvironment environment(network);
-  const RunResult result = Engine(network, order, environment).run();
+  const RunResult result = ConcurrentEngine(network, order, environment).run();
   ASSERT_TRUE(result.error);
   EXPECT_THAT(to_string(*result.error), HasSubstr("'lift' waits for 2 of 'system:arm' (1 there, 1 free)"));
   EXPECT_THAT(to_string(*result.error), HasSubstr("'turn' waits for 'lift' (resource: system:arm)"));
@@ -169,9 +169,9 @@ class Threads final : public Environment {
     for (std::thread& thread : threads_)
       thread.join();
   }
-  void start(Launch& launch, Completions& completions) override {
+  void start(NodeContext& context, Completions& completions) override {
     threads_.emplace_back(
-        [&completions, node = launch.node(), attempt = launch.attempt(), world = launch.world()] {
+        [&completions, node = context.node(), attempt = context.attempt(), world = context.world()] {
           auto report = std::make_unique<Report>();
           report->outputs = std::make_shared<type::Value>(static_cast<std::uint64_t>(world.facts().size()));
           completions.finish(node, attempt, std::move(report));
@@ -183,8 +183,8 @@ class Threads final : public Environment {
   std::list<std::thread> threads_;
 };
 
-TEST(Engine, TakesEndsFromOtherThreads) {
-  Network network;
+TEST(ConcurrentEngine, TakesEndsFromOtherThreads) {
+  TaskNetwork network;
   NodeSpec spec;
   for (std::uint32_t i = 0; i < 50; ++i) {
     spec.name = "n" + std::to_string(i);
@@ -195,9 +195,9 @@ TEST(Engine, TakesEndsFromOtherThreads) {
   }
   const Order order = derive_order(network);
   Threads environment;
-  EngineOptions options;
+  ConcurrentEngineOptions options;
   options.clock = ClockKind::Real;
-  Engine engine(network, order, environment, options);
+  ConcurrentEngine engine(network, order, environment, options);
   const RunResult result = engine.run();
   ASSERT_TRUE(result.done()) << to_string(*result.error);
   for (std::uint32_t i = 0; i < 50; ++i)
@@ -207,7 +207,7 @@ TEST(Engine, TakesEndsFromOtherThreads) {
 /// A node that only ends when it is told to.
 class Endless final : public Environment {
  public:
-  void start(Launch&, Completions&) override { started.set_value(); }
+  void start(NodeContext&, Completions&) override { started.set_value(); }
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
     auto report = std::make_unique<Report>();
     report->outcome = kPreempted;
@@ -216,13 +216,13 @@ class Endless final : public Environment {
   std::promise<void> started;
 };
 
-TEST(Engine, StopsOnRequest) {
+TEST(ConcurrentEngine, StopsOnRequest) {
   const auto flat = read(R"j({"name": "wait", "pia": true, "effects": []})j");
   const Order order = derive_order(flat.network);
   Endless environment;
-  EngineOptions options;
+  ConcurrentEngineOptions options;
   options.clock = ClockKind::Real;
-  Engine engine(flat.network, order, environment, options);
+  ConcurrentEngine engine(flat.network, order, environment, options);
   std::thread stopper([&] {
     environment.started.get_future().wait();
     engine.stop();
@@ -237,7 +237,7 @@ TEST(Engine, StopsOnRequest) {
 class Loop final : public Expansion {
  public:
   explicit Loop(int rounds) : rounds_(rounds) {}
-  void expand(Network& network, std::size_t wanted) override {
+  void expand(TaskNetwork& network, std::size_t wanted) override {
     const FactId ready = *network.facts.intern("ready()");
     for (std::size_t i = 0; i < wanted && !finished(); i += 2, --rounds_) {
       NodeSpec look;
@@ -263,14 +263,14 @@ class Loop final : public Expansion {
   std::uint32_t ended_ = 0;
 };
 
-TEST(Engine, UnrollsALoopAHorizonAhead) {
-  Network network;
+TEST(ConcurrentEngine, UnrollsALoopAHorizonAhead) {
+  TaskNetwork network;
   network.initial_world.set({*network.facts.intern("ready()"), true});
   Loop loop(500);
   SimulatedEnvironment environment(network);
-  EngineOptions options;
+  ConcurrentEngineOptions options;
   options.horizon = 10;
-  const RunResult result = Engine(network, loop, environment, options).run();
+  const RunResult result = ConcurrentEngine(network, loop, environment, options).run();
   ASSERT_TRUE(result.done()) << to_string(*result.error);
   EXPECT_EQ(result.nodes.size(), 1000U);
   EXPECT_LE(loop.largest, 12U);
@@ -292,10 +292,10 @@ TEST(FlatNetwork, IsWrittenAsItIsRead) {
 /// Asks to stop when a node starts.
 class StoppingEnvironment final : public Environment {
  public:
-  StoppingEnvironment(const Network& network, NodeId at) : inner_(network), at_(at) {}
-  void start(Launch& launch, Completions& completions) override {
-    if (launch.node() == at_) stop.request_stop();
-    inner_.start(launch, completions);
+  StoppingEnvironment(const TaskNetwork& network, NodeId at) : inner_(network), at_(at) {}
+  void start(NodeContext& context, Completions& completions) override {
+    if (context.node() == at_) stop.request_stop();
+    inner_.start(context, completions);
   }
   void cancel(NodeId node, std::uint32_t attempt, Completions& completions) override {
     inner_.cancel(node, attempt, completions);

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "concurrent_engine_implementation.hpp"
+
+#include <algorithm>
+
+namespace segue::cdtn {
+
+// Units and workers are only lent to runs ahead: a node that is certain to be wanted gets them back, units
+// from those that come after it, workers from anybody. So the lowest node of all never waits but for runs
+// that count, and no network takes longer than one node after the other. Each recall lets a run begin that
+// counts, so they come to an end.
+
+/// What a run has that is not certain to be wanted; until it ends, or is told to.
+void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
+  if (speculative && certain(node)) return;
+  for (const Claim& claim : network_.claims(node)) {
+    std::set<Rank>& holders = speculative_[index(claim.resource)];
+    if (speculative)
+      holders.insert(rank(node));
+    else
+      holders.erase(rank(node));
+  }
+}
+
+/// A run that was cancelled still holds what it has until it ends.
+void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempted) {
+  preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
+  for (const Claim& claim : network_.claims(node)) {
+    if (claim.op != ResourceOp::Block || claim.group != kNone) continue;
+    std::uint64_t& units = preempted_units_[index(claim.resource)];
+    units = preempted ? units + claim.count : units - claim.count;
+  }
+}
+
+/// Adds the runs ahead that must give back units of the claim's resource for the node to get its own, the
+/// last in order first. False where that would not be enough.
+bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, const Claim& claim,
+                                                                   std::vector<NodeId>& holders) {
+  const auto missing = pool_.missing(rank(node), claim);
+  if (!missing) return false;
+  std::uint64_t coming = preempted_units_[index(claim.resource)];
+  const auto add_units_of = [&](NodeId holder) {
+    for (const Claim& claimed : network_.claims(holder)) {
+      if (claimed.resource == claim.resource && claimed.op == ResourceOp::Block) coming += claimed.count;
+    }
+  };
+  for (const NodeId holder : holders)
+    add_units_of(holder);
+  const auto& candidates = speculative_[index(claim.resource)];
+  for (auto last = candidates.rbegin(); last != candidates.rend() && coming < *missing && rank(node) < *last;
+       ++last) {
+    // Who got it may be certain to be wanted by now.
+    const bool known = std::ranges::find(holders, last->node) != holders.end();
+    if (known || (at(last->node).phase == Phase::Running && certain(last->node))) continue;
+    holders.push_back(last->node);
+    add_units_of(last->node);
+  }
+  return coming >= *missing;
+}
+
+/// The node is certain to be wanted and waits for units.
+void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
+  std::vector<NodeId> holders;
+  for (const Claim& claim : network_.claims(node)) {
+    if (!collect_speculative_holders(node, claim, holders)) return;
+  }
+  for (const NodeId holder : holders)
+    preempt(holder);
+}
+
+/// For those who are certain to be wanted and still wait for units; and for those who have all but a worker,
+/// whatever their place.
+void ConcurrentEngine::Implementation::preempt_for_waiting() {
+  pool_.still_waiting(granted_);
+  for (const NodeId node : granted_) {
+    if (at(node).phase == Phase::Queued && certain(node)) preempt_for_units(node);
+  }
+  const std::uint64_t coming = options_.workers - running_.size() + preempted_workers_;
+  for (std::uint64_t wanted = ready_.size(); wanted > coming; --wanted) {
+    const NodeId* last = nullptr;
+    for (const NodeId& node : running_) {
+      const bool speculative =
+          (!certain(node) || planted(EngineFault::PreemptsWhatCounts)) && !at(node).cancelled;
+      if (speculative && (last == nullptr || rank(*last) < rank(node))) last = &node;
+    }
+    if (last == nullptr) return;
+    preempt(*last);
+  }
+}
+
+/// The node gives back what it has, and waits again.
+void ConcurrentEngine::Implementation::preempt(NodeId node) {
+  if (planted(EngineFault::NeverPreempts)) return;
+  State& state = at(node);
+  if (state.phase == Phase::Running) {
+    ++statistics_.preempted;
+    return cancel_run(node);
+  }
+  abandon(node);
+  state.phase = Phase::Waiting;
+  work_.push_back(node);
+}
+
+}  // namespace segue::cdtn
