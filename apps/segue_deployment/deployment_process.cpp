@@ -10,7 +10,6 @@
 #include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
 #include <segue/process/assignment.hpp>
-#include <segue/process/deployment_exit.hpp>
 #include <segue/process/inherited_process.hpp>
 #include <segue/process/process_limits.hpp>
 #include <segue/process/process_log.hpp>

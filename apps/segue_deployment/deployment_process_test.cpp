@@ -2,7 +2,7 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/process/deployment_exit.hpp>
+#include <segue/process/assignment.hpp>
 #include <segue/process/process_server.hpp>
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/host/component_library.hpp>
-#include <segue/process/deployment_exit.hpp>
+#include <segue/process/assignment.hpp>
 #include <segue/process/zygote.hpp>
 #include <segue/process/zygote_message.hpp>
 

@@ -19,7 +19,7 @@ constexpr int kMostFiles = 1000;
 
 Error wrong(const std::string& what) {
   return fail(ErrorCode::InvalidArgument,
-              "a process server starts segue-deployment and hands it what to do; " + what);
+              "segue-deployment is started by a process server, which hands it an assignment: " + what);
 }
 
 std::string text_at(const Value& map, std::string_view key) {
@@ -47,13 +47,13 @@ Result<Descriptor> write_assignment(const Assignment& assignment) {
 
 Result<Assignment> read_assignment(int descriptor) {
   const off_t size = ::lseek(descriptor, 0, SEEK_END);
-  if (size <= 0 || size > kLargest) return wrong("it was handed nothing");
+  if (size <= 0 || size > kLargest) return wrong("there is none");
   std::string text(static_cast<std::size_t>(size), '\0');
   if (::pread(descriptor, text.data(), text.size(), 0) != size) return wrong("it cannot be read");
   const auto value = type::parse_json(text, "launch");
   if (!value) return wrong("it is not JSON").because_of(value.error());
   const Value* launch = value->find("launch");
-  if (launch == nullptr) return wrong("it was handed no launch");
+  if (launch == nullptr) return wrong("it has no launch");
   auto read = launch_from(*launch);
   if (!read) return std::move(read.error());
   Assignment assignment{std::move(*read), text_at(*value, "socket"), text_at(*value, "log")};

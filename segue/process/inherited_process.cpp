@@ -55,7 +55,7 @@ InheritedProcess::InheritedProcess() : listener_(take(kListener)), lock_(take(kL
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGHUP, SIG_IGN);
-  // Beyond a limit of the size of files a write fails; it must not end the robot.
+  // A write beyond the limit of file sizes shall fail instead of ending the robot.
   std::signal(SIGXFSZ, SIG_IGN);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
 }
@@ -67,7 +67,7 @@ void InheritedProcess::begin(const std::filesystem::path& socket, std::string_vi
                ::getpid(), own_program().c_str(), std::string(software).c_str());
   if (!write_record(lock_.get(), {::getpid(), std::string(software)})) {
     log(LogLevel::Error, "segue-deployment",
-        "cannot say in its lock who it is: no other server will find it");
+        "cannot write its lock file, so no other process server will find this process");
   }
   ::close(kAssignment);
 }
@@ -80,7 +80,7 @@ bool InheritedProcess::wait_for_end(Duration most) {
 }
 
 void InheritedProcess::leave() {
-  // With the lock in hand nobody else can have put theirs there.
+  // As long as this process holds the lock, these files are its own.
   if (socket_.empty() || !lock_.valid()) return;
   ::unlink(socket_.c_str());
   ::unlink(lock_of(socket_).c_str());

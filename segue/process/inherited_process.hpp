@@ -9,21 +9,22 @@
 
 namespace segue::process {
 
-/// This process as a deployment process: what it was handed (assignment.hpp) and the signals by which it is
-/// told to go. One for each process; make it before there is a second thread. Not thread safe.
+/// The deployment process's own side: the descriptors that it inherits (assignment.hpp) and the signals that
+/// ask it to end. One for each process, to be created before there is a second thread. Not thread safe.
 class InheritedProcess {
  public:
-  /// Takes the inherited descriptors (which no program that is started from here gets); blocks SIGTERM and
-  /// SIGINT for all threads, ignores SIGPIPE and SIGHUP. Standard output becomes line-buffered.
+  /// Takes the inherited descriptors and makes them close-on-exec, blocks SIGTERM and SIGINT for all threads,
+  /// ignores SIGPIPE, SIGHUP and SIGXFSZ, and makes standard output line-buffered.
   InheritedProcess();
 
-  /// Says in the lock who holds it, and in the log who starts.
+  /// Writes pid and version into the lock file, by which other servers find this process, and a first line
+  /// into the log. Closes the assignment.
   void begin(const std::filesystem::path& socket, std::string_view software);
-  /// The listening socket. Once.
+  /// The listening socket; may be called once.
   Descriptor take_listener() { return std::move(listener_); }
-  /// Whether it was told to go; waits for `most`.
+  /// Waits for at most `most`; true where the process has been asked to end.
   bool wait_for_end(Duration most);
-  /// Removes socket and lock: nobody finds this process any more.
+  /// Removes socket and lock, so that nobody finds this process any more.
   void leave();
 
  private:

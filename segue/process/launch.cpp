@@ -20,8 +20,8 @@ Value texts(const std::vector<std::string>& items) {
   return Value(Value::List(items.begin(), items.end()));
 }
 
-/// Takes entries out of the map of a launch; what is missing keeps its default, the first that is wrong is
-/// told.
+/// Reads entries of the map of a launch. A missing entry leaves its target as it is; error() is about the
+/// first entry that is wrong.
 class Reader {
  public:
   explicit Reader(const Value& value) : value_(value) {
@@ -110,8 +110,8 @@ Result<void> check(const Launch& launch) {
   return {};
 }
 
-/// "drivers", or "drivers@onboard" where the host has another name than the computer of the runtime: '@' is
-/// in no name, so two keys never share a file.
+/// "drivers", or "drivers@onboard" where the host is not called localhost. Identifiers never contain '@', so
+/// two keys never share a file.
 std::string file_stem(const model::DeploymentKey& key) {
   if (key.host == model::kLocalHost || key.host.empty()) return key.process.str();
   return key.process.str() + '@' + key.host.str();

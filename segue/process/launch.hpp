@@ -12,15 +12,15 @@
 
 namespace segue::process {
 
-/// What a deployment process needs to know to begin. Handed over as JSON through an inherited descriptor.
+/// How to begin a deployment process. It reaches the process as JSON through an inherited descriptor.
 struct Launch {
   std::string robot;
-  model::Deployment deployment;        ///< tasks: empty
-  std::vector<std::string> libraries;  ///< component libraries to load, by name
-  std::vector<std::string> models;     ///< component model files for stand-ins, absolute paths
-  bool stand_in = false;               ///< as host::LocalOptions
-  bool only_stand_ins = false;
-  std::string stand_ins;  ///< the text of a stand-in file; may be empty
+  model::Deployment deployment;        ///< without tasks
+  std::vector<std::string> libraries;  ///< names of the component libraries to load
+  std::vector<std::string> models;     ///< absolute paths of component model files, for stand-ins
+  bool stand_in = false;               ///< components that no library has are simulated (host::LocalOptions)
+  bool only_stand_ins = false;         ///< all components are simulated
+  std::string stand_ins;               ///< the content of a stand-in file; may be empty
   std::string log_level = "info";
   SharedMemoryOptions memory;
 
@@ -28,18 +28,20 @@ struct Launch {
 };
 
 type::Value to_value(const Launch& launch);
-/// InvalidArgument with the first entry that is wrong; entries that are missing keep their defaults, but
-/// robot and process must be named.
+/// Missing entries keep their defaults, except for the names of robot and process, which are required.
+/// InvalidArgument names the first entry that is wrong.
 Result<Launch> launch_from(const type::Value& value);
 
-/// Where the processes of a robot have their sockets, logs and locks: `<control folder>/<robot>/`. Made with
-/// mode 0700; refused where it belongs to somebody else. Names are checked: never a path.
+/// The folder for the sockets, logs and locks of a robot's processes: `<control folder>/<robot>/`. Creates it
+/// with mode 0700. InvalidArgument where the name is no identifier (it might be a path), PermissionDenied
+/// where the folder belongs to another user.
 Result<std::filesystem::path> process_folder(const std::string& robot);
-/// `<process folder>/<process>.sock`; `<process>@<host>.sock` where the host is not called localhost.
+/// The socket of a process: `<process folder>/<process>.sock`, or `<process>@<host>.sock` for a host with
+/// another name than localhost. Fails as process_folder().
 Result<std::filesystem::path> process_socket(const std::string& robot, const model::DeploymentKey& key);
-/// Whose socket it is, by its name; nothing where it is no process's.
+/// The process to which a socket belongs according to its file name; nothing where it is no such name.
 std::optional<model::DeploymentKey> key_of_socket(const std::filesystem::path& socket);
-/// Where the process of that socket prints: `<process>.log` beside it.
+/// The log of the process that has this socket: `<process>.log` beside it.
 std::filesystem::path process_log(const std::filesystem::path& socket);
 
 }  // namespace segue::process

@@ -31,7 +31,8 @@ std::filesystem::path enter_cgroup(const std::filesystem::path& parent, const st
     ::rmdir(group.c_str());
     return {};
   }
-  // Where the parent does not hand the controller down, the limit of the process itself is all there is.
+  // Fails where the parent does not delegate the memory controller; then only the rlimit of the process
+  // holds.
   if (memory) put(group / "memory.max", std::to_string(*memory));
   return group;
 }

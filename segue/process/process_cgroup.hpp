@@ -6,17 +6,18 @@
 #include <optional>
 #include <string>
 
-/// Control groups (version 2) of processes: what a process has started goes with it, even where it left its
-/// process group, and its memory is limited as a whole. Internal.
+/// Control groups (version 2) of processes. They end everything that a process has started, even what has
+/// left its process group, and limit the memory of all that together. Internal.
 namespace segue::process::detail {
 
-/// Makes a group under `parent` and puts the process into it. Empty where the system does not let it; then
-/// all goes on without. The system takes some milliseconds to move a process.
+/// Creates a group below `parent` and moves the process into it, which takes some milliseconds. Empty where
+/// the system does not permit it.
 std::filesystem::path enter_cgroup(const std::filesystem::path& parent, const std::string& title, int pid,
                                    std::optional<std::uint64_t> memory);
-/// Kills all that is in it. Nothing where `group` is empty, as below.
+/// Kills all processes in the group. Does nothing where `group` is empty, as below.
 void kill_cgroup(const std::filesystem::path& group);
-/// Once it is empty; one that is not stays and is used again.
+/// Removes a group in which no process is left; any other stays and is used again by the next process of that
+/// name.
 void remove_cgroup(const std::filesystem::path& group);
 
 }  // namespace segue::process::detail

@@ -18,8 +18,8 @@ namespace {
 
 using Resource = decltype(RLIMIT_DATA);
 
-/// The soft and the hard limit, so that a component cannot lift it again. One beyond what the system lets us
-/// have is not a limit that can be kept.
+/// Sets both the soft and the hard limit, so that no component can raise it again. Fails where the system's
+/// own limit is lower.
 Result<void> limit(Resource resource, std::uint64_t most, const std::string& what) {
   const rlimit wanted{most, most};
   if (::setrlimit(resource, &wanted) == 0) return {};
@@ -77,7 +77,8 @@ Result<void> apply_scheduler(const model::Deployment& deployment) {
                            std::to_string(deployment.priority);
   if (reason != EPERM) return system_error(what, reason);
   if (deployment.optional) {
-    log(LogLevel::Warning, "segue-deployment", what + "; it is optional, so the process runs as normal");
+    log(LogLevel::Warning, "segue-deployment",
+        what + "; it is optional, so the process runs with the normal one");
     return {};
   }
   return fail(ErrorCode::PermissionDenied,

@@ -104,7 +104,7 @@ std::string LogFollower::read() {
   std::string text(kChunk, '\0');
   const ssize_t read = file_.valid() ? ::read(file_.get(), text.data(), text.size()) : 0;
   text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
-  // A file that has been moved aside is read to its end before the new one.
+  // Only at the end of a file that was rotated does reading go on in the new one.
   if (text.empty() && !(file_.valid() && same_file(file_.get(), log_))) {
     Descriptor next(::open(log_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
     if (next.valid()) file_ = std::move(next);

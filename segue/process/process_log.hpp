@@ -8,28 +8,29 @@
 #include <filesystem>
 #include <string>
 
-/// What a deployment process prints, in files. It writes them itself, so they outlive its process server.
+/// Log files with the output of deployment processes. Each process writes and rotates its own, so logging
+/// does not depend on the process server.
 namespace segue::process {
 
-/// Opens the file to append to, made with mode 0600; nothing is followed that is not a file of its own.
+/// Opens a log for appending and creates it with mode 0600 if need be. Fails for symbolic links.
 Result<Descriptor> open_log(const std::filesystem::path& log);
 
-/// In the process whose standard output and error are `log`: where that has grown beyond `size` bytes, the
-/// file becomes `log`.1, that one .2 and so on up to `files`, and output goes on in a new one. Where the
-/// system lets it do no such thing, output goes on where it was. Not thread safe.
+/// To be called in the process whose standard output and error are `log`: if the file has grown beyond `size`
+/// bytes, it is renamed to `log`.1, that one to .2 and so on up to `files`, and the output goes on in a new
+/// file. Where renaming fails, the output stays where it is. Not thread safe.
 void rotate_output(const std::filesystem::path& log, std::size_t size, int files);
 
-/// The last `lines` lines of the log, older files included, without looking at more than `most` bytes.
-/// NotFound where the process has never printed.
+/// The last `lines` lines of a log, from its older files too, but never more than `most` bytes. NotFound
+/// where there is no log.
 Result<std::string> log_tail(const std::filesystem::path& log, std::size_t lines,
                              std::size_t most = std::size_t{16} << 20);
 
-/// Follows a log as it is written and rotated. Not thread safe.
+/// Follows a log while it is written and rotated. Not thread safe.
 class LogFollower {
  public:
-  /// Begins at the end of what is there.
+  /// Begins at the present end of the log.
   explicit LogFollower(std::filesystem::path log);
-  /// What was added since the last call; empty where nothing was. Does not block.
+  /// The output since the last call, at most 64 KiB of it; empty where there is none. Does not block.
   std::string read();
 
  private:

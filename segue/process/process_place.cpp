@@ -4,7 +4,7 @@
 #include <segue/base/process_state.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/unix_socket.hpp>
-#include <segue/process/pidfd.hpp>
+#include <segue/process/os_process.hpp>
 #include <segue/process/process_place.hpp>
 
 #include <fcntl.h>
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kProgram = "segue-deployment";
 
-/// The first two words of its command line.
+/// The program and its first argument.
 std::string command_of(int pid) {
   const std::string path = "/proc/" + std::to_string(pid) + "/cmdline";
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -76,7 +76,7 @@ Result<ProcessPlace> ProcessPlace::claim(const fs::path& socket, TimePoint deadl
 }
 
 ProcessPlace::~ProcessPlace() {
-  if (kept_ || !lock_.valid()) return;  // handed over, or moved from
+  if (kept_ || !lock_.valid()) return;  // an invalid lock: moved from
   ::unlink(path_.c_str());
   ::unlink(lock_of(path_).c_str());
 }
@@ -94,9 +94,11 @@ Result<std::optional<FoundProcess>> find_process(const fs::path& socket, const s
   if (!fs::exists(socket, ignored) || remove_if_stale(socket)) return std::optional<FoundProcess>{};
   const auto record = read_record(lock_of(socket));
   if (!record || record->pid == 0) {
-    return fail(ErrorCode::Unavailable, "process " + title + " is only just starting");
+    return fail(ErrorCode::Unavailable, "process " + title + " is just starting");
   }
-  // From here on the number means one process only; what is read of it is its own if it still lives then.
+  // The pid may have been given to another process. So its pidfd is opened first, and what /proc says of the
+  // pid is believed only if the process of that pidfd still lives afterwards: then both are about the same
+  // process.
   FoundProcess found{record->pid, Descriptor(open_pidfd(record->pid)), record->software};
   if (!found.pidfd.valid()) {
     if (errno == ESRCH) return std::optional<FoundProcess>{};

@@ -9,16 +9,17 @@
 #include <optional>
 #include <string>
 
-/// Where a deployment process can be found: its socket, and beside it a lock that its life holds and in which
-/// it says who it is. Internal.
+/// How a deployment process is found: by its socket and by a lock file beside it, which the process holds
+/// locked as long as it lives and which contains its pid and version. Internal.
 namespace segue::process::detail {
 
-/// A name taken: the lock is held and the socket listens. Both are to be handed to the process; the lock then
-/// ends with its last holder.
+/// Ownership of a process's name: a held lock and a listening socket. Both are handed to the process that is
+/// started; the lock is released when its last holder closes it.
 class ProcessPlace {
  public:
-  /// AlreadyExists where a process, or a server that is about to start one, holds the name. What a dead
-  /// process left is replaced; one that is ending is waited for until `deadline`. The socket has mode 0600.
+  /// Takes the name and replaces what a dead process left there; waits until `deadline` for a process that is
+  /// ending. AlreadyExists where a process holds the name, or a server that is about to start one. The socket
+  /// has mode 0600.
   static Result<ProcessPlace> claim(const std::filesystem::path& socket, TimePoint deadline);
   ProcessPlace(ProcessPlace&&) = default;
   ProcessPlace& operator=(ProcessPlace&&) = delete;
@@ -27,7 +28,7 @@ class ProcessPlace {
 
   [[nodiscard]] int lock() const { return lock_.get(); }
   [[nodiscard]] int socket() const { return socket_.get(); }
-  /// The process has them now.
+  /// From now on the socket and the lock belong to the process that was started.
   void keep() { kept_ = true; }
 
  private:
@@ -45,16 +46,16 @@ struct FoundProcess {
   std::string software;
 };
 
-/// The process that holds the place of `socket`, checked to be a living deployment process of this user with
-/// that title. Nothing where there is none or it is ending; what a dead one left is removed. Unavailable
-/// where one is only just starting.
+/// The process that holds `socket`, after it has been checked that it is a living deployment process of this
+/// user with that title. Nothing where there is none or it is ending; what a dead process left is removed.
+/// Unavailable where it has not written its pid yet.
 Result<std::optional<FoundProcess>> find_process(const std::filesystem::path& socket,
                                                  const std::string& title);
 
-/// Removes socket and lock where nobody holds the lock; false where somebody does.
+/// Removes socket and lock unless somebody holds the lock; false then.
 bool remove_if_stale(const std::filesystem::path& socket);
 
-/// What `ps` shows behind the program's name: "rover/drivers".
+/// The argument by which `ps` tells processes apart: "rover/drivers".
 std::string process_title(const std::string& robot, const std::filesystem::path& socket);
 
 }  // namespace segue::process::detail

@@ -3,7 +3,7 @@
 #include <segue/base/folders.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/process/pidfd.hpp>
+#include <segue/process/os_process.hpp>
 #include <segue/process/process_cgroup.hpp>
 #include <segue/process/process_server.hpp>
 #include <segue/process/process_server_implementation.hpp>
@@ -22,7 +22,7 @@ using detail::ProcessEntry;
 using detail::ProcessPlace;
 
 constexpr std::string_view kLogSource = "process server";
-/// How long a process may take to be gone after SIGKILL.
+/// How long a process may take to end after SIGKILL.
 constexpr Duration kKillTime = std::chrono::seconds(10);
 
 std::string named(const ProcessInfo& process) {
@@ -65,7 +65,7 @@ Result<void> ProcessServer::Implementation::begin() {
   return {};
 }
 
-/// What it cannot do is done without it.
+/// Without a zygote processes start all the same, only slower.
 void ProcessServer::Implementation::begin_zygote() {
   const auto folder = runtime_folder();
   auto started = folder ? detail::Zygote::start(program, options.zygote_libraries, *folder / "zygote.log")
@@ -73,25 +73,25 @@ void ProcessServer::Implementation::begin_zygote() {
   if (started) {
     zygote = std::move(*started);
   } else {
-    log(LogLevel::Error, kLogSource, "there is no zygote: " + to_string(started.error()));
+    log(LogLevel::Error, kLogSource, "cannot start a zygote: " + to_string(started.error()));
   }
 }
 
 bool ProcessServer::Implementation::fork(const Launch& what, ProcessEntry& entry,
                                          const detail::HandedOver& files) {
-  // What concerns the loader of programs only works where a program is loaded.
+  // The dynamic loader reads its variables when a program is executed, which a zygote's child is not.
   const bool loader = std::ranges::any_of(what.deployment.environment,
                                           [](const auto& each) { return each.first.starts_with("LD_"); });
   if (!zygote || zygote_failed || loader) return false;
   const auto pid = zygote->launch(detail::process_title(what.robot, entry.info.socket), files);
   if (pid) {
-    told_pid(entry, *pid);
+    set_pid(entry, *pid);
     entry.zygote = true;
     return true;
   }
   if (pid.error().code == ErrorCode::Unavailable && !zygote_failed.exchange(true)) {
     log(LogLevel::Error, kLogSource,
-        "processes start without a zygote from now on: " + to_string(pid.error()));
+        "the zygote is gone, so processes start without it from now on: " + to_string(pid.error()));
   }
   return false;
 }
@@ -122,7 +122,7 @@ void ProcessServer::Implementation::adopt_all(const std::string& robot, const fs
   }
 }
 
-/// Takes the name. One of another version is ended first; it cannot be talked to.
+/// A process of another version of Segue is ended first, since its protocol may differ.
 Result<ProcessServer::Implementation::Entry> ProcessServer::Implementation::reserve(const ProcessInfo& info,
                                                                                     TimePoint deadline) {
   for (;;) {
@@ -149,7 +149,7 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
       write_assignment({what, entry.info.socket, entry.info.log, options.log_size, options.log_files});
   if (!assignment) return assignment.error();
   const auto output = open_log(entry.info.log);
-  // A robot does not stand still because a disk is full.
+  // A full disk must not keep a robot from starting.
   if (!output)
     log(LogLevel::Error, kLogSource,
         "output of " + named(entry.info) + " is lost: " + to_string(output.error()));
@@ -159,18 +159,18 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
   const std::string title = detail::process_title(what.robot, entry.info.socket);
   auto pid = detail::spawn(program, {title}, what.deployment.environment, files);
   if (!pid) return std::move(pid.error());
-  told_pid(entry, *pid);
+  set_pid(entry, *pid);
   return {};
 }
 
-/// Others may ask for the entry already, to say that it is just starting.
-void ProcessServer::Implementation::told_pid(ProcessEntry& entry, int pid) {
+/// Under the lock, since start() of the same name reads it for its error message.
+void ProcessServer::Implementation::set_pid(ProcessEntry& entry, int pid) {
   const std::lock_guard lock(mutex);
   entry.info.pid = pid;
 }
 
-fs::path ProcessServer::Implementation::group_of(const ProcessEntry& entry,
-                                                 std::optional<std::uint64_t> memory) const {
+fs::path ProcessServer::Implementation::enter_group(const ProcessEntry& entry,
+                                                    std::optional<std::uint64_t> memory) const {
   if (options.cgroup.empty()) return {};
   auto group = detail::enter_cgroup(
       options.cgroup, detail::process_title(entry.info.robot, entry.info.socket), entry.info.pid, memory);
@@ -182,12 +182,11 @@ fs::path ProcessServer::Implementation::group_of(const ProcessEntry& entry,
   return group;
 }
 
-/// Until now nobody but us knows of the process; from here on it is watched.
 Result<ProcessInfo> ProcessServer::Implementation::settle(const Entry& entry, ProcessPlace& place,
                                                           std::optional<std::uint64_t> memory) {
   Descriptor pidfd(detail::open_pidfd(entry->info.pid));
   const int reason = errno;
-  entry->cgroup = group_of(*entry, memory);
+  entry->cgroup = enter_group(*entry, memory);
   const std::lock_guard lock(mutex);
   auto watched = pidfd.valid() ? watch->add(pidfd.get(), entry->id)
                                : Result<void>(system_error("cannot watch " + named(entry->info), reason));
@@ -224,10 +223,10 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
   return started;
 }
 
-/// On the watching thread. The group is killed before the status of its leader is taken: until then the
-/// number cannot be another's.
+/// The process group is killed before its leader is reaped: until then the pid cannot belong to another
+/// process.
 void ProcessServer::Implementation::finish(std::uint64_t id) {
-  ProcessInfo told;
+  ProcessInfo ended;
   {
     const std::lock_guard lock(mutex);
     const auto entry = table.find(id);
@@ -241,12 +240,12 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
     entry->info.exit = reason;
     detail::remove_cgroup(entry->cgroup);
     detail::remove_if_stale(entry->info.socket);
-    told = entry->info;
+    ended = entry->info;
     table.remove(*entry);
     changed.notify_all();
   }
-  const std::lock_guard lock(telling);
-  if (listener) listener(told);
+  const std::lock_guard lock(listener_mutex);
+  if (listener) listener(ended);
 }
 
 Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, TimePoint deadline,
@@ -271,15 +270,15 @@ Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, 
   if (changed.wait_until(lock, RealClock::instance().now() + kKillTime, ended)) return *entry->info.exit;
   return fail(ErrorCode::DeadlineExceeded,
               named(info) + " (pid " + std::to_string(entry->info.pid) +
-                  ") does not even end when it is killed; a driver of the system holds it");
+                  ") did not end although it was killed; it probably waits in a device driver");
 }
 
 Result<std::unique_ptr<ProcessServer>> ProcessServer::create(const ProcessServerOptions& options) {
   auto program = detail::find_program(options.program);
   if (!program) return std::move(program.error());
-  auto made = std::make_unique<Implementation>(options, std::move(*program));
-  if (auto begun = made->begin(); !begun) return std::move(begun.error());
-  return std::unique_ptr<ProcessServer>(new ProcessServer(std::move(made)));
+  auto implementation = std::make_unique<Implementation>(options, std::move(*program));
+  if (auto begun = implementation->begin(); !begun) return std::move(begun.error());
+  return std::unique_ptr<ProcessServer>(new ProcessServer(std::move(implementation)));
 }
 
 ProcessServer::ProcessServer(std::unique_ptr<Implementation> implementation)
@@ -318,7 +317,7 @@ Result<std::vector<ProcessInfo>> ProcessServer::processes(const std::string& rob
 }
 
 void ProcessServer::set_listener(Listener listener) {
-  const std::lock_guard lock(implementation_->telling);
+  const std::lock_guard lock(implementation_->listener_mutex);
   implementation_->listener = std::move(listener);
 }
 

@@ -10,26 +10,29 @@
 namespace segue::process {
 
 struct ProcessServerOptions {
-  /// The program that becomes a deployment process; empty: `segue-deployment` beside this program, then in
-  /// the install prefix, then in PATH ($SEGUE_DEPLOYMENT goes before all).
+  /// The program of deployment processes. Empty: $SEGUE_DEPLOYMENT, else `segue-deployment` beside this
+  /// program, in the install prefix or in PATH.
   std::filesystem::path program{};
-  /// Preload these component libraries once in a zygote and fork deployments from it; empty: none is used.
+  /// Component libraries that a zygote preloads once; deployment processes are then forked from it.
   std::vector<std::string> zygote_libraries{};
-  bool zygote = false;
-  std::size_t log_size = std::size_t{10} << 20;  ///< bytes after which a process's output starts a new file
-  int log_files = 3;                             ///< older ones that are kept
-  /// A control group (version 2) that this user may write to: each process gets a group of its own below it.
-  /// Empty: none. To enter one costs each start some milliseconds.
+  bool zygote = false;  ///< use a zygote even without libraries to preload
+  std::size_t log_size = std::size_t{10}
+                         << 20;  ///< in bytes; beyond it a process's output goes on in a new file
+  int log_files = 3;             ///< older files that are kept
+  /// A control group (version 2) that this user may write to; each process gets a group of its own below it,
+  /// which makes each start some milliseconds slower. Empty: none.
   std::filesystem::path cgroup{};
 };
 
-/// Deployment processes as children of this process: posix_spawn (never fork), watched by pidfd on one
-/// thread, each in a process group of its own. They outlive this object and this process; another server
-/// finds them again by their sockets and adopts them.
+/// Runs deployment processes as children of this process: started by posix_spawn (fork is not safe beside
+/// other threads) or by a zygote, each in a process group of its own, and watched by pidfd on one thread.
+/// They outlive this object and this process: another server finds them by their sockets and adopts them.
 class ProcessServer final : public ProcessService {
  public:
+  /// NotFound where there is no program for deployment processes. A zygote that cannot be started is only
+  /// logged.
   static Result<std::unique_ptr<ProcessServer>> create(const ProcessServerOptions& options = {});
-  /// Stops watching; leaves the processes as they are.
+  /// Stops watching and leaves the processes running.
   ~ProcessServer() override;
 
   Result<ProcessInfo> start(const Launch& launch, TimePoint deadline) override;

@@ -16,7 +16,11 @@
 
 namespace segue::process {
 
-/// What is inside a process server. Internal.
+/// Implementation of ProcessServer. Internal.
+///
+/// Locks: `mutex` protects the table and its entries; `listener_mutex` protects the listener and is held
+/// while it is called. They are never held together. An entry with `starting` set may be changed by the
+/// thread that starts it without `mutex`, except for its pid, which others read.
 struct ProcessServer::Implementation {
   using Entry = detail::ProcessTable::Entry;
   static constexpr std::string_view kSoftware = SEGUE_VERSION;
@@ -26,38 +30,45 @@ struct ProcessServer::Implementation {
   void begin_zygote();
 
   Result<ProcessInfo> start(const Launch& what, TimePoint deadline);
-  /// `orderly`: it may end by itself until `deadline`.
+  /// Ends a process. `orderly`: by SIGTERM first, and killed only at `deadline`.
   Result<ExitReason> stop(const ProcessInfo& info, TimePoint deadline, bool orderly);
-  /// The entry of that name, a process that is found running included; null where there is none. With the
-  /// mutex held, as adopt_all.
+  /// The entry of that process, after it has been adopted if need be; null where it does not run. The caller
+  /// holds the mutex.
   Entry adopt(const ProcessInfo& info);
+  /// Adopts every running process that has a socket in the folder. The caller holds the mutex.
   void adopt_all(const std::string& robot, const std::filesystem::path& folder);
 
+  /// Takes the name of a process that is about to start. AlreadyExists where it runs or just starts.
   Result<Entry> reserve(const ProcessInfo& info, TimePoint deadline);
   Result<void> launch(const Launch& what, detail::ProcessEntry& entry, detail::ProcessPlace& place);
-  /// By the zygote; false where there is none that can.
+  /// Starts it by the zygote; false where there is none or it cannot start this one.
   bool fork(const Launch& what, detail::ProcessEntry& entry, const detail::HandedOver& files);
+  /// Begins to watch a process that was started. Where that fails, the process is killed.
   Result<ProcessInfo> settle(const Entry& entry, detail::ProcessPlace& place,
                              std::optional<std::uint64_t> memory);
-  void told_pid(detail::ProcessEntry& entry, int pid);
-  [[nodiscard]] std::filesystem::path group_of(const detail::ProcessEntry& entry,
-                                               std::optional<std::uint64_t> memory) const;
+  void set_pid(detail::ProcessEntry& entry, int pid);
+  /// Moves it into a control group of its own; empty where none is wanted or possible.
+  [[nodiscard]] std::filesystem::path enter_group(const detail::ProcessEntry& entry,
+                                                  std::optional<std::uint64_t> memory) const;
+  /// Deals with the end of a process; on the watching thread.
   void finish(std::uint64_t id);
 
   const ProcessServerOptions options;
   const std::filesystem::path program;
 
-  std::mutex mutex;  ///< of the table; the entry of a process that starts belongs to who starts it
-  std::condition_variable changed;
+  std::mutex mutex;
+  std::condition_variable changed;  ///< an entry's `starting` or `exit` has changed, or an entry was removed
   detail::ProcessTable table;
 
-  std::unique_ptr<detail::Zygote> zygote;  ///< null where none is wanted
-  std::atomic<bool> zygote_failed{false};  ///< and was told of
+  std::unique_ptr<detail::Zygote> zygote;  ///< null where none is wanted; set before there is another thread
+  /// The zygote is gone. Only a hint that saves futile attempts and repeated log lines, so its order with
+  /// respect to other memory does not matter: the zygote has a lock of its own.
+  std::atomic<bool> zygote_failed{false};
 
-  std::mutex telling;  ///< held while the listener is called
+  std::mutex listener_mutex;
   Listener listener;
 
-  std::unique_ptr<detail::ProcessWatch> watch;  ///< goes first: its thread uses all of the above
+  std::unique_ptr<detail::ProcessWatch> watch;  ///< destroyed first, since its thread uses all of the above
 };
 
 }  // namespace segue::process

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/process/process_table.hpp>
 
-#include <sys/wait.h>
-
-#include <cerrno>
-#include <csignal>
-
 namespace segue::process::detail {
 
 ProcessTable::Entry ProcessTable::add(ProcessInfo info) {
@@ -18,7 +13,7 @@ ProcessTable::Entry ProcessTable::add(ProcessInfo info) {
 }
 
 void ProcessTable::remove(const ProcessEntry& entry) {
-  // `entry` may be gone with the last of the two.
+  // Read before the maps let go of it: they may hold its last references.
   const auto id = entry.id;
   by_name_.erase({entry.info.robot, entry.info.key});
   by_id_.erase(id);
@@ -40,35 +35,6 @@ std::vector<ProcessTable::Entry> ProcessTable::of(const std::string& robot) cons
     if (name.first == robot) entries.push_back(entry);
   }
   return entries;
-}
-
-void kill_group(int pid) {
-  // 0 and 1 would mean others.
-  if (pid > 1) ::kill(-pid, SIGKILL);
-}
-
-ExitReason reap(int pidfd) {
-  siginfo_t ended{};
-  int done = 0;
-  do {
-    done = ::waitid(P_PIDFD, static_cast<id_t>(pidfd), &ended, WEXITED | WNOHANG);
-  } while (done != 0 && errno == EINTR);
-  ExitReason reason;
-  reason.known = done == 0 && ended.si_pid != 0;
-  if (!reason.known) return reason;
-  if (ended.si_code == CLD_EXITED) {
-    reason.status = ended.si_status;
-  } else {
-    reason.signal = ended.si_status;
-    reason.core_dumped = ended.si_code == CLD_DUMPED;
-  }
-  return reason;
-}
-
-void reap_child(int pid) {
-  siginfo_t ended{};
-  while (::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED) != 0 && errno == EINTR) {
-  }
 }
 
 }  // namespace segue::process::detail

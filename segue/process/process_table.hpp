@@ -11,30 +11,31 @@
 #include <utility>
 #include <vector>
 
-/// What a process server knows of its processes. Internal.
+/// The processes of a process server. Internal.
 namespace segue::process::detail {
 
-/// A process from before it is started until its end has been dealt with.
+/// A process, from before it is started until its end has been dealt with.
 struct ProcessEntry {
   std::uint64_t id = 0;
   ProcessInfo info;
-  std::string software;          ///< its version; empty where it is not known yet
-  Descriptor pidfd;              ///< not valid while it is starting
-  bool starting = false;         ///< only its name is taken yet
-  bool zygote = false;           ///< a child of the zygote
+  std::string software;          ///< its version of Segue; empty until it is known
+  Descriptor pidfd;              ///< invalid while it is starting
+  bool starting = false;         ///< its name is taken, but it is not watched yet
+  bool zygote = false;           ///< it is a child of the zygote
   std::filesystem::path cgroup;  ///< empty: none
   bool stop_requested = false;
   bool killed = false;
 };
 
-/// Entries by number and by name. Not thread safe.
+/// Entries by number and by name; both maps hold the same entries. Not thread safe.
 class ProcessTable {
  public:
   using Entry = std::shared_ptr<ProcessEntry>;
 
-  /// Adds one; its name must be free.
+  /// Adds an entry with a new number; its name must be free.
   Entry add(ProcessInfo info);
   void remove(const ProcessEntry& entry);
+  /// Null where there is none, as below.
   [[nodiscard]] Entry find(const std::string& robot, const model::DeploymentKey& key) const;
   [[nodiscard]] Entry find(std::uint64_t id) const;
   [[nodiscard]] std::vector<Entry> of(const std::string& robot) const;
@@ -44,14 +45,5 @@ class ProcessTable {
   std::map<std::uint64_t, Entry> by_id_;
   std::map<std::pair<std::string, model::DeploymentKey>, Entry> by_name_;
 };
-
-/// Kills the whole process group that `pid` leads; whoever calls has made sure that it still leads it.
-void kill_group(int pid);
-
-/// Takes the exit status of a child that has ended, which then is no process any more. `known` is false where
-/// it is no child of this process.
-ExitReason reap(int pidfd);
-/// Waits for a child that was killed.
-void reap_child(int pid);
 
 }  // namespace segue::process::detail

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kWake = 0;
 
-/// Runs with all signals blocked, so that none of the program's is ever handled here.
+/// Blocks all signals for the thread that is started meanwhile, so that it never runs the program's handlers.
 class BlockedSignals {
  public:
   BlockedSignals() {

@@ -11,21 +11,24 @@
 
 namespace segue::process::detail {
 
-/// Waits for processes to end, on one thread of its own. Internal; functions may be called from any thread.
+/// Watches processes until they end, by epoll on one thread of its own. Needs no lock: the kernel's table of
+/// watched descriptors is the only state that threads share. Internal; functions may be called from any
+/// thread.
 class ProcessWatch {
  public:
-  /// Called on the thread, once for each that ended.
+  /// Called on the watching thread for a process that has ended, again and again until it is removed.
   using Ended = std::function<void(std::uint64_t id)>;
 
+  /// Fails where the system has no descriptors left.
   static Result<std::unique_ptr<ProcessWatch>> create(Ended ended);
-  /// No call is under way any more.
+  /// Waits for a call of `ended` that is under way.
   ~ProcessWatch();
   ProcessWatch(const ProcessWatch&) = delete;
   ProcessWatch& operator=(const ProcessWatch&) = delete;
 
-  /// `pidfd` must stay open until the end was told. `id` is not 0.
+  /// Watches a process; `pidfd` must stay open until remove(), `id` must not be 0.
   Result<void> add(int pidfd, std::uint64_t id);
-  /// Never tells of that one from now on, unless it is just telling.
+  /// Stops watching it. A call of `ended` that is already under way goes on.
   void remove(int pidfd);
 
  private:

@@ -51,7 +51,7 @@ std::vector<fs::path> folders_of_path() {
   return folders;
 }
 
-/// That of this program first: tests and tools have theirs beside them.
+/// The folder of this program comes first, so that tests and tools use the program of their own build.
 std::vector<fs::path> program_folders() {
   std::vector<fs::path> folders;
   std::error_code failed;
@@ -66,7 +66,7 @@ std::vector<fs::path> program_folders() {
 
 Result<fs::path> runnable(const fs::path& program, const char* origin) {
   if (can_run(program)) return program;
-  return fail(ErrorCode::NotFound, quote(program.native()) + " (" + origin + ") is no program that can run");
+  return fail(ErrorCode::NotFound, quote(program.native()) + " (" + origin + ") is not an executable file");
 }
 
 }  // namespace

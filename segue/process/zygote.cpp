@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/error.hpp>
-#include <segue/process/pidfd.hpp>
+#include <segue/process/os_process.hpp>
 #include <segue/process/process_log.hpp>
-#include <segue/process/process_table.hpp>
 #include <segue/process/zygote.hpp>
 #include <segue/process/zygote_message.hpp>
 
@@ -21,7 +20,7 @@ struct Zygote::Reply : ZygoteReply {};
 
 namespace {
 
-/// Beyond this it hangs. It may be loading libraries at first.
+/// A zygote that takes longer counts as hanging. It may still be loading libraries at the first request.
 constexpr timeval kAnswerTime{5, 0};
 
 }  // namespace
@@ -39,7 +38,7 @@ Result<std::unique_ptr<Zygote>> Zygote::start(const std::filesystem::path& progr
     ::setsockopt(ours.get(), SOL_SOCKET, option, &kAnswerTime, sizeof kAnswerTime);
   std::vector<std::string> words = {std::string(kZygoteOption)};
   words.insert(words.end(), libraries.begin(), libraries.end());
-  // Room for the command lines of its children.
+  // Reserves room that its children overwrite with their own command lines.
   words.emplace_back(2 * kTitleSize, ' ');
   const auto output = open_log(log);
   HandedOver files;
@@ -55,7 +54,7 @@ Zygote::~Zygote() {
   end();
 }
 
-/// It is certain afterwards that it does not fork any more.
+/// After this the zygote certainly forks no more. The caller holds the mutex.
 void Zygote::end() {
   if (!socket_.valid()) return;
   socket_ = Descriptor();

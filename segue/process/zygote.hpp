@@ -13,26 +13,27 @@
 #include <string>
 #include <vector>
 
-/// A process with one thread that has the component libraries loaded and relocated already, and becomes
-/// deployment processes by fork: a few milliseconds quicker for each than a program that starts from nothing.
+/// A zygote is a process with a single thread that has the component libraries loaded and relocated, and from
+/// which deployment processes are forked: each starts some milliseconds faster than a newly executed program.
 namespace segue::process::detail {
 
-/// The zygote of a process server. Functions may be called from any thread. What fails with Unavailable does
-/// so for ever: the zygote is gone; its children go on.
+/// The process server's side of its zygote. Functions may be called from any thread, one request at a time.
+/// After the first Unavailable the zygote is gone for good; its children go on.
 class Zygote {
  public:
-  /// Starts `program --zygote LIBRARY...`; what it prints goes to `log`. Answers before it is ready.
+  /// Starts `program --zygote LIBRARY...` with its output in `log`. Returns before it is ready.
   static Result<std::unique_ptr<Zygote>> start(const std::filesystem::path& program,
                                                const std::vector<std::string>& libraries,
                                                const std::filesystem::path& log);
-  /// Tells it to go; its children go on.
+  /// Kills the zygote; its children go on.
   ~Zygote();
   Zygote(const Zygote&) = delete;
   Zygote& operator=(const Zygote&) = delete;
 
-  /// A new deployment process, as spawn() makes them. It is not reaped before reap().
+  /// Forks a deployment process with the descriptors that spawn() would give it. Its pid stays valid until
+  /// reap(). Waits for the zygote's answer for 5 s at most; Unavailable after that.
   Result<pid_t> launch(const std::string& title, const HandedOver& files);
-  /// The exit status of a child that has ended. Not known where the zygote is gone.
+  /// The exit status of a child that has ended; not `known` where the zygote is gone.
   ExitReason reap(int pid);
 
  private:
@@ -42,12 +43,12 @@ class Zygote {
   std::optional<Reply> ask(const Request& request, std::span<const int> descriptors);
   void end();
 
-  std::mutex mutex_;
-  Descriptor socket_;  ///< not valid: gone
+  std::mutex mutex_;   ///< held during a request, so that each answer belongs to its request
+  Descriptor socket_;  ///< invalid: the zygote is gone
   int pid_;
 };
 
-/// The command line of this process, which is to be changed.
+/// The arguments of main(), which run_zygote() overwrites in its children, so that `ps` shows their titles.
 struct CommandLine {
   int count = 0;
   char** words = nullptr;

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <vector>
 
-/// What a process server and its zygote say to each other; both are of one version. Internal.
+/// The messages between a process server and its zygote; both are of the same version. Internal.
 namespace segue::process::detail {
 
-/// Longer than any title: robot and process name the socket, whose path is shorter.
+/// Longer than any title: a title is a part of the socket's path, whose length the system limits to 107.
 inline constexpr std::size_t kTitleSize = 128;
-/// Output, assignment, listener and lock.
+/// The descriptors of a Launch request: output, assignment, listener and lock.
 inline constexpr std::size_t kHandedDescriptors = 4;
 inline constexpr std::string_view kZygoteOption = "--zygote";
 
@@ -23,19 +23,19 @@ enum class ZygoteRequestKind : std::uint32_t { Launch, Reap };
 struct ZygoteRequest {
   ZygoteRequestKind kind = ZygoteRequestKind::Launch;
   std::int32_t pid = 0;                  ///< Reap
-  std::array<char, kTitleSize> title{};  ///< Launch; ends with a zero
+  std::array<char, kTitleSize> title{};  ///< Launch; zero-terminated
 };
 
 struct ZygoteReply {
-  std::int32_t pid = 0;    ///< 0: it failed
-  std::int32_t error = 0;  ///< errno then
-  std::int32_t code = 0;   ///< of siginfo_t
-  std::int32_t status = 0;
+  std::int32_t pid = 0;     ///< 0: it failed
+  std::int32_t error = 0;   ///< errno where it failed
+  std::int32_t code = 0;    ///< Reap: si_code of siginfo_t
+  std::int32_t status = 0;  ///< Reap: si_status
 };
 
-/// One message with descriptors. False where the other side is gone.
+/// Sends one message with descriptors. False where the other side is gone or does not take it in time.
 bool send_message(int socket, const void* message, std::size_t size, std::span<const int> descriptors);
-/// False where the other side is gone, or what came is not of that size.
+/// Receives one message. False where the other side is gone, does not answer in time, or sent another size.
 bool receive_message(int socket, void* message, std::size_t size, std::vector<Descriptor>& descriptors);
 
 }  // namespace segue::process::detail

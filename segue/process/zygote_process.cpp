@@ -2,7 +2,6 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/process/assignment.hpp>
-#include <segue/process/deployment_exit.hpp>
 #include <segue/process/zygote.hpp>
 #include <segue/process/zygote_message.hpp>
 
@@ -29,8 +28,8 @@ std::size_t threads_of_this_process() {
   return failed ? 1 : static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
 }
 
-/// A library that is missing or broken is told by the process that needs it. False where one has started
-/// threads: they would be missing in every child.
+/// Libraries that cannot be loaded are only logged: the process that needs one fails with a message of its
+/// own. False where a library has started threads, since these would be missing in every child.
 bool preload_all(CommandLine command, const Preload& preload) {
   for (int i = 2; i + 1 < command.count; ++i) {
     const auto loaded = preload(command.words[i]);
@@ -43,7 +42,7 @@ bool preload_all(CommandLine command, const Preload& preload) {
   return false;
 }
 
-/// The words of a command line lie one after the other; what is shown is what lies there.
+/// Overwrites the arguments of main(), which lie one after the other in memory: `ps` shows what is there.
 void set_command(CommandLine command, const char* title) {
   char* const begin = command.words[0];
   const char* const last = command.words[command.count - 1];
@@ -55,7 +54,8 @@ void set_command(CommandLine command, const char* title) {
   std::memcpy(begin, text.data(), std::min(text.size(), room - 1));
 }
 
-/// The descriptors get the numbers that the program expects; all are beyond these before.
+/// Gives the descriptors the numbers that the program expects (Inherited). They all have higher numbers
+/// before, so none is overwritten too early.
 bool arrange(const std::vector<Descriptor>& handed) {
   const std::pair<int, int> places[] = {
       {0, STDOUT_FILENO}, {0, STDERR_FILENO}, {1, kAssignment}, {2, kListener}, {3, kLock}};
@@ -74,12 +74,12 @@ ZygoteReply reap_one(pid_t pid) {
   return {ended.si_pid, 0, ended.si_code, ended.si_status};
 }
 
-/// Keeps what arrives out of the way of the numbers that children use.
+/// A duplicate beyond the numbers that children need for the descriptors that they inherit.
 Descriptor above_inherited(int descriptor) {
   return Descriptor(::fcntl(descriptor, F_DUPFD_CLOEXEC, static_cast<int>(kFirstFree)));
 }
 
-/// Holds numbers that children use, so that nothing else gets them.
+/// Occupies the numbers that children need, so that no descriptor that is received later gets one of them.
 void occupy_inherited() {
   Descriptor null(::open("/dev/null", O_RDWR | O_CLOEXEC));
   null = above_inherited(null.get());

@@ -13,12 +13,13 @@
 #include <string>
 #include <vector>
 
-/// Processes that are none, for tests: they keep what they are told, and fail when they are told to.
+/// Simulated deployment processes for tests of DeployedTaskHost. They keep the state that actions give them,
+/// and fail on request.
 namespace segue::deploy::testing {
 
 enum class FaultKind { Fail, LoseAnswer, Hang, Die, DieAfterwards };
 
-/// What happens at the call of that number, counted from 1 since it was set.
+/// A fault that is injected into one call: the call with number `at`, counted from 1 since set_fault().
 struct Fault {
   int at = 0;
   FaultKind kind = FaultKind::Fail;
@@ -33,7 +34,7 @@ struct FakeProcess {
   bool other_version = false;
   std::map<model::TaskId, model::Task> tasks;
   std::set<model::TaskId> hanging;
-  std::map<model::TaskId, task::State> states;  ///< what tasks remember
+  std::map<model::TaskId, task::State> states;  ///< states saved by tasks
   std::vector<model::Connection> connections;
   std::vector<EndpointReport> endpoints;
   std::set<link::Incarnation> admitted;
@@ -42,38 +43,38 @@ struct FakeProcess {
 };
 using FakePtr = std::shared_ptr<FakeProcess>;
 
-/// Everything there is. Thread safe.
+/// All simulated processes and the faults to inject. Thread safe.
 class FakeWorld {
  public:
   FakeWorld();
   ~FakeWorld();
 
-  /// For the test.
+  /// Interface for tests.
   void set_fault(Fault fault);
   void clear_fault();
   [[nodiscard]] bool fault_happened() const;
   [[nodiscard]] int calls(const std::string& what) const;
-  /// What truly runs, as TaskHost::observe() has to show it.
+  /// The network that TaskHost::observe() has to show.
   [[nodiscard]] model::Network truth() const;
   [[nodiscard]] std::size_t orphaned_endpoints() const;
   [[nodiscard]] FakePtr find(const std::string& process) const;
   FakePtr own() { return own_; }
-  /// Ends by itself.
+  /// The process ends by itself.
   void kill(const FakePtr& process, int signal = 9);
-  /// Breaks its connection; it lives on.
+  /// Breaks the connection to the process, which lives on.
   void cut(const FakePtr& process);
-  /// Runs already, started by nobody here.
+  /// Adds a process that runs already.
   FakePtr add_running(const std::string& process);
   void change(const std::function<void()>& what);
   void tell(const FakePtr& process, const host::TaskEvent& event);
-  /// Called before each call with its name and process, without a lock.
+  /// `see` is called before each call with its name and process, without a lock held.
   void on_call(std::function<void(const std::string& what, const FakePtr& process)> see);
-  /// What start() makes of the next process.
+  /// The next process that start() starts dies at once.
   void next_dies_at_once() { next_dies_ = true; }
 
-  /// For the fakes.
+  /// Interface for the fakes.
   struct Verdict {
-    std::optional<Error> answer;  ///< instead of the true one
+    std::optional<Error> answer;  ///< instead of the real answer
     bool take_effect = true;
     bool die_afterwards = false;
   };
@@ -165,7 +166,7 @@ class FakeProcesses final : public process::ProcessService {
   FakeWorld& world_;
 };
 
-/// Finds the process whose socket it is.
+/// Connects to the simulated process that has the socket.
 Connector connector(FakeWorld& world);
 
 }  // namespace segue::deploy::testing

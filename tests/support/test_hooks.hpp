@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-/// For tests only: a component that stays in one of its hooks until the test lets it go, and tells which
-/// hooks ran.
+/// A component that blocks in one of its hooks until the test releases it, and records which hooks ran.
 namespace hooks {
 
 struct State {
@@ -24,7 +23,7 @@ struct State {
   bool all_released = false;
 };
 
-/// Outlives threads that are given up.
+/// Never destroyed, since threads that are given up may still use it.
 inline State& state() {
   static State& state = *new State;
   return state;
@@ -55,7 +54,7 @@ inline void release_all() {
   state().all_released = true;
   state().changed.notify_all();
 }
-/// As if nothing had ever happened.
+/// Back to the initial state.
 inline void reset() {
   const std::lock_guard lock(state().mutex);
   state().log.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A deployment process without tasks, for tests of process servers. What it does is named by its
-/// deployment's variable TEST_DO.
+/// A deployment process without tasks, for tests of process servers. The environment variable TEST_DO of its
+/// deployment selects its behaviour.
 #include <segue/process/assignment.hpp>
 #include <segue/process/inherited_process.hpp>
 #include <segue/process/process_limits.hpp>
@@ -26,7 +26,7 @@ using namespace segue;
 constexpr int kNoAssignment = 90;
 constexpr int kNotPermitted = 91;
 
-/// Sleeps for ever, deaf to SIGTERM; for the group's end.
+/// A child that ignores SIGTERM, so that only the end of the process group ends it.
 void start_stubborn_child() {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -42,8 +42,8 @@ void chatter() {
     std::printf("line %d of a log that grows\n", i);
 }
 
-/// Like a process that is killed while a thread of it is still in the system: its first thread has gone, and
-/// with that its command line; its descriptors go at SIGTERM.
+/// Behaves like a process that is killed while one of its threads is in a system call: its first thread has
+/// ended, and with it the command line in /proc, but its descriptors stay open until SIGTERM.
 [[noreturn]] void end_slowly(process::InheritedProcess& process) {
   std::thread([&process] {
     while (!process.wait_for_end(std::chrono::hours(1))) {
@@ -80,10 +80,10 @@ int run() {
   if (what == "chatter") chatter();
   std::printf("ready\n");
   for (;;) {
-    const bool told = process.wait_for_end(std::chrono::milliseconds(20));
+    const bool asked_to_end = process.wait_for_end(std::chrono::milliseconds(20));
     process::rotate_output(assignment->log, assignment->log_size, assignment->log_files);
     if (what == "chatter always") chatter();
-    if (told && what != "stay") break;
+    if (asked_to_end && what != "stay") break;
   }
   std::printf("going\n");
   process.leave();
