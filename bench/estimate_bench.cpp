@@ -86,7 +86,7 @@ Duration total_of(const runtime::SwitchResult& result) {
   return total;
 }
 
-void measure_robot(std::uint64_t seed, runtime::Placement placement, Score& score) {
+void measure_robot(std::uint64_t seed, runtime::TaskPlacement placement, Score& score) {
   Random random(seed);
   const Scratch scratch;
   runtime::EmbeddedOptions options;
@@ -116,7 +116,7 @@ void measure_robot(std::uint64_t seed, runtime::Placement placement, Score& scor
   done(robot->shut_down());
 }
 
-void measure(runtime::Placement placement, const char* name) {
+void measure(runtime::TaskPlacement placement, const char* name) {
   Score score;
   for (std::uint64_t seed = 1; seed <= kRobots; ++seed)
     measure_robot(seed, placement, score);
@@ -133,6 +133,6 @@ void measure(runtime::Placement placement, const char* name) {
 int main() {
   ::setenv("SEGUE_DEPLOYMENT", SEGUE_BENCH_DEPLOYMENT, 0);
   std::printf("\nPredictions after %d transitions, of transitions never made before\n", kLearnt);
-  measure(runtime::Placement::InProcess, "one process");
-  measure(runtime::Placement::Processes, "four processes");
+  measure(runtime::TaskPlacement::InProcess, "one process");
+  measure(runtime::TaskPlacement::Processes, "four processes");
 }

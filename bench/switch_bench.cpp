@@ -146,7 +146,7 @@ Cycles cycles_of(runtime::Runtime& runtime) {
   return cycles;
 }
 
-void untouched(runtime::Placement placement, const char* name) {
+void untouched(runtime::TaskPlacement placement, const char* name) {
   constexpr int kSwitches = 1000;
   const Scratch scratch;
   runtime::EmbeddedOptions options;
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
   if (what.empty() || what == "artemis") artemis();
   if (what.empty() || what == "untouched") {
     std::printf("\nA task at 1 kHz that no transition names\n");
-    untouched(runtime::Placement::InProcess, "one process");
-    untouched(runtime::Placement::Processes, "two processes");
+    untouched(runtime::TaskPlacement::InProcess, "one process");
+    untouched(runtime::TaskPlacement::Processes, "two processes");
   }
 }

@@ -119,8 +119,8 @@ class EmbeddedBenchRobot final : public BenchRobot {
         << "robot: " << kName << "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n";
     Diagnostics diagnostics;
     runtime::EmbeddedOptions options;
-    options.placement =
-        placement == Placement::OneProcess ? runtime::Placement::InProcess : runtime::Placement::Processes;
+    options.placement = placement == Placement::OneProcess ? runtime::TaskPlacement::InProcess
+                                                           : runtime::TaskPlacement::Processes;
     options.log_level = LogLevel::Error;
     robot_ = runtime::EmbeddedRobot::open(folder_.path() / "robot.yaml", diagnostics, options);
     if (robot_ == nullptr) return first_error(diagnostics);

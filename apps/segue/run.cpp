@@ -200,7 +200,8 @@ int run(const Options& options, const Context& context) {
   runtime::EmbeddedOptions embedded;
   embedded.stand_in = options.stand_in || !options.stand_ins.empty();
   embedded.stand_ins = options.stand_ins;
-  embedded.placement = options.in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
+  embedded.placement =
+      options.in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
   embedded.daemon = options.daemon;
   embedded.journal = !options.no_journal;
   embedded.journal_file = options.journal;

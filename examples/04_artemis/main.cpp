@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
   options.stand_in = true;
-  options.placement = in_process ? runtime::Placement::InProcess : runtime::Placement::Processes;
+  options.placement = in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
   const auto robot = runtime::EmbeddedRobot::open(argv[1], diagnostics, options);
   if (!robot) {
     std::fputs(to_string(diagnostics).c_str(), stderr);

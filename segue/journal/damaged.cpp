@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kKept = 5;
 constexpr std::array<std::string_view, 3> kParts = {"", "-wal", "-shm"};
 
-/// N of every "NAME.broken-N" beside the file, increasing.
+/// N of every "NAME.broken-N" in the folder of the file, in increasing order.
 std::vector<int> numbers_of(const std::filesystem::path& path) {
   const std::string prefix = path.filename().native() + ".broken-";
   std::vector<int> numbers;

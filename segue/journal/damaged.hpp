@@ -7,8 +7,8 @@
 
 namespace segue::journal::detail {
 
-/// Renames a damaged file and what belongs to it (`-wal`, `-shm`) to "PATH.broken-N", N counting from 1; of
-/// those the five latest are kept. The new name, or why it cannot be renamed.
+/// Renames a damaged file and its companions (`-wal`, `-shm`) to "PATH.broken-N", N counting from 1, and
+/// keeps the five latest of these. Returns the new name. PermissionDenied if it cannot be renamed.
 Result<std::filesystem::path> move_aside(const std::filesystem::path& path);
 
 }  // namespace segue::journal::detail

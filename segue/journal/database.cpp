@@ -37,7 +37,7 @@ Error error_of(sqlite3* database) {
   return fail(code_of(sqlite3_extended_errcode(database)), sqlite3_errmsg(database));
 }
 
-/// Of the absolute path, since SQLite takes what follows two slashes for a host.
+/// The URI of the absolute path, since SQLite takes the part after two slashes for a host.
 std::string uri_of(const std::filesystem::path& file, std::string_view parameters) {
   static constexpr std::string_view kHex = "0123456789ABCDEF";
   const auto path = std::filesystem::absolute(file).lexically_normal();
@@ -67,8 +67,8 @@ Result<sqlite3*> open_file(const std::string& uri, int flags) {
   return error;
 }
 
-/// A file in a folder where nothing can be made has no place for what readers and writers share. Nobody
-/// writes it then, so it may be read as it is.
+/// In a read-only folder SQLite cannot create the files that readers and writers share. Nobody writes the
+/// journal then, so it is opened as immutable.
 Result<sqlite3*> open_to_read(const std::filesystem::path& path) {
   auto database = open_file(uri_of(path, "?mode=ro"), SQLITE_OPEN_READONLY);
   if (!database) return database;

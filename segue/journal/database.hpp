@@ -13,23 +13,23 @@
 struct sqlite3;
 struct sqlite3_stmt;
 
-/// SQLite as values and Results. Errors by what is to be done: ParseError (the file is damaged or no
-/// database), ResourceExhausted (the disk is full), PermissionDenied, Unavailable (somebody else holds it),
-/// else IoError.
+/// SQLite with values and Results. Error codes: ParseError (the file is damaged or no database),
+/// ResourceExhausted (the disk is full), PermissionDenied, Unavailable (another process holds the lock), else
+/// IoError.
 namespace segue::journal::detail {
 
-/// A compiled statement. Positions count from 0 for columns and places alike. Not thread safe.
+/// A compiled statement. Columns and parameters are numbered from 0. Not thread safe.
 class Statement {
  public:
   Statement(sqlite3* database, sqlite3_stmt* statement) : database_(database), statement_(statement) {}
 
-  /// Binds all places in order and executes to the end; for statements that yield no rows.
+  /// Binds all parameters in order and executes to the end; for statements without rows.
   template <class... Values>
   Result<void> run(const Values&... values) {
     start(values...);
     return finish();
   }
-  /// Binds all places in order; rows come by next().
+  /// Binds all parameters in order; next() gives the rows.
   template <class... Values>
   void start(const Values&... values) {
     restart();
@@ -60,8 +60,7 @@ class Statement {
 /// An open file. Not thread safe.
 class Database {
  public:
-  /// Write makes the file where it is missing. Who finds it held by somebody else waits, five seconds at
-  /// most.
+  /// Write creates a missing file. Functions wait at most five seconds for a lock of another process.
   enum class Mode { Write, Read };
   static Result<Database> open(const std::filesystem::path& path, Mode mode);
 
@@ -71,7 +70,7 @@ class Database {
   /// The first column of the first row.
   Result<std::int64_t> integer(std::string_view sql);
   Result<std::string> text(std::string_view sql);
-  /// Gives up the transaction in progress, if there is one.
+  /// Rolls back the transaction in progress, if there is one.
   void roll_back();
 
  private:

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-/// What a robot was asked for and what it did, kept in a file that outlives it.
+/// The journal of a robot: its requests and transitions, in a file that outlives the robot.
 namespace segue::journal {
 
-/// The only outcome of an action from which durations are learnt.
+/// The outcome of a successful action. Only such actions give duration samples.
 inline constexpr const char* kDone = "done";
 
-/// One action of a transition that was carried out.
+/// One action of an executed transition.
 struct ActionEntry {
   int id = 0;  ///< in its transition
   model::ActionKind kind = model::ActionKind::Recover;
@@ -27,7 +27,7 @@ struct ActionEntry {
   model::HostName host;
   model::ProcessName process;  ///< empty: the runtime's own
   Duration started{0};         ///< since the begin of the execution
-  Duration waited{0};  ///< though what comes before it was done: for others of its batch, and on the way
+  Duration waited{0};          ///< after its predecessors had ended: for others of its batch, and in transit
   Duration duration{0};
   std::string outcome;  ///< "done", "failed", "skipped"
   std::string error;
@@ -35,26 +35,26 @@ struct ActionEntry {
   friend bool operator==(const ActionEntry&, const ActionEntry&) = default;
 };
 
-/// What was expected of a transition before it was carried out.
+/// The predicted durations of a transition before its execution.
 struct Prediction {
   model::DurationRange total;
   model::DurationRange commit;
   friend bool operator==(const Prediction&, const Prediction&) = default;
 };
 
-/// What became of a request. `total` is from the begin of the execution to the end of its last action;
-/// solving comes before it.
+/// The result of a request. `total` is from the begin of the execution to the end of its last action, without
+/// solving.
 struct TransitionEntry {
   std::uint64_t request = 0;
   std::chrono::system_clock::time_point time;  ///< when it ended
   std::string cause;                           ///< "request", "repair", "fallback" ...
-  std::string who;                             ///< asked; may be empty
+  std::string who;                             ///< sent the request; may be empty
   std::string from;
   std::string to;
-  std::string runs;  ///< what the robot runs since
+  std::string runs;  ///< the controller that runs since then
   std::string order;
   std::string outcome;  ///< "done", "superseded", "refused", "failed" ...
-  std::string undone;   ///< how, where it failed: "restored", "fell back to 'safe'" ...
+  std::string undone;   ///< if it failed: "restored", "fell back to 'safe'" ...
   std::string error;
   Duration solve{0};
   Duration total{0};
@@ -67,7 +67,7 @@ struct TransitionEntry {
   friend bool operator==(const TransitionEntry&, const TransitionEntry&) = default;
 };
 
-/// A request that was accepted. One without a transition of the same number was cut off: the runtime ended.
+/// An accepted request. If there is no transition of the same number, the runtime ended before its result.
 struct RequestEntry {
   std::uint64_t request = 0;
   std::chrono::system_clock::time_point time;
@@ -76,7 +76,7 @@ struct RequestEntry {
   friend bool operator==(const RequestEntry&, const RequestEntry&) = default;
 };
 
-/// Where what runs was found to differ from what should, and what was done about it.
+/// Drift: a difference between the observed and the desired network, and how it was handled.
 struct DifferenceEntry {
   std::chrono::system_clock::time_point time;
   std::string subject;   ///< task, process or connection
@@ -85,19 +85,19 @@ struct DifferenceEntry {
   friend bool operator==(const DifferenceEntry&, const DifferenceEntry&) = default;
 };
 
-/// Entries that could not be kept: the disk was full, the file not to be written.
+/// Entries were lost, because the disk was full or the file could not be written.
 struct GapEntry {
-  std::chrono::system_clock::time_point time;  ///< when writing went on
+  std::chrono::system_clock::time_point time;  ///< when writing resumed
   std::uint64_t lost = 0;
   std::string reason;
   friend bool operator==(const GapEntry&, const GapEntry&) = default;
 };
 
-/// What is learnt from a transition: how long each action that was done took, and how long it waited.
-struct Lesson {
+/// The samples that a transition adds to the statistics: durations and waits of its successful actions.
+struct DurationSamples {
   std::vector<std::pair<model::ActionKey, Duration>> actions;
   std::vector<Duration> waits;
 };
-Lesson lesson_of(const TransitionEntry& entry);
+DurationSamples duration_samples(const TransitionEntry& entry);
 
 }  // namespace segue::journal

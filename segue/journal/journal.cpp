@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <cstdlib>
 #include <deque>
 #include <iterator>
 #include <mutex>
@@ -18,21 +19,43 @@ namespace segue::journal {
 
 namespace {
 
-using detail::Entry;
+using detail::AnyEntry;
 using detail::Store;
 
 constexpr Duration kFirstAttempt = std::chrono::seconds(2);
 constexpr Duration kShortestPause = std::chrono::seconds(1);
 constexpr Duration kLongestPause = std::chrono::seconds(30);
 
-/// What is there belongs to somebody else; only a person can change that.
+/// The file belongs to another program or a newer Segue; only the user can resolve that.
 bool is_refusal(const Error& error) {
   return error.code == ErrorCode::InvalidArgument || error.code == ErrorCode::Unsupported;
 }
 
+/// A relative path in such a variable is to be ignored (XDG Base Directory Specification).
+std::filesystem::path folder_in(const char* variable) {
+  const char* value = std::getenv(variable);
+  const std::filesystem::path folder = value == nullptr ? "" : value;
+  return folder.is_absolute() ? folder : std::filesystem::path();
+}
+
 }  // namespace
 
-/// The queue, and the thread that empties it into the file.
+Result<std::filesystem::path> default_path(std::string_view robot) {
+  if (!is_identifier(robot)) return fail(ErrorCode::InvalidArgument, quote(robot) + " is no robot's name");
+  std::filesystem::path state = folder_in("XDG_STATE_HOME");
+  if (state.empty()) {
+    const auto home = folder_in("HOME");
+    if (home.empty()) {
+      return fail(ErrorCode::NotFound, "there is no place for the journal of " + quote(robot) +
+                                           ": neither XDG_STATE_HOME nor HOME names a folder");
+    }
+    state = home / ".local" / "state";
+  }
+  return state / "segue" / robot / "journal.sqlite";
+}
+
+/// The queue, and the thread that writes it to the file. The mutex is not held while the file is accessed, so
+/// a slow disk never blocks add().
 struct Journal::Implementation {
   Implementation(const std::filesystem::path& file, const JournalOptions& wanted, OnTrouble listener)
       : path(std::filesystem::absolute(file).lexically_normal()),
@@ -53,20 +76,20 @@ struct Journal::Implementation {
     thread.join();
   }
 
-  void add(Entry entry);
+  void add(AnyEntry entry);
   Result<void> flush(TimePoint deadline);
 
-  // The thread's.
+  // Called by the writing thread only.
   void work();
   void attempt(std::unique_lock<std::mutex>& lock);
-  Result<void> write(std::vector<Entry>& entries, std::uint64_t gap, const std::string& reason);
+  Result<void> write(std::vector<AnyEntry>& entries, std::uint64_t gap, const std::string& reason);
   Result<void> open();
-  void tell(Trouble::Kind kind, const std::string& message, std::uint64_t entries_lost = 0) const;
+  void report(Trouble::Kind kind, const std::string& message, std::uint64_t entries_lost = 0) const;
 
-  // With the mutex.
+  // Called with the mutex held.
   void shorten_queue();
-  void put_back(std::vector<Entry> entries);
-  /// How many of those added first are written or given up.
+  void put_back(std::vector<AnyEntry> entries);
+  /// The number of entries, counted from the first one added, that are written or dropped.
   [[nodiscard]] std::uint64_t settled() const { return writing ? writing_from : added - queue.size(); }
   [[nodiscard]] bool may_try() const {
     return (!queue.empty() || trouble) && (flushing > 0 || not_before <= RealClock::instance().now());
@@ -76,29 +99,29 @@ struct Journal::Implementation {
   const JournalOptions options;
   const OnTrouble on_trouble;
 
-  mutable std::mutex mutex;  ///< guards all below but the store
+  mutable std::mutex mutex;  ///< protects all members below except `store` and `thread`
   std::condition_variable changed;
-  std::deque<Entry> queue;
+  std::deque<AnyEntry> queue;
   std::size_t weight = 0;  ///< of the queue
   std::uint64_t added = 0;
   std::uint64_t lost = 0;
-  std::uint64_t unreported = 0;  ///< of those lost: since the file was last written
+  std::uint64_t unreported = 0;  ///< dropped entries that are not in the file as a gap yet
   bool writing = false;
-  std::uint64_t writing_from = 0;   ///< how many were settled when writing began
+  std::uint64_t writing_from = 0;   ///< settled() when the current write began
   std::uint64_t begun_attempt = 0;  ///< attempts are numbered from 1
   std::uint64_t ended_attempt = 0;
-  std::optional<Error> trouble;  ///< of the last attempt
+  std::optional<Error> trouble;  ///< error of the last attempt
   Duration pause = kShortestPause;
   TimePoint not_before{};
   int flushing = 0;
   bool stopping = false;
   std::shared_ptr<const model::ActionTimes> times = std::make_shared<model::ActionTimes>();
 
-  std::optional<Store> store;  ///< the thread's
+  std::optional<Store> store;  ///< used by the writing thread only
   std::thread thread;
 };
 
-void Journal::Implementation::add(Entry entry) {
+void Journal::Implementation::add(AnyEntry entry) {
   {
     const std::lock_guard lock(mutex);
     weight += detail::weight_of(entry);
@@ -109,7 +132,7 @@ void Journal::Implementation::add(Entry entry) {
   changed.notify_all();
 }
 
-/// The latest entry stays, whatever its size.
+/// The latest entry is kept, whatever its size.
 void Journal::Implementation::shorten_queue() {
   while (weight > options.queue && queue.size() > 1) {
     weight -= detail::weight_of(queue.front());
@@ -119,8 +142,8 @@ void Journal::Implementation::shorten_queue() {
   }
 }
 
-void Journal::Implementation::put_back(std::vector<Entry> entries) {
-  for (const Entry& entry : entries)
+void Journal::Implementation::put_back(std::vector<AnyEntry> entries) {
+  for (const AnyEntry& entry : entries)
     weight += detail::weight_of(entry);
   queue.insert(queue.begin(), std::make_move_iterator(entries.begin()),
                std::make_move_iterator(entries.end()));
@@ -130,7 +153,7 @@ void Journal::Implementation::put_back(std::vector<Entry> entries) {
 Result<void> Journal::Implementation::flush(TimePoint deadline) {
   std::unique_lock lock(mutex);
   const std::uint64_t wanted = added;
-  const std::uint64_t own_attempt = begun_attempt + 1;  // the one under way may not have all of it
+  const std::uint64_t own_attempt = begun_attempt + 1;  // the present attempt may lack the latest entries
   ++flushing;
   changed.notify_all();
   const bool ended = changed.wait_until(lock, deadline, [&] {
@@ -158,25 +181,25 @@ void Journal::Implementation::work() {
   if (!queue.empty()) attempt(lock);
 }
 
-/// Writes all that waits; lets go of the lock meanwhile.
+/// Writes all waiting entries; releases the lock meanwhile.
 void Journal::Implementation::attempt(std::unique_lock<std::mutex>& lock) {
   writing_from = settled();
   writing = true;
   const std::uint64_t number = ++begun_attempt;
   const std::uint64_t gap = unreported;
-  const std::string reason = trouble ? trouble->message : "too much at once";
-  std::vector<Entry> entries(std::make_move_iterator(queue.begin()), std::make_move_iterator(queue.end()));
+  const std::string reason = trouble ? trouble->message : "too many entries at once";
+  std::vector<AnyEntry> entries(std::make_move_iterator(queue.begin()), std::make_move_iterator(queue.end()));
   queue.clear();
   weight = 0;
   lock.unlock();
   auto result = write(entries, gap, reason);
-  auto learnt = result ? std::make_shared<model::ActionTimes>(store->times()) : nullptr;
+  auto statistics = result ? std::make_shared<model::ActionTimes>(store->times()) : nullptr;
   lock.lock();
   writing = false;
   ended_attempt = number;
   const bool was_fine = !trouble;
   if (result) {
-    times = std::move(learnt);
+    times = std::move(statistics);
     unreported -= gap;
     trouble.reset();
     pause = kShortestPause;
@@ -191,16 +214,16 @@ void Journal::Implementation::attempt(std::unique_lock<std::mutex>& lock) {
   if (was_fine == result.has_value()) return;
   lock.unlock();
   if (!result) {
-    tell(is_refusal(result.error()) ? Trouble::Kind::Refused : Trouble::Kind::Unwritable,
-         "the journal " + quote(path.native()) + " is not written: " + to_string(result.error()));
+    report(is_refusal(result.error()) ? Trouble::Kind::Refused : Trouble::Kind::Unwritable,
+           "the journal " + quote(path.native()) + " cannot be written: " + to_string(result.error()));
   } else {
-    tell(Trouble::Kind::Resumed, "the journal " + quote(path.native()) + " is written again", gap);
+    report(Trouble::Kind::Resumed, "the journal " + quote(path.native()) + " is written again", gap);
   }
   lock.lock();
 }
 
-/// A file that failed is opened anew by the next attempt: it may be another one by then.
-Result<void> Journal::Implementation::write(std::vector<Entry>& entries, std::uint64_t gap,
+/// After a failure the next attempt opens the file again, since it may have been replaced.
+Result<void> Journal::Implementation::write(std::vector<AnyEntry>& entries, std::uint64_t gap,
                                             const std::string& reason) {
   if (store && !store->is_in_place()) store.reset();
   if (!store) {
@@ -224,9 +247,9 @@ Result<void> Journal::Implementation::open() {
   if (!opened && opened.error().code == ErrorCode::ParseError) {
     const auto name = detail::move_aside(path);
     if (!name) return name.error();
-    tell(Trouble::Kind::Replaced, "the journal " + quote(path.native()) + " was damaged (" +
-                                      opened.error().message + "): it is now " + quote(name->native()) +
-                                      ", and a new one is begun");
+    report(Trouble::Kind::Replaced, "the journal " + quote(path.native()) + " was damaged (" +
+                                        opened.error().message + "): it has been renamed to " +
+                                        quote(name->native()) + ", and a new one is created");
     opened = Store::open(path, options.keep_actions);
   }
   if (!opened) return opened.error();
@@ -234,8 +257,8 @@ Result<void> Journal::Implementation::open() {
   return {};
 }
 
-void Journal::Implementation::tell(Trouble::Kind kind, const std::string& message,
-                                   std::uint64_t entries_lost) const {
+void Journal::Implementation::report(Trouble::Kind kind, const std::string& message,
+                                     std::uint64_t entries_lost) const {
   if (on_trouble) on_trouble({kind, message, entries_lost});
 }
 

@@ -16,48 +16,48 @@
 
 namespace segue::journal {
 
-/// `$XDG_STATE_HOME/segue/ROBOT/journal.sqlite`, else `~/.local/state/segue/...`. InvalidArgument where the
-/// name is no identifier; NotFound where neither variable is set. Nothing is made.
+/// `$XDG_STATE_HOME/segue/ROBOT/journal.sqlite`, else `~/.local/state/segue/...`. InvalidArgument if the name
+/// is no identifier, NotFound if neither variable is set. Does not create anything.
 Result<std::filesystem::path> default_path(std::string_view robot);
 
 struct JournalOptions {
-  /// Oldest transitions are removed where there are more actions than this, requests, differences and gaps
-  /// where there are more than a tenth of it. A file of a hundred thousand actions has some 20 MB.
+  /// The oldest transitions are removed once there are more actions than this; requests, differences and gaps
+  /// once there are more than a tenth of it. A file of a hundred thousand actions has about 20 MB.
   std::size_t keep_actions = 100'000;
-  /// Actions and other entries that wait to be written, while they cannot be: the oldest are given up.
+  /// Limit on the actions and other entries that wait to be written. Beyond it the oldest are dropped.
   std::size_t queue = 20'000;
 };
 
-/// What people should hear about the file. Each state is told once, not each attempt.
+/// A problem with the file that users should see. Reported once per change of state, not for each attempt.
 struct Trouble {
   enum class Kind {
-    Unwritable,  ///< cannot be written now; tried again
-    Refused,     ///< of a newer Segue or something else; never touched
-    Replaced,    ///< was damaged; moved aside and begun anew
-    Resumed      ///< is written again
+    Unwritable,  ///< cannot be written now; will be tried again
+    Refused,     ///< belongs to a newer Segue or another program; is never changed
+    Replaced,    ///< was damaged; has been renamed, and a new file created
+    Resumed      ///< can be written again
   };
   Kind kind = Kind::Unwritable;
   std::string message;     ///< a sentence with the path and what to do
-  std::uint64_t lost = 0;  ///< Resumed: entries that were given up meanwhile
+  std::uint64_t lost = 0;  ///< Resumed: number of entries dropped meanwhile
 };
 
-/// Keeps what a robot does in an SQLite file, written by a thread of its own: whoever adds an entry neither
-/// waits for the disk nor hears of its failure. Any number of readers (JournalReader) may look at the file
-/// meanwhile, from other processes too.
+/// Writes the entries of a robot to an SQLite file in a thread of its own. Adding an entry neither waits for
+/// the disk nor fails. Any number of readers (JournalReader) may read the file meanwhile, also from other
+/// processes.
 ///
-/// What flush() has confirmed survives the end of the process at any moment, and of the computer. While the
-/// file cannot be written, entries wait (JournalOptions::queue) and attempts are repeated, up to 30 s apart;
-/// what had to be given up is counted and kept as a GapEntry. All functions may be called from any thread.
+/// Entries confirmed by flush() survive a crash of the process or the computer. While the file cannot be
+/// written, entries wait (JournalOptions::queue) and attempts are repeated up to 30 s apart; dropped entries
+/// are counted and recorded as a GapEntry. All functions may be called from any thread.
 class Journal {
  public:
   /// Called from the journal's thread; must not call the journal.
   using OnTrouble = std::function<void(const Trouble&)>;
 
-  /// Makes the file and its folders where they are missing. Waits for the first attempt, two seconds at
-  /// most; what goes wrong is told and tried again.
+  /// Creates the file and its folders if they are missing. Blocks for the first attempt, at most two seconds;
+  /// failures are reported and tried again.
   explicit Journal(const std::filesystem::path& path, const JournalOptions& options = {},
                    OnTrouble on_trouble = {});
-  /// Writes what waits, if one attempt does it.
+  /// Makes one attempt to write the waiting entries. Blocks.
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
@@ -68,14 +68,13 @@ class Journal {
   void add(RequestEntry entry);
   void add(DifferenceEntry entry);
 
-  /// What was learnt from all transitions in the file; never null. A transition counts once it is written.
+  /// The statistics of all transitions written so far, removed ones included; never null.
   [[nodiscard]] std::shared_ptr<const model::ActionTimes> times() const;
 
-  /// Tries at once to write all that was added before. The error is why it is not written: of the file, or
-  /// DeadlineExceeded. Blocks.
+  /// Writes all entries added before. Fails with the error of the file, or DeadlineExceeded. Blocks.
   Result<void> flush(TimePoint deadline);
 
-  /// Entries given up since this began.
+  /// Number of entries dropped since construction.
   [[nodiscard]] std::uint64_t lost() const;
 
  private:

@@ -53,7 +53,7 @@ TEST(Journal, KeepsEveryFieldOfEveryEntry) {
   EXPECT_EQ(reader->invalid_rows(), 0U);
 }
 
-TEST(Journal, WritesWhatWaitsWhenItEnds) {
+TEST(Journal, WritesWaitingEntriesWhenItEnds) {
   const Folder folder;
   {
     Journal journal(folder / "j");
@@ -79,7 +79,7 @@ TEST(Journal, TakesAPathInTheCurrentFolder) {
   EXPECT_EQ(all_of(folder / "j").size(), 1U);
 }
 
-TEST(Journal, GoesOnWithAnEarlierFile) {
+TEST(Journal, ContinuesAnExistingFile) {
   const Folder folder;
   for (std::uint64_t i = 1; i <= 3; ++i) {
     Journal journal(folder / "j");
@@ -88,7 +88,7 @@ TEST(Journal, GoesOnWithAnEarlierFile) {
   EXPECT_EQ(all_of(folder / "j").size(), 3U);
 }
 
-TEST(Journal, LearnsDurationsAndStillKnowsThemInItsNextLife) {
+TEST(Journal, KeepsDurationStatisticsOverRestarts) {
   const Folder folder;
   const model::ActionKey key{"demo::A", model::ActionKind::Configure, model::kLocalHost};
   {
@@ -109,7 +109,7 @@ TEST(Journal, LearnsDurationsAndStillKnowsThemInItsNextLife) {
   EXPECT_EQ(*JournalReader::open(folder / "j")->times(), *journal.times());
 }
 
-TEST(Journal, LearnsNothingFromWhatFailed) {
+TEST(Journal, TakesNoSamplesFromFailures) {
   const Folder folder;
   Journal journal(folder / "j");
   TransitionEntry entry = transition(1);
@@ -120,7 +120,7 @@ TEST(Journal, LearnsNothingFromWhatFailed) {
   EXPECT_TRUE(journal.times()->actions.empty());
 }
 
-TEST(Journal, RemovesTheOldestTransitionsAndKeepsWhatTheyTaught) {
+TEST(Journal, RemovesTheOldestTransitionsAndKeepsTheirStatistics) {
   const Folder folder;
   JournalOptions options;
   options.keep_actions = 100;
@@ -200,16 +200,16 @@ TEST(JournalPath, FollowsTheEnvironment) {
   EXPECT_EQ(default_path("artemis").error().code, ErrorCode::NotFound);
 }
 
-TEST(Lesson, IsOfWhatWasDone) {
+TEST(DurationSamples, AreOfSuccessfulActionsOnly) {
   TransitionEntry entry;
   entry.actions = {action(1, 100ms), action(2, 100us), action(3, 5ms)};
   entry.actions[1].waited = 3ms;
   entry.actions[2].outcome = "failed";
-  const Lesson lesson = lesson_of(entry);
-  ASSERT_EQ(lesson.actions.size(), 2U);
-  EXPECT_EQ(lesson.actions[0].second, 100ms);
-  EXPECT_EQ(lesson.actions[1].second, 100us);
-  EXPECT_EQ(lesson.waits.at(1), 3ms);
+  const DurationSamples samples = duration_samples(entry);
+  ASSERT_EQ(samples.actions.size(), 2U);
+  EXPECT_EQ(samples.actions[0].second, 100ms);
+  EXPECT_EQ(samples.actions[1].second, 100us);
+  EXPECT_EQ(samples.waits.at(1), 3ms);
 }
 
 }  // namespace

@@ -35,13 +35,13 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// What a journal told, and waiting for it.
+/// Collects the troubles that a journal reports.
 class Troubles {
  public:
   Journal::OnTrouble listener() {
     return [this](const Trouble& trouble) {
       const std::lock_guard lock(mutex_);
-      told_.push_back(trouble);
+      reported_.push_back(trouble);
       changed_.notify_all();
     };
   }
@@ -50,17 +50,17 @@ class Troubles {
     std::unique_lock lock(mutex_);
     const Trouble* found = nullptr;
     const bool came = changed_.wait_until(lock, soon(), [&] {
-      for (const Trouble& trouble : told_)
+      for (const Trouble& trouble : reported_)
         if (trouble.kind == kind && found == nullptr) found = &trouble;
       return found != nullptr;
     });
-    EXPECT_TRUE(came) << "the journal never told";
+    EXPECT_TRUE(came) << "the journal never reported it";
     return came ? *found : Trouble{};
   }
   std::vector<Trouble::Kind> kinds() {
     const std::lock_guard lock(mutex_);
     std::vector<Trouble::Kind> kinds;
-    for (const Trouble& trouble : told_)
+    for (const Trouble& trouble : reported_)
       kinds.push_back(trouble.kind);
     return kinds;
   }
@@ -68,7 +68,7 @@ class Troubles {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Trouble> told_;
+  std::vector<Trouble> reported_;
 };
 
 inline ActionEntry action(int id, Duration duration, const char* component = "demo::A") {
@@ -108,7 +108,7 @@ inline std::vector<TransitionEntry> all_of(const std::filesystem::path& path) {
   return entries ? *entries : std::vector<TransitionEntry>{};
 }
 
-/// Changes the file behind the journal's back.
+/// Changes the file without the journal.
 inline void change(const std::filesystem::path& path, const std::string& sql) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);

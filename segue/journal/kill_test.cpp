@@ -18,7 +18,7 @@ namespace {
 using testing::all_of;
 using testing::Folder;
 
-/// A process that writes a journal, from a number on, and tells what is safe.
+/// A process that writes a journal, starting at a given number, and prints which entries are safe.
 class Writer {
  public:
   Writer(const std::filesystem::path& path, std::uint64_t first) {
@@ -34,20 +34,21 @@ class Writer {
     EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &files, nullptr, arguments.data(), environ), 0);
     posix_spawn_file_actions_destroy(&files);
     ::close(ends[1]);
-    told_ = ::fdopen(ends[0], "r");
+    reported_ = ::fdopen(ends[0], "r");
   }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
-  ~Writer() { std::fclose(told_); }
+  ~Writer() { std::fclose(reported_); }
 
-  /// The next number that is safe; 0 at the end.
+  /// Reads the next safe number; 0 at the end.
   std::uint64_t next() {
     std::array<char, 32> line{};
-    return std::fgets(line.data(), line.size(), told_) == nullptr ? 0
-                                                                  : std::strtoull(line.data(), nullptr, 10);
+    return std::fgets(line.data(), line.size(), reported_) == nullptr
+               ? 0
+               : std::strtoull(line.data(), nullptr, 10);
   }
 
-  /// Ends it at once. The last number that it told.
+  /// Kills the process; returns the last number that it printed.
   std::uint64_t kill(std::uint64_t safe) {
     ::kill(pid_, SIGKILL);
     while (const std::uint64_t later = next())
@@ -60,14 +61,13 @@ class Writer {
 
  private:
   pid_t pid_ = -1;
-  std::FILE* told_ = nullptr;
+  std::FILE* reported_ = nullptr;
 };
 
 TEST(JournalKill, NothingThatWasFlushedIsLostWheneverTheWriterIsKilled) {
   const Folder folder;
   const auto path = folder / "j";
-  std::mt19937 random(
-      1);  // NOLINT(cert-msc51-cpp): the same moments each time, as far as the computer lets us
+  std::mt19937 random(1);  // NOLINT(cert-msc51-cpp): the same moments in each run, as far as possible
   std::uint64_t safe = 0;
   for (int life = 0; life < 40; ++life) {
     Writer writer(path, safe + 1);
@@ -75,7 +75,7 @@ TEST(JournalKill, NothingThatWasFlushedIsLostWheneverTheWriterIsKilled) {
     std::uint64_t last = safe;
     for (int i = 0; i < flushes; ++i)
       last = std::max(last, writer.next());
-    // Somewhere within the next writing.
+    // A random moment within the next write.
     ::usleep(std::uniform_int_distribution<useconds_t>(0, 4000)(random));
     last = writer.kill(last);
     if (!std::filesystem::exists(path)) continue;

@@ -28,7 +28,7 @@ Duration duration_in(const Statement& row, int column) {
   return Duration(row.integer(column));
 }
 
-/// The place of a word among the names of an enumeration.
+/// The enumerator of that name.
 template <class Enumeration, class Names>
 std::optional<Enumeration> named(const Names& names, const std::string& word) {
   const auto found = std::find(names.begin(), names.end(), word);
@@ -36,7 +36,7 @@ std::optional<Enumeration> named(const Names& names, const std::string& word) {
   return static_cast<Enumeration>(found - names.begin());
 }
 
-/// Low, typical, high from a column on, where they are numbers in that order.
+/// Reads low, typical and high starting at a column; nothing unless they are in increasing order.
 std::optional<model::DurationRange> range_in(const Statement& row, int first) {
   const model::DurationRange range{duration_in(row, first), duration_in(row, first + 1),
                                    duration_in(row, first + 2)};
@@ -90,7 +90,7 @@ std::optional<ActionEntry> action_in(const Statement& row) {
   return entry;
 }
 
-/// All rows of a statement that was started, the latest first; those that make no sense are counted.
+/// Collects the rows of a started statement, which gives the latest first, and returns the oldest first.
 template <class Item, class Convert>
 Result<std::vector<Item>> collect(Statement& rows, Convert convert) {
   std::vector<Item> items;

@@ -30,14 +30,14 @@ ErrorCode code_of(const std::filesystem::path& path) {
   return reader ? ErrorCode::Internal : reader.error().code;
 }
 
-TEST(JournalReader, SaysWhereThereIsNoFile) {
+TEST(JournalReader, FailsWithoutAFile) {
   const Folder folder;
   EXPECT_EQ(code_of(folder / "none"), ErrorCode::NotFound);
   std::ofstream(folder / "empty").close();
   EXPECT_EQ(code_of(folder / "empty"), ErrorCode::NotFound);
 }
 
-TEST(JournalReader, GivesTheLatestOnes) {
+TEST(JournalReader, GivesTheLatestEntries) {
   const Folder folder;
   write_some(folder / "j");
   auto reader = JournalReader::open(folder / "j");
@@ -50,7 +50,7 @@ TEST(JournalReader, GivesTheLatestOnes) {
   EXPECT_TRUE(latest->at(1).actions.empty());
 }
 
-TEST(JournalReader, RefusesWhatIsNoJournal) {
+TEST(JournalReader, RefusesOtherFiles) {
   const Folder folder;
   std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "
                                  << std::string(5000, 'x');
@@ -59,7 +59,7 @@ TEST(JournalReader, RefusesWhatIsNoJournal) {
   EXPECT_EQ(code_of(folder / "other"), ErrorCode::InvalidArgument);
 }
 
-TEST(JournalReader, RefusesWhatANewerSegueWrote) {
+TEST(JournalReader, RefusesAFileOfANewerSegue) {
   const Folder folder;
   write_some(folder / "j");
   change(folder / "j", "PRAGMA user_version = 99");
@@ -69,7 +69,7 @@ TEST(JournalReader, RefusesWhatANewerSegueWrote) {
   EXPECT_THAT(reader.error().message, HasSubstr("version 99"));
 }
 
-TEST(JournalReader, LeavesOutRowsThatMakeNoSense) {
+TEST(JournalReader, SkipsInvalidRows) {
   const Folder folder;
   write_some(folder / "j");
   change(folder / "j", R"(
@@ -100,7 +100,7 @@ TEST(JournalReader, LeavesOutRowsThatMakeNoSense) {
   EXPECT_EQ(reader->invalid_rows(), 11U);
 }
 
-TEST(JournalReader, SeesWhatIsWrittenAfterItOpened) {
+TEST(JournalReader, SeesEntriesWrittenAfterItWasOpened) {
   const Folder folder;
   Journal journal(folder / "j");
   auto reader = JournalReader::open(folder / "j");
@@ -111,7 +111,7 @@ TEST(JournalReader, SeesWhatIsWrittenAfterItOpened) {
   EXPECT_EQ(reader->transitions(10)->size(), 1U);
 }
 
-TEST(JournalReader, ReadsANameThatIsOddInAnAddress) {
+TEST(JournalReader, ReadsAPathWithSpecialCharactersOfUris) {
   const Folder folder;
   write_some(folder / "50% of? #1");
   EXPECT_EQ(all_of(folder / "50% of? #1").size(), 5U);

@@ -4,14 +4,14 @@
 #include <segue/journal/entries.hpp>
 #include <segue/type/value.hpp>
 
-/// Entries as Values with the fields of the JSON that tools may rely on.
+/// Converts entries to Values. Their fields are those of the JSON output, which tools may rely on.
 namespace segue::journal {
 
 /// {"low", "typical", "high"} in seconds.
 type::Value to_value(const model::DurationRange& range);
 /// {"total", "commit"}
 type::Value to_value(const Prediction& prediction);
-/// The fields of the JSON of `switch`, "time" (ISO 8601, UTC) and, where there was one, "predicted_s".
+/// The fields of the JSON of `switch`, "time" (ISO 8601, UTC) and, if there was one, "predicted_s".
 type::Value to_value(const TransitionEntry& entry);
 /// {"time", "subject", "sentence", "done"}
 type::Value to_value(const DifferenceEntry& entry);

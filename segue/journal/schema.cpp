@@ -78,7 +78,7 @@ Result<void> bring_up_to_date(Database& database, std::span<const std::string_vi
   auto found = version_of(database, steps.size());
   if (!found) return found.error();
   if (*found == static_cast<std::int64_t>(steps.size())) return {};
-  // Who else opens the file just now must not take the same steps.
+  // The write lock keeps other processes that open the file now from taking the same steps.
   if (auto begun = database.execute("BEGIN IMMEDIATE"); !begun) return begun;
   found = version_of(database, steps.size());
   auto done = found ? take_steps(database, static_cast<std::size_t>(*found), steps)

@@ -7,19 +7,19 @@
 #include <span>
 #include <string_view>
 
-/// The tables of a journal and how older files become newer ones.
+/// The tables of a journal, and the migration of older files.
 namespace segue::journal::detail {
 
-/// Step i brings a file of version i to version i + 1; the first makes everything in an empty file. Steps are
-/// never changed once they are released: a new version is a new step.
+/// Step i migrates a file from version i to version i + 1; the first step creates all tables in an empty
+/// file. Released steps are never changed: a new version adds a step.
 std::span<const std::string_view> schema_steps();
 
-/// Makes or brings up to date what is there, in one transaction. InvalidArgument where the file is of another
-/// program, Unsupported where a newer Segue made it; it is then as it was.
+/// Creates or migrates the tables in one transaction. InvalidArgument if the file belongs to another program,
+/// Unsupported if a newer Segue created it; the file is then unchanged.
 Result<void> bring_up_to_date(Database& database, std::span<const std::string_view> steps = schema_steps());
 
-/// Whether the file can be read as it is: the errors of bring_up_to_date(), NotFound where it is still empty,
-/// Unsupported where it is older.
+/// Whether the file can be read as it is. Fails like bring_up_to_date(), with NotFound if the file is empty,
+/// and with Unsupported if it is older.
 Result<void> check_schema(Database& database);
 
 }  // namespace segue::journal::detail

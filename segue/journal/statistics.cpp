@@ -7,12 +7,26 @@
 #include <optional>
 #include <string>
 
-namespace segue::journal::detail {
+namespace segue::journal {
+
+DurationSamples duration_samples(const TransitionEntry& entry) {
+  DurationSamples samples;
+  for (const ActionEntry& action : entry.actions) {
+    if (action.outcome != kDone || action.duration < Duration(0)) {
+      continue;
+    }
+    samples.actions.push_back({{action.component, action.kind, action.host}, action.duration});
+    samples.waits.push_back(std::max(action.waited, Duration(0)));
+  }
+  return samples;
+}
+
+namespace detail {
 
 namespace {
 
 constexpr std::int64_t kMostRows = 20'000;
-/// The `kind` of the row that holds waits; no action has it.
+/// The `kind` of the row that holds waits; no kind of action has this name.
 constexpr std::string_view kWait = "wait";
 
 std::optional<model::ActionKind> kind_of(std::string_view word) {
@@ -28,7 +42,7 @@ std::string written(const std::vector<Duration>& durations) {
   return text;
 }
 
-/// Numbers separated by blanks, none negative, as many as a record holds at most.
+/// Parses non-negative numbers separated by single spaces, at most as many as a record holds.
 std::optional<std::vector<Duration>> parsed(std::string_view text) {
   std::vector<Duration> durations;
   const char* place = text.data();
@@ -45,7 +59,7 @@ std::optional<std::vector<Duration>> parsed(std::string_view text) {
   return durations;
 }
 
-/// Columns count, mean, recent, from `first` on.
+/// Reads the columns count, mean and recent, starting at `first`.
 std::optional<model::DurationRecord> record_in(const Statement& row, int first) {
   auto recent = parsed(row.text(first + 2));
   const std::int64_t count = row.integer(first);
@@ -56,7 +70,7 @@ std::optional<model::DurationRecord> record_in(const Statement& row, int first) 
   return model::DurationRecord{static_cast<std::uint64_t>(count), Duration(mean), std::move(*recent)};
 }
 
-/// The rows of one table, by what their durations are of.
+/// The rows of the table `duration` by key.
 class Rows {
  public:
   static Result<Rows> prepare(Database& database) {
@@ -113,20 +127,20 @@ Result<model::ActionTimes> read_times(Database& database, std::uint64_t& invalid
   }
 }
 
-Result<void> learn_from(Database& database, const Lesson& lesson, std::int64_t time,
-                        model::ActionTimes& times) {
+Result<void> add_samples(Database& database, const DurationSamples& samples, std::int64_t time,
+                         model::ActionTimes& times) {
   auto rows = Rows::prepare(database);
   if (!rows) return rows.error();
-  std::map<model::ActionKey, std::vector<Duration>> learnt;
-  for (const auto& [key, duration] : lesson.actions)
-    learnt[key].push_back(duration);
-  for (const auto& [key, durations] : learnt) {
+  std::map<model::ActionKey, std::vector<Duration>> grouped;
+  for (const auto& [key, duration] : samples.actions)
+    grouped[key].push_back(duration);
+  for (const auto& [key, durations] : grouped) {
     auto done =
         rows->add(key.component, to_string(key.kind), key.host.str(), durations, time, times.actions[key]);
     if (!done) return done;
   }
-  if (lesson.waits.empty()) return {};
-  return rows->add("", kWait, "", lesson.waits, time, times.waits);
+  if (samples.waits.empty()) return {};
+  return rows->add("", kWait, "", samples.waits, time, times.waits);
 }
 
 Result<void> remove_old_statistics(Database& database) {
@@ -139,4 +153,6 @@ Result<void> remove_old_statistics(Database& database) {
   return removal->run(kMostRows * 9 / 10);
 }
 
-}  // namespace segue::journal::detail
+}  // namespace detail
+
+}  // namespace segue::journal

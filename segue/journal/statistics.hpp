@@ -8,18 +8,18 @@
 
 #include <cstdint>
 
-/// What was learnt, as rows: they stay when the transitions behind them are removed.
+/// Statistics of durations, as rows. They are kept when the transitions behind them are removed.
 namespace segue::journal::detail {
 
-/// Every row that makes sense; `invalid` counts the others.
+/// Reads all valid rows; `invalid` counts the others.
 Result<model::ActionTimes> read_times(Database& database, std::uint64_t& invalid);
 
-/// Adds to the rows in the file, whoever wrote them last, and keeps `times` equal to what is there. Needs a
-/// transaction.
-Result<void> learn_from(Database& database, const Lesson& lesson, std::int64_t time,
-                        model::ActionTimes& times);
+/// Adds samples to the rows in the file, which another process may have changed, and updates `times` to the
+/// result. Requires a transaction.
+Result<void> add_samples(Database& database, const DurationSamples& samples, std::int64_t time,
+                         model::ActionTimes& times);
 
-/// Removes the rows that were not added to for longest, where there are very many.
+/// Removes the rows that were updated least recently if there are very many.
 Result<void> remove_old_statistics(Database& database);
 
 }  // namespace segue::journal::detail

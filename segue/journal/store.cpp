@@ -15,9 +15,9 @@ namespace segue::journal::detail {
 
 namespace {
 
-/// No text of an entry is longer in the file.
+/// Longer texts are cut.
 constexpr std::size_t kLongestText = 4096;
-/// Writers truncate the log of changes to this once it is taken over into the file.
+/// The write-ahead log is truncated to this limit after a checkpoint.
 constexpr std::string_view kSetUp = R"(
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = FULL;
@@ -33,12 +33,12 @@ std::int64_t since_1970(std::chrono::system_clock::time_point time) {
   return std::chrono::duration_cast<Duration>(time.time_since_epoch()).count();
 }
 
-Result<void> make_folder(const std::filesystem::path& path) {
+Result<void> create_folder(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path.parent_path(), failed);
   if (!failed) return {};
   return fail(ErrorCode::PermissionDenied,
-              "cannot make the folder " + quote(path.parent_path().native()) + ": " + failed.message());
+              "cannot create the folder " + quote(path.parent_path().native()) + ": " + failed.message());
 }
 
 Result<void> check_pages(Database& database) {
@@ -128,7 +128,7 @@ bool Store::is_in_place() const {
 }
 
 Result<Store> Store::open(const std::filesystem::path& path, std::size_t keep_actions) {
-  if (auto made = make_folder(path); !made) return made.error();
+  if (auto created = create_folder(path); !created) return created.error();
   auto database = Database::open(path, Database::Mode::Write);
   if (!database) return database.error();
   Store store(std::move(*database), path, keep_actions);
@@ -146,11 +146,11 @@ Result<Store> Store::open(const std::filesystem::path& path, std::size_t keep_ac
   return store;
 }
 
-Result<void> Store::write(std::span<const Entry> entries) {
+Result<void> Store::write(std::span<const AnyEntry> entries) {
   if (auto begun = database_.execute("BEGIN IMMEDIATE"); !begun) return begun;
   model::ActionTimes times = times_;
   std::size_t added = 0;
-  for (const Entry& entry : entries)
+  for (const AnyEntry& entry : entries)
     added += std::holds_alternative<TransitionEntry>(entry) ? weight_of(entry) : 0;
   auto done = insert(entries, times);
   if (done) done = remove_old(added);
@@ -163,8 +163,8 @@ Result<void> Store::write(std::span<const Entry> entries) {
   return {};
 }
 
-Result<void> Store::insert(std::span<const Entry> entries, model::ActionTimes& times) {
-  for (const Entry& entry : entries) {
+Result<void> Store::insert(std::span<const AnyEntry> entries, model::ActionTimes& times) {
+  for (const AnyEntry& entry : entries) {
     Result<void> done;
     if (const auto* transition = std::get_if<TransitionEntry>(&entry)) {
       done = insert(*transition);
@@ -187,7 +187,7 @@ Result<void> Store::insert(const TransitionEntry& entry) {
 }
 
 Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& times) {
-  return learn_from(database_, lesson_of(entry), since_1970(entry.time), times);
+  return add_samples(database_, duration_samples(entry), since_1970(entry.time), times);
 }
 
 Result<void> Store::remove_old(std::size_t added) {
@@ -202,7 +202,8 @@ Result<void> Store::remove_old(std::size_t added) {
   return kept_ > keep_actions_ ? remove_old_transitions() : Result<void>();
 }
 
-/// Down to nine tenths, so that it is not to be done each time. The latest one stays, whatever its size.
+/// Removes down to nine tenths of the limit, so that it is not needed for every write. Keeps the latest
+/// transition, whatever its size.
 Result<void> Store::remove_old_transitions() {
   auto rows = database_.prepare(R"(SELECT id, actions + 1 FROM "transition" ORDER BY id DESC)");
   if (!rows) return rows.error();
@@ -220,7 +221,7 @@ Result<void> Store::remove_old_transitions() {
     }
     kept += size;
   }
-  rows->start();  // so that the table is not being read any more
+  rows->start();  // ends the read, so that rows can be deleted
   kept_ = kept;
   for (const std::string_view removal :
        {R"(DELETE FROM action WHERE "transition" <= ?)", R"(DELETE FROM "transition" WHERE id <= ?)"}) {

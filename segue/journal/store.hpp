@@ -12,13 +12,13 @@
 #include <span>
 #include <variant>
 
-/// Entries as rows.
+/// Writes entries to the tables of the file.
 namespace segue::journal::detail {
 
-using Entry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, GapEntry>;
+using AnyEntry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, GapEntry>;
 
-/// An entry's share of what may wait or be kept.
-inline std::size_t weight_of(const Entry& entry) {
+/// The number of rows of an entry, which limits count.
+inline std::size_t weight_of(const AnyEntry& entry) {
   const auto* transition = std::get_if<TransitionEntry>(&entry);
   return transition == nullptr ? 1 : 1 + transition->actions.size();
 }
@@ -26,20 +26,20 @@ inline std::size_t weight_of(const Entry& entry) {
 /// The file of a journal, opened for writing. Not thread safe.
 class Store {
  public:
-  /// Makes the folder and the file where they are missing. ParseError where what is there is damaged;
-  /// InvalidArgument and Unsupported as bring_up_to_date().
+  /// Creates the folder and the file if they are missing. ParseError if the file is damaged; InvalidArgument
+  /// and Unsupported as bring_up_to_date().
   static Result<Store> open(const std::filesystem::path& path, std::size_t keep_actions);
 
   [[nodiscard]] const model::ActionTimes& times() const { return times_; }
-  /// Whether the file is still what is found under its path: it may have been removed or exchanged.
+  /// Whether the path still refers to the opened file: it may have been removed or replaced.
   [[nodiscard]] bool is_in_place() const;
 
-  /// All of them or none, and what is learnt from them; then removes what is too old. When it returns they
-  /// are on the disk.
-  Result<void> write(std::span<const Entry> entries);
+  /// Writes all entries or none, adds their duration samples, and removes entries that are too old. On return
+  /// they are on the disk.
+  Result<void> write(std::span<const AnyEntry> entries);
 
  private:
-  /// A file, whatever its name.
+  /// Identity of a file, independent of its name.
   struct Identity {
     std::uint64_t device = 0;
     std::uint64_t number = 0;
@@ -48,7 +48,7 @@ class Store {
   static Identity identify(const std::filesystem::path& path);
 
   Store(Database database, std::filesystem::path path, std::size_t keep_actions);
-  Result<void> insert(std::span<const Entry> entries, model::ActionTimes& times);
+  Result<void> insert(std::span<const AnyEntry> entries, model::ActionTimes& times);
   Result<void> insert(const TransitionEntry& entry);
   Result<void> learn(const TransitionEntry& entry, model::ActionTimes& times);
   Result<void> remove_old(std::size_t added);
@@ -58,7 +58,8 @@ class Store {
   std::filesystem::path path_;
   Identity identity_;
   std::size_t keep_actions_;
-  std::size_t kept_ = 0;  ///< transitions and their actions in the file; others may have added some
+  std::size_t kept_ =
+      0;  ///< number of transitions and actions in the file; other writers may have added some
   model::ActionTimes times_;
 };
 

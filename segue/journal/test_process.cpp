@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Writes entry after entry into the journal of the first argument, and tells after each flush how many are
-/// safe, a line each, until somebody kills it.
+/// Writes entries to the journal named by the first argument until it is killed. After each flush it prints
+/// the number of the last safe entry on a line.
 #include <segue/journal/journal.hpp>
 
 #include <unistd.h>

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-/// The robot goes on whatever becomes of the file.
+/// The robot keeps running whatever happens to the file.
 namespace segue::journal {
 namespace {
 
@@ -28,7 +28,7 @@ std::vector<std::uint64_t> requests_in(const std::filesystem::path& path) {
   return requests;
 }
 
-TEST(JournalTrouble, AFullDiskIsToldAndOvercome) {
+TEST(JournalTrouble, AFullDiskIsReportedAndWritingResumes) {
   const Folder folder;
   Troubles troubles;
   Journal journal(folder / "j", {}, troubles.listener());
@@ -40,7 +40,7 @@ TEST(JournalTrouble, AFullDiskIsToldAndOvercome) {
       journal.add(transition(i, 4000));
     EXPECT_FALSE(journal.flush(soon()));
     EXPECT_FALSE(journal.flush(soon()));
-    EXPECT_THAT(troubles.wait_for(Kind::Unwritable).message, HasSubstr("is not written"));
+    EXPECT_THAT(troubles.wait_for(Kind::Unwritable).message, HasSubstr("cannot be written"));
     EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1));
   }
   EXPECT_TRUE(journal.flush(soon()));
@@ -51,7 +51,7 @@ TEST(JournalTrouble, AFullDiskIsToldAndOvercome) {
   EXPECT_EQ(journal.lost(), 0U);
 }
 
-TEST(JournalTrouble, WhatWaitsTooLongIsGivenUpAndCounted) {
+TEST(JournalTrouble, EntriesThatExceedTheQueueAreDroppedAndCounted) {
   const Folder folder;
   Troubles troubles;
   JournalOptions options;
@@ -75,7 +75,7 @@ TEST(JournalTrouble, WhatWaitsTooLongIsGivenUpAndCounted) {
   EXPECT_EQ(lost, 8U);
 }
 
-TEST(JournalTrouble, AFolderThatCannotBeMadeIsToldAndTriedAgain) {
+TEST(JournalTrouble, AFolderThatCannotBeCreatedIsReportedAndTriedAgain) {
   const Folder folder;
   std::ofstream(folder / "in_the_way") << "a file";
   Troubles troubles;
@@ -91,7 +91,7 @@ TEST(JournalTrouble, AFolderThatCannotBeMadeIsToldAndTriedAgain) {
   EXPECT_THAT(requests_in(folder / "in_the_way/j"), ElementsAre(1));
 }
 
-TEST(JournalTrouble, AFileThatWasRemovedIsBegunAnew) {
+TEST(JournalTrouble, ARemovedFileIsCreatedAgain) {
   const Folder folder;
   Journal journal(folder / "j");
   journal.add(transition(1));
@@ -103,7 +103,7 @@ TEST(JournalTrouble, AFileThatWasRemovedIsBegunAnew) {
   EXPECT_THAT(requests_in(folder / "j"), ElementsAre(2));
 }
 
-TEST(JournalTrouble, ADamagedFileIsMovedAsideAndANewOneBegun) {
+TEST(JournalTrouble, ADamagedFileIsRenamedAndANewOneCreated) {
   const Folder folder;
   for (int life = 1; life <= 7; ++life) {
     std::ofstream(folder / "j") << "damaged " << life << std::string(5000, 'x');
@@ -119,7 +119,7 @@ TEST(JournalTrouble, ADamagedFileIsMovedAsideAndANewOneBegun) {
   EXPECT_TRUE(std::filesystem::exists(folder / "j.broken-7"));
 }
 
-TEST(JournalTrouble, APageThatWasOverwrittenIsFoundWhenTheFileIsOpened) {
+TEST(JournalTrouble, ADamagedPageIsFoundWhenTheFileIsOpened) {
   const Folder folder;
   {
     Journal journal(folder / "j");
@@ -154,7 +154,7 @@ TEST(JournalTrouble, AFileOfANewerSegueIsNotTouched) {
   EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1, 2));
 }
 
-TEST(JournalTrouble, SomebodyElsesDatabaseIsNotTouched) {
+TEST(JournalTrouble, ADatabaseOfAnotherProgramIsNotTouched) {
   const Folder folder;
   change(folder / "other", "CREATE TABLE t (x)");
   Troubles troubles;

@@ -12,14 +12,14 @@
 #include <string_view>
 #include <vector>
 
-/// How long actions took, as far as it was measured: what estimates are made from. Plain values.
+/// Measured durations of actions, from which estimates are computed. Plain values.
 namespace segue::model {
 
-/// A process carries out actions one after the other as long as they are quicker than this; a slower one goes
-/// on beside the next (host::Crew).
+/// A process executes actions sequentially as long as they are quicker than this; the next one is executed
+/// beside a slower one.
 inline constexpr Duration kQuickAction = std::chrono::microseconds(200);
 
-/// A duration that is not known for certain.
+/// An uncertain duration.
 struct DurationRange {
   Duration low{0};
   Duration typical{0};
@@ -29,11 +29,11 @@ struct DurationRange {
   friend bool operator==(const DurationRange&, const DurationRange&) = default;
 };
 
-/// What stands for the component of connect and disconnect: these depend on where the two ends live.
+/// Stand for the component in keys of connect and disconnect, which depend on the processes of the two tasks.
 inline constexpr std::string_view kWithinProcess = "(within a process)";
 inline constexpr std::string_view kBetweenProcesses = "(between processes)";
 
-/// What the duration of an action depends on.
+/// The key that the duration of an action depends on.
 struct ActionKey {
   /// Of a task: its component; of a call "component.operation"; of a process: its deployer; of a connection
   /// one of the above. Empty: unknown.
@@ -45,7 +45,7 @@ struct ActionKey {
   friend auto operator<=>(const ActionKey&, const ActionKey&) = default;
 };
 
-/// Durations of the same thing: how many, their mean, and the latest of them, oldest first.
+/// Statistics of the durations of one key: their number, their mean, and the latest ones, oldest first.
 struct DurationRecord {
   static constexpr std::size_t kRecent = 32;
 
@@ -53,14 +53,19 @@ struct DurationRecord {
   Duration mean{0};
   std::vector<Duration> recent;
 
-  void add(Duration duration);
+  void add(Duration duration) {
+    ++count;
+    mean += (duration - mean) / static_cast<std::int64_t>(count);
+    if (recent.size() >= kRecent) recent.erase(recent.begin());
+    recent.push_back(duration);
+  }
   friend bool operator==(const DurationRecord&, const DurationRecord&) = default;
 };
 
 struct ActionTimes {
   std::map<ActionKey, DurationRecord> actions;
-  /// From when an action could have begun, what comes before it done, until its end was known, less what it
-  /// took itself and what quick ones of its process took: on the way there and back.
+  /// Waiting times: from the end of an action's predecessors to its reported end, less its own duration and
+  /// those of quick actions of its process.
   DurationRecord waits;
 
   friend bool operator==(const ActionTimes&, const ActionTimes&) = default;

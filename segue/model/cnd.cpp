@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/cnd.hpp>
 #include <segue/model/parts.hpp>
 
 #include <algorithm>
@@ -150,7 +149,7 @@ Policy read_cnd_policy(Fields& fields, const Source& source) {
   Policy policy;
   if (auto type = fields.choice("type", kTypes, "bad-policy")) policy.kind = static_cast<BufferKind>(*type);
   const auto size = fields.integer("size", 0, kLargestBuffer, "bad-size");
-  // Which of Rock's transports carried it is decided anew by where the tasks live.
+  // Rock's transport is ignored: the processes of the tasks decide about the transport here.
   fields.ignore("transport");
   for (const std::string_view key : {"lock_policy", "pull", "data_size", "name_id"})
     fields.ignore(key);

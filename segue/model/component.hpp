@@ -20,12 +20,12 @@ namespace segue::model {
 enum class Direction : std::uint8_t { Input, Output };
 std::string_view to_string(Direction direction);
 
-/// A port by name, or a family of ports that configuring creates. A dynamic port is gone after cleanup.
+/// A port, or a family of ports that configure creates. A dynamic port is removed by cleanup.
 struct PortModel {
   std::string
       name;  ///< the name; for a family a regular expression (ECMAScript) that the whole name must match
   Direction direction = Direction::Input;
-  std::string type;      ///< canonical type name; empty: not known, fits everything
+  std::string type;      ///< canonical type name; empty: unknown, fits every type
   bool dynamic = false;  ///< created in configure
   bool pattern = false;  ///< `name` is a regular expression; implies dynamic
   std::string doc;
@@ -57,27 +57,27 @@ struct OperationModel {
   friend bool operator==(const OperationModel&, const OperationModel&) = default;
 };
 
-/// A component's interface as data: read without loading it.
+/// The interface of a component as data, readable without loading it.
 struct ComponentModel {
   ComponentName name;
   std::string doc;
-  std::string library;    ///< that implements it; empty: not installed, or from Rock
+  std::string library;    ///< the library that implements it; empty: not installed, or from Rock
   bool abstract = false;  ///< only to be derived from
   std::vector<PortModel> ports;
   std::vector<PropertyModel> properties;
   std::vector<OperationModel> operations;
   Activity activity;
-  std::vector<std::string> trigger_ports;   ///< PortDriven: only these, where not empty
+  std::vector<std::string> trigger_ports;   ///< PortDriven: only these, unless empty
   std::vector<std::string> nominal_states;  ///< named sub-states of Running
   std::vector<std::string> error_states;    ///< named sub-states of RunTimeError
   std::vector<std::string> exclusive;       ///< devices it claims, whatever the network says
   /// The component guesses some names (inferred models): a port it lacks is then a warning, not an error.
   bool incomplete = false;
   std::string parent;         ///< Rock: whose interface it extends, until resolve_inheritance() has copied it
-  bool own_activity = false;  ///< the activity was given, so that none is inherited
+  bool own_activity = false;  ///< the model has an activity, so none is inherited
   SourceLocation where;
 
-  /// `where` takes no part.
+  /// Ignores `where`.
   friend bool operator==(const ComponentModel& a, const ComponentModel& b);
 
   /// The port of that name, static ones first, then families; nullptr if none fits.
@@ -92,13 +92,12 @@ struct ComponentModel {
 /// All component models known to a tool or a runtime, and the types they use.
 class ComponentCatalog {
  public:
-  /// Registers; the later of a name replaces the earlier. Every component gets the output port `state`
-  /// (/int32_t) that every task has.
+  /// Adds or replaces a model. Adds the output port `state` (/int32_t) that every task has.
   void add(ComponentModel model);
   [[nodiscard]] const ComponentModel* find(const ComponentName& name) const;
   [[nodiscard]] std::vector<const ComponentModel*> all() const;  ///< sorted by name
   [[nodiscard]] std::size_t size() const { return models_.size(); }
-  /// Makes types such as "/std/vector</double>", which are known by what they are made of, known by name.
+  /// Registers composite types such as "/std/vector</double>" under their names.
   void register_composite_types();
 
   [[nodiscard]] type::TypeRegistry& types() { return types_; }

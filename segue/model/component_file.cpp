@@ -2,7 +2,6 @@
 #include <segue/model/component_parts.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/parts.hpp>
-#include <segue/model/type_file.hpp>
 #include <segue/type/typelib.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -92,7 +91,7 @@ Value write_operation(const OperationModel& operation) {
   return map;
 }
 
-/// The types that the models name, as far as they are known.
+/// The known types that the models use.
 std::vector<const type::Type*> used_types(const ComponentCatalog& catalog,
                                           const std::vector<const ComponentModel*>& models) {
   std::vector<const type::Type*> types;

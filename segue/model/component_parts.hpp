@@ -3,6 +3,8 @@
 
 #include <segue/model/component.hpp>
 #include <segue/model/reader.hpp>
+#include <segue/type/type.hpp>
+#include <vector>
 
 #include <string>
 
@@ -15,17 +17,23 @@ void read_own_components(const type::Value& root, ComponentCatalog& catalog, con
 bool is_rock_interface(const type::Value& root);
 void read_rock_interface(const type::Value& root, ComponentCatalog& catalog, const Source& source);
 
-/// What Rock's exporter writes: project, task, inputPorts, outputPorts.
+/// The output of Rock's exporter: project, task, inputPorts, outputPorts.
 bool is_rock_export(const type::Value& root);
 void read_rock_export(const type::Value& root, ComponentCatalog& catalog, const Source& source);
 
-/// A type name of Rock in our spelling. A leading '?' (a guess) makes the model incomplete; what cannot be
-/// read becomes "" (fits everything) with a warning.
+/// Converts a type name of Rock to ours. A leading '?' (a guess) makes the model incomplete; an unreadable
+/// name becomes "" (fits everything) with a warning.
 std::string rock_type_name(const std::string& written, ComponentModel& model, const type::Value& at,
                            const Source& source);
 /// A default as oroGen has it: ":SYMBOL", 0 for false, Ruby expressions.
 type::Value rock_default(const type::Value& written, const PropertyModel& property, const Source& source);
-/// A port family from an expression that Rock searches for in names.
+/// A port family from an expression that Rock searches for within names.
 PortModel rock_family(const std::string& searched, Direction direction, std::string type);
+
+/// Definitions of the types and of all types that they consist of, by name, without built-in types.
+type::Value write_types(const std::vector<const type::Type*>& types);
+
+/// Adds the definitions to the registry; a contradiction to an existing type is an error.
+void read_types(const type::Value& definitions, type::TypeRegistry& registry, const Source& source);
 
 }  // namespace segue::model::detail

@@ -2,7 +2,6 @@
 #include <segue/model/component_parts.hpp>
 #include <segue/model/parts.hpp>
 #include <segue/model/port_pattern.hpp>
-#include <segue/model/type_file.hpp>
 
 #include <algorithm>
 #include <unordered_set>

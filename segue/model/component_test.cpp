@@ -47,7 +47,7 @@ ComponentCatalog read_all(std::string_view text, Diagnostics& diagnostics) {
   return catalog;
 }
 
-TEST(ComponentFileTest, readsWhatItSays) {
+TEST(ComponentFileTest, readsAllFields) {
   Diagnostics diagnostics;
   const ComponentCatalog catalog = read_all(kFilter, diagnostics);
   ASSERT_THAT(diagnostics.items(), IsEmpty()) << to_string(diagnostics);
@@ -79,7 +79,7 @@ TEST(ComponentFileTest, oneComponentNeedsNoMap) {
   EXPECT_EQ(catalog.find(ComponentName("demo::Relay"))->find_port("in", Direction::Input)->type, "/double");
 }
 
-/// Models and types of `catalog`, written and read again.
+/// Writes the models and types of `catalog` and reads them again.
 void expect_round_trip(const ComponentCatalog& catalog) {
   std::vector<ComponentName> names;
   for (const ComponentModel* model : catalog.all())
@@ -151,7 +151,7 @@ TEST(PortPatternTest, rocksExpressionsAreSearchedForAnywhere) {
   EXPECT_TRUE(matches_port_pattern(whole_match_pattern("^a|b$"), "xb"));
 }
 
-TEST(InheritanceTest, childrenHaveWhatTheirParentsHave) {
+TEST(InheritanceTest, childrenInheritFromTheirParents) {
   Diagnostics diagnostics;
   ComponentCatalog catalog;
   EXPECT_TRUE(read_components(R"(tasks:
@@ -298,7 +298,7 @@ TEST(RealModelsTest, everyTypelibRegistryReads) {
     ComponentCatalog catalog;
     Diagnostics diagnostics;
     EXPECT_TRUE(load_components(entry.path(), catalog, diagnostics)) << to_string(diagnostics);
-    // A component that uses all of them takes them through a file of ours.
+    // A component that uses all types is written to our format and read again.
     ComponentModel user;
     user.name = ComponentName("demo::User");
     int number = 0;

@@ -11,7 +11,7 @@
 namespace segue::model {
 namespace {
 
-/// Sentences up to a limit; full() tells the comparison to stop early.
+/// Collects sentences up to a limit; the comparison stops early once it is full().
 class Findings {
  public:
   explicit Findings(std::size_t limit) : limit_(limit) {}

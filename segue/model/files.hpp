@@ -23,7 +23,7 @@ namespace segue::model {
 std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
 std::string write_network(const Network& network);
-/// A process as in a network file's `deployments`, with its name under `process`, and back.
+/// Converts a process to and from its form in `deployments`, with its name under `process`.
 type::Value to_value(const Deployment& deployment);
 std::optional<Deployment> read_deployment(const type::Value& value, const std::string& file,
                                           Diagnostics& diagnostics);
@@ -47,15 +47,15 @@ std::optional<Robot> load_robot(const std::filesystem::path& file, Diagnostics& 
 bool read_components(std::string_view text, const std::string& file, ComponentCatalog& catalog,
                      Diagnostics& diagnostics);
 bool load_components(const std::filesystem::path& file, ComponentCatalog& catalog, Diagnostics& diagnostics);
-/// Copies ports, properties and the rest from parents (subclasses of Rock models) that may stand in other
-/// files; call once after all files are read.
+/// Copies the interfaces of parents (of Rock models), which may be in other files; to be called once after
+/// all files are read.
 void resolve_inheritance(ComponentCatalog& catalog, Diagnostics& diagnostics);
 /// The models of `names` and the types they use, as a component model file.
 std::string write_components(const ComponentCatalog& catalog, const std::vector<ComponentName>& names);
 type::Value to_value(const ComponentModel& model);
 
 enum class FileKind { Network, Cnd, Transition, Robot, Mission, Components, Typelib, Unknown };
-/// By its content (top-level keys), then its name.
+/// Determined by content (top-level keys), then by name.
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace segue::model

@@ -63,7 +63,7 @@ connections:
   EXPECT_EQ(network.connections[1].policy, (Policy{BufferKind::Buffer, 10, Transport::SharedMemory, false}));
 }
 
-TEST(NetworkFileTest, withoutANameItIsCalledLikeItsFile) {
+TEST(NetworkFileTest, aNetworkWithoutANameIsNamedAfterItsFile) {
   EXPECT_EQ(read("tasks: {}", "controllers/safe_stop.yaml").network->name, NetworkName("safe_stop"));
   EXPECT_EQ(read("tasks:\n", "shutdown.cnd.yml").network->name, NetworkName("shutdown"));
 }
@@ -77,7 +77,7 @@ TEST(NetworkFileTest, emptyMapsAndNullsAreTheEmptyNetwork) {
   }
 }
 
-TEST(NetworkFileTest, thePortIsWhatFollowsTheLastDot) {
+TEST(NetworkFileTest, thePortFollowsTheLastDot) {
   const Read result = read("network: n\nconnections: [arm.left.out -> b-1.in_2]\n");
   ASSERT_TRUE(result.network) << to_string(result.diagnostics);
   EXPECT_EQ(result.network->connections[0].from, (PortRef{TaskId("arm.left"), "out"}));
@@ -100,7 +100,7 @@ TEST(NetworkFileTest, reportsEveryProblemAtOnce) {
   EXPECT_EQ(result.diagnostics.error_count(), 3U) << to_string(result.diagnostics);
 }
 
-TEST(NetworkFileTest, aFileThatIsNotThereIsADiagnostic) {
+TEST(NetworkFileTest, aMissingFileIsADiagnostic) {
   Diagnostics diagnostics;
   EXPECT_FALSE(load_network("/does/not/exist.yaml", diagnostics));
   EXPECT_TRUE(diagnostics.has_errors());
@@ -209,7 +209,7 @@ look_ahead: {processes: 3, memory: 512MB}
   EXPECT_EQ(robot->fallback, NetworkName("safe_stop"));
 }
 
-TEST(RobotFileTest, whatIsNotGivenIsModest) {
+TEST(RobotFileTest, defaultsAreModest) {
   Diagnostics diagnostics;
   const auto robot = read_robot("robot: r\npolicies: {}\nlook_ahead: {}\n", "r.yaml", diagnostics);
   ASSERT_TRUE(robot) << to_string(diagnostics);

@@ -29,11 +29,11 @@ struct PortRef {
 };
 std::string to_string(const PortRef& ref);
 
-/// The identity of a deployment: a process name on a host, whatever tasks it holds.
+/// The identity of a deployment: a process name on a host, independent of its tasks.
 struct DeploymentKey {
   HostName host;
   ProcessName process;
-  /// Tasks that no deployment names live in the runtime's own process, which has the empty key.
+  /// Tasks without a deployment live in the runtime's own process, which has the empty key.
   [[nodiscard]] bool is_runtime() const { return process.empty(); }
   friend bool operator==(const DeploymentKey&, const DeploymentKey&) = default;
   friend auto operator<=>(const DeploymentKey&, const DeploymentKey&) = default;

@@ -55,7 +55,7 @@ class Resolver {
   Resolver(ComponentCatalog& catalog, Diagnostics& diagnostics)
       : catalog_(catalog), diagnostics_(diagnostics) {}
 
-  /// Chains of parents may be long, so they are walked, not recursed into.
+  /// Iterative, since chains of parents may be long.
   void resolve(const ComponentName& name) {
     std::vector<ComponentName> chain;
     std::unordered_set<ComponentName> on_chain;

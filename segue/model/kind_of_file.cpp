@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/cnd.hpp>
 #include <segue/model/component_parts.hpp>
 #include <segue/model/files.hpp>
+#include <segue/model/parts.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -36,8 +36,8 @@ FileKind kind_of_map(const Value& root, const std::string& name) {
   return kind_of_name(name);
 }
 
-/// For text that does not parse: by its first top-level key that tells, so that the right reader reports what
-/// is wrong.
+/// For text that does not parse: the first significant top-level key decides, so that the right reader
+/// reports the errors.
 FileKind kind_of_broken(std::string_view text, const std::string& name) {
   constexpr std::pair<std::string_view, FileKind> kKeys[] = {
       {"network:", FileKind::Network},       {"robot:", FileKind::Robot},

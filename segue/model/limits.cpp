@@ -12,7 +12,7 @@ using type::ValueMap;
 
 namespace {
 
-/// Less is a slip of the pen: the process would end before its first task.
+/// A lower limit is refused as a mistake: the process would end before its first task.
 constexpr std::uint64_t kLeastMemory = std::uint64_t{16} << 20;
 constexpr std::uint64_t kLeastFiles = 64;
 constexpr std::uint64_t kMostFiles = std::numeric_limits<std::int32_t>::max();

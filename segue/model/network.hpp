@@ -20,10 +20,10 @@
 
 namespace segue::model {
 
-/// What the runtime does when something differs from what it holds to be running.
+/// The reaction of the runtime to a fault of a task, process or connection.
 enum class FailurePolicy : std::uint8_t {
-  Report,   ///< tells of it
-  Recover,  ///< brings tasks back from their errors, and remakes what is missing
+  Report,   ///< reports it
+  Recover,  ///< recovers tasks from errors, and recreates missing parts
   Restart,  ///< replaces the task by a new one, in a new process if its own has failed
   Fallback  ///< switches to the robot's fallback controller
 };
@@ -33,7 +33,7 @@ inline std::string_view to_string(FailurePolicy policy) {
   return kFailurePolicyNames.at(static_cast<std::size_t>(policy));
 }
 
-/// An instance of a component. `where` (its place in a file) takes no part in comparison, here and below.
+/// An instance of a component. Comparison ignores `where` (its place in a file), here and below.
 struct Task {
   TaskId id;
   ComponentName component;
@@ -43,17 +43,19 @@ struct Task {
   type::Value properties{type::ValueMap{}};  ///< a map; entries override the sections
   std::optional<Activity> activity;          ///< nothing: the component's default
   std::vector<std::string> exclusive;        ///< devices that only one configured task may hold
-  /// Whose state this task continues when it replaces it; its own id: when it moves to another process.
+  /// The task whose state this one continues when it replaces that; its own id: when it moves to another
+  /// process.
   std::optional<TaskId> takes_over;
   std::optional<FailurePolicy> on_failure;  ///< nothing: its deployment's
   SourceLocation where;
 
   friend bool operator==(const Task& a, const Task& b);
-  /// Equal in everything that needs the task to be configured anew: properties, sections, activity, devices.
+  /// Whether no reconfiguration is needed: equal properties, sections, activity and devices.
   [[nodiscard]] bool same_configuration(const Task& other) const;
 };
 
-/// Output port to input port. Its identity is (from, to, policy); a file's key for it means nothing.
+/// A connection of an output port to an input port, identified by (from, to, policy); its key in a file has
+/// no meaning.
 struct Connection {
   PortRef from;
   PortRef to;
@@ -67,21 +69,20 @@ struct Connection {
 std::string to_string(
     const Connection& connection);  ///< "a.out -> b.in" and the policy where it is not plain data
 
-/// That a deployment holds a task.
+/// The placement of a task in a deployment.
 struct Placement {
   TaskId task;
   std::string name;  ///< its name inside the process; usually the task's id
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// What a process may use at most. Nothing: as the process server itself.
+/// Resource limits of a process. Nothing: those of the process server.
 struct ResourceLimits {
-  /// Bytes of memory of its own (RLIMIT_DATA): what it shares with other processes and its programs' code do
-  /// not count.
+  /// Bytes of private memory (RLIMIT_DATA), without shared memory and program code.
   std::optional<std::uint64_t> memory;
   std::optional<std::uint64_t> open_files;  ///< descriptors
   std::optional<Duration> cpu_time;         ///< of all threads together; whole seconds
-  std::optional<std::uint64_t> core;        ///< bytes of the file that a crash leaves; 0: none
+  std::optional<std::uint64_t> core;        ///< size of a core file in bytes; 0: none
 
   friend bool operator==(const ResourceLimits&, const ResourceLimits&) = default;
   [[nodiscard]] bool empty() const { return *this == ResourceLimits{}; }
@@ -91,7 +92,7 @@ struct ResourceLimits {
 struct Deployment {
   HostName host = kLocalHost;
   ProcessName process;
-  std::vector<Placement> tasks;    ///< may name tasks that the network lacks (seen in real files)
+  std::vector<Placement> tasks;    ///< may name tasks that the network lacks (as some real files do)
   std::string deployer = "segue";  ///< who starts the process; "orogen" for Rock's
   Scheduler scheduler = Scheduler::Normal;
   int priority = 0;
@@ -99,14 +100,14 @@ struct Deployment {
   bool optional = false;  ///< run as Normal where the system does not permit the scheduler
   std::vector<std::pair<std::string, std::string>> environment;
   ResourceLimits limits{};
-  /// For its tasks and for the process itself; nothing: the robot's. Says nothing about what runs, so it is
-  /// neither an attribute of the process nor a difference: who needs it asks the network that was requested.
+  /// Of its tasks and of the process itself; nothing: the robot's policy. It does not affect what runs, so
+  /// same_process() and differences() ignore it; it is read from the requested network.
   std::optional<FailurePolicy> on_failure{};
   SourceLocation where;
 
   [[nodiscard]] DeploymentKey key() const { return {host, process}; }
   friend bool operator==(const Deployment& a, const Deployment& b);
-  /// Equal in all that only a new process can change; the list of tasks is none of it.
+  /// Whether no new process is needed: equal attributes, whatever the tasks.
   [[nodiscard]] bool same_process(const Deployment& other) const;
 };
 
@@ -126,8 +127,8 @@ struct Network {
   friend bool operator==(const Network& a, const Network& b);
 };
 
-/// Whether both describe the same controller: names of networks, order of lists, and placements of tasks that
-/// the network lacks do not count. Linear in the size of the networks.
+/// Whether both describe the same controller. Ignores names of networks, order of lists, and placements of
+/// tasks that the network lacks. Linear in the size of the networks.
 bool equivalent(const Network& a, const Network& b);
 
 /// The process of each task that a deployment holds; tasks of the runtime's own process are left out. Where

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/cnd.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/parts.hpp>
 #include <segue/type/yaml.hpp>
@@ -52,7 +51,7 @@ Deployment read_deployment(const std::string& key, const Value& value, const Sou
   return deployment;
 }
 
-/// "a.out -> b.in" as the map that it abbreviates, with the marks of its ends.
+/// Expands "a.out -> b.in" to the map that it abbreviates, with source locations.
 Value spelled_out(const Value& arrow, const Source& source) {
   constexpr std::string_view kArrow = "->";
   const std::string& text = arrow.as_string();
@@ -107,7 +106,7 @@ Network read_own_network(const Value& root, const Source& source) {
   }
   const Value* connections = fields.find("connections");
   if (connections == nullptr || (connections->is_map() && connections->as_map().empty())) {
-    // Nothing connected, as exporters of other formats write it.
+    // Exporters of other formats write this for no connections.
   } else if (fields.find("connections", Value::Kind::List) != nullptr) {
     read_connections(*connections, network, source);
   }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/diagnostic.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/network_index.hpp>
 
 #include <array>
 #include <string>
@@ -10,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-/// What validation looks up, each in constant time. Internal; refers to its network and catalog.
+/// Indices for validation with constant-time look-up. Internal; refer to the network and the catalog.
 namespace segue::model::detail {
 
 /// One component's ports and properties by name.
@@ -42,7 +44,7 @@ class NetworkIndex {
   [[nodiscard]] const HostName& host(const TaskId& id) const;
   /// nullptr if the component is not known.
   [[nodiscard]] const ComponentIndex* component(const ComponentName& name) const;
-  /// ", did you mean 'x'?" for a name of a task; "" after some, since it is costly.
+  /// ", did you mean 'x'?" for the name of a task; "" after some calls, since it is costly.
   [[nodiscard]] std::string task_suggestion(const std::string& name) const;
 
  private:
@@ -53,7 +55,14 @@ class NetworkIndex {
   mutable int suggestions_left_ = 20;
 };
 
-/// Where something of the network was written; its file where the place is not known.
+/// The location of a part of the network; only its file if the line is not known.
 SourceLocation place(const SourceLocation& where, const Network& network);
+
+/// Checks names, references and identities, without knowledge of components.
+void check_structure(const Network& network, const NetworkIndex& index, Diagnostics& diagnostics);
+
+/// Checks components, ports, types, properties and devices.
+void check_components(const Network& network, const NetworkIndex& index, const ComponentCatalog& catalog,
+                      Diagnostics& diagnostics);
 
 }  // namespace segue::model::detail

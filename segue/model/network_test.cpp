@@ -73,7 +73,7 @@ TEST(NetworkTest, limitsAndLeniencyArePartOfTheProcess) {
   EXPECT_FALSE(one.same_process(other));
 }
 
-TEST(NetworkTest, connectionTellsOnlyWhatIsNotPlain) {
+TEST(NetworkTest, connectionTextOmitsDefaults) {
   Connection connection = two_tasks().connections[0];
   EXPECT_EQ(to_string(connection), "a.out -> b.in");
   connection.policy = {BufferKind::Buffer, 10, Transport::SharedMemory, false};
@@ -101,7 +101,7 @@ TEST(EquivalenceTest, differencesAreSentences) {
   EXPECT_EQ(differences(one, other, 1).size(), 1U);
 }
 
-TEST(EquivalenceTest, aSecondWireCounts) {
+TEST(EquivalenceTest, aSecondConnectionCounts) {
   const Network one = two_tasks();
   Network other = one;
   other.connections.push_back(other.connections[0]);

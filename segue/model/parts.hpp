@@ -7,14 +7,15 @@
 #include <optional>
 #include <string>
 
-/// The parts that network, transition and component model files have in common. Internal.
+/// Readers and writers of the parts that network, transition and component model files have in common.
+/// Internal.
 namespace segue::model::detail {
 
-/// Anything larger is a slip of the pen, and would be allocated.
+/// Larger buffers are refused as a mistake, since they would be allocated.
 inline constexpr std::int64_t kLargestBuffer = 1'000'000;
 inline constexpr int kMostCpus = 1024;
 
-/// Why an activity cannot be, or nothing.
+/// The error in an activity, or nothing.
 std::optional<std::string> problem_of(const Activity& activity);
 std::optional<Activity> read_activity(const type::Value& value, const std::string& what,
                                       const Source& source);
@@ -38,16 +39,16 @@ std::optional<Connection> read_connection(Fields& fields, const Source& source);
 void write_connection(type::ValueMap& map, const Connection& connection);
 Policy read_policy(Fields& fields, const Source& source);
 
-/// Why limits cannot be, or nothing.
+/// The error in limits, or nothing.
 std::optional<std::string> problem_of(const ResourceLimits& limits);
 /// From the map under `limits`: {memory: 512MB, open_files: 1024, cpu_time: 60s, core: 0}.
 ResourceLimits read_limits(const type::Value& value, const std::string& what, const Source& source);
 type::Value write_limits(const ResourceLimits& limits);
 
-/// From the keys host, deployer, scheduler, priority, cpu, optional, environment, limits; not process and
-/// tasks.
 /// The key `on_failure`.
 std::optional<FailurePolicy> read_failure_policy(Fields& fields);
+/// From the keys host, deployer, scheduler, priority, cpu, optional, environment, limits; not process and
+/// tasks.
 void read_process(Fields& fields, Deployment& deployment, const Source& source);
 void write_process(type::ValueMap& map, const Deployment& deployment);
 
@@ -55,5 +56,10 @@ void write_process(type::ValueMap& map, const Deployment& deployment);
 HostName host_named(std::string name);
 
 type::Value text_list(const std::vector<std::string>& texts);
+
+/// Whether it is a Rock component network definition (CND): by the keys of its entries, else by the file
+/// name.
+bool is_cnd(const type::Value& root, const std::string& file);
+Network read_cnd(const type::Value& root, const Source& source);
 
 }  // namespace segue::model::detail

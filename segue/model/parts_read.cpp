@@ -143,8 +143,8 @@ Task read_task(const std::string& id, const Value& value, const Source& source) 
 
 namespace {
 
-/// "velodyne.scans": the port is what follows the last dot, so a task's id may hold dots; a port with dots
-/// needs the form {task: logger, port: a.b}.
+/// "velodyne.scans": the port is the part after the last dot, so the id of a task may contain dots; a port
+/// with dots needs the form {task: logger, port: a.b}.
 std::optional<PortRef> read_port_ref(const Value& value, const std::string& what, const Source& source) {
   if (value.is_map()) {
     Fields fields(value, what, source);

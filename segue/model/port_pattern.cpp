@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::size_t kLongestPattern = 256;
 constexpr std::size_t kLongestName = 255;
-/// A bound for the number of states of the automaton, hence for memory, stack and time of a match.
+/// Upper bound of the number of states of the automaton, hence of memory, stack and time of a match.
 constexpr std::size_t kLargestExpansion = 4096;
 
 using Compiled = Result<std::regex>;
 
-/// Length of the expression with all counted repetitions written out, at most.
+/// Upper bound of the length of the expression with all counted repetitions expanded.
 std::size_t expansion(const std::string& pattern) {
   std::size_t product = pattern.size();
   std::size_t number = 0;
@@ -51,7 +51,7 @@ Compiled compile(const std::string& pattern) {
   }
 }
 
-/// Models are few and live long, so nothing is ever dropped.
+/// Cache of compiled expressions. Models are few and live long, so entries are never removed.
 const Compiled& compiled(const std::string& pattern) {
   static std::shared_mutex mutex;
   static std::unordered_map<std::string, std::unique_ptr<const Compiled>> cache;

@@ -7,14 +7,14 @@
 #include <string_view>
 
 /// Names of port families: regular expressions (ECMAScript) that a whole port name must match. They come from
-/// files, so they are bounded: no back references, no expansions that cost more than a moment, no names
-/// longer than an identifier. Compiled once per process and expression; all functions are thread safe.
+/// files, so their cost is bounded: no back references, no large expansions, no names longer than an
+/// identifier. Compiled once per process and expression; all functions are thread safe.
 namespace segue::model {
 
-/// Whether the expression can be used; says why not.
+/// Whether the expression is allowed; the error says why not.
 Result<void> check_port_pattern(const std::string& pattern);
 
-/// False where the expression is invalid too.
+/// False for an invalid expression.
 bool matches_port_pattern(const std::string& pattern, std::string_view name);
 
 /// Rock's expressions are searched for anywhere in a name; ours must match the whole of it:

@@ -26,7 +26,7 @@ void Source::warning(std::string code, std::string message, const Value& value) 
 std::optional<Value> Source::parse(std::string_view text) const {
   auto parsed = type::parse_yaml(text, file_);
   if (parsed) return std::move(*parsed);
-  // JSON is almost YAML; what our own tools print as JSON must read whatever its strings hold.
+  // JSON is not quite a subset of YAML; the JSON output of our tools must be readable whatever its strings.
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && text[first] == '{') {
     if (auto json = type::parse_json(text, file_)) return std::move(*json);

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-/// What the readers of files share, here and in folders above. Not thread safe.
+/// Common parts of file readers, for this folder and those above. Not thread safe.
 namespace segue::model::detail {
 
-/// The file being read and where its problems go.
+/// The file being read, and the diagnostics that collect its problems.
 class Source {
  public:
   Source(std::string file, Diagnostics& diagnostics) : file_(std::move(file)), diagnostics_(diagnostics) {}
@@ -26,7 +26,7 @@ class Source {
   void error(std::string code, std::string message, const type::Value& value) const;
   void warning(std::string code, std::string message, const type::Value& value) const;
 
-  /// The text as one YAML document (or JSON, where it is that); its error becomes a diagnostic.
+  /// Parses one YAML or JSON document; an error becomes a diagnostic.
   [[nodiscard]] std::optional<type::Value> parse(std::string_view text) const;
 
  private:
@@ -34,14 +34,14 @@ class Source {
   Diagnostics& diagnostics_;
 };
 
-/// The content of a file; where it cannot be read, nothing, and why as `unreadable-file`.
+/// The content of a file; if it cannot be read, nothing, and a diagnostic `unreadable-file`.
 std::optional<std::string> read_text(const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// A scalar as it was written; nothing for null, lists and maps.
+/// The text of a scalar as written; nothing for null, lists and maps.
 std::optional<std::string> scalar_text(const type::Value& value);
 
-/// The entries of one map: typed access that reports what is wrong, and remembers which keys it was asked
-/// for. A null counts as an empty map, a null entry as absent.
+/// Typed access to the entries of a map. Reports entries of a wrong kind, and unknown keys by finish(). A
+/// null counts as an empty map, a null entry as absent.
 class Fields {
  public:
   /// `what` names the map in messages: "task 'velodyne'". `value` and `source` must outlive this.
@@ -57,7 +57,7 @@ class Fields {
   const type::Value* find(std::string_view key, type::Value::Kind kind);
 
   std::string text(std::string_view key);
-  /// An identifier, or "" with an error where it is none.
+  /// An identifier, or "" with an error if it is none.
   std::string name(std::string_view key);
   std::string required_name(std::string_view key, std::string_view hint = {});
   bool boolean(std::string_view key, bool fallback);
@@ -77,9 +77,9 @@ class Fields {
     return choose(*value, key, {names.begin(), names.end()}, code);
   }
 
-  /// Keys that are fine but mean nothing here.
+  /// Accepts a key that has no meaning here.
   void ignore(std::string_view key) { known_.push_back(key); }
-  /// Warns about every key that nobody asked for.
+  /// Warns about every key that was not read.
   void finish();
 
  private:
@@ -94,7 +94,7 @@ class Fields {
   std::vector<std::string_view> known_;
 };
 
-/// Reports and returns false where `name` is no identifier.
+/// Reports an error and returns false if `name` is no identifier.
 bool check_name(std::string_view name, std::string_view what, const type::Value& at, const Source& source);
 
 }  // namespace segue::model::detail

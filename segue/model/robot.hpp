@@ -23,27 +23,28 @@ struct Host {
 };
 
 struct RestartPolicy {
-  int max = 3;                                        ///< attempts until it is given up
-  Duration backoff = std::chrono::milliseconds(100);  ///< before the first; doubled for each further one
+  int max = 3;  ///< attempts before giving up
+  Duration backoff =
+      std::chrono::milliseconds(100);  ///< before the first attempt; doubled for each further one
   friend bool operator==(const RestartPolicy&, const RestartPolicy&) = default;
 };
 
-/// What the runtime does about differences between what shall run and what runs.
+/// Reactions of the runtime to faults.
 struct Policies {
-  FailurePolicy on_failure = FailurePolicy::Report;  ///< where neither task nor deployment says
+  FailurePolicy on_failure = FailurePolicy::Report;  ///< unless a task or deployment names another
   RestartPolicy restart;
-  Duration watch = std::chrono::seconds(1);  ///< how often it looks, besides at every event
+  Duration watch = std::chrono::seconds(1);  ///< period of supervision, in addition to every event
   friend bool operator==(const Policies&, const Policies&) = default;
 };
 
-/// What controllers that are kept ready may use at most, all together.
+/// Resource limits of all standby controllers together.
 struct LookAhead {
   int processes = 8;
   std::uint64_t memory = 2'000'000'000;  ///< bytes
   friend bool operator==(const LookAhead&, const LookAhead&) = default;
 };
 
-/// The file that names what a robot has. Paths are as in the file, relative to `folder`.
+/// A robot file: its hosts, libraries, controllers and missions. Paths are relative to `folder`.
 struct Robot {
   std::string name;
   std::vector<Host> hosts;

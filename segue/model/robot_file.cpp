@@ -96,7 +96,7 @@ void read_look_ahead(Fields& robot, Robot& result, const Source& source) {
   fields.finish();
 }
 
-/// Names, never paths: what is loaded comes from the folders that a host is configured with.
+/// Libraries are names, never paths: they are loaded from the folders that the host is configured with.
 void check_libraries(const Robot& robot, Fields& fields, const Source& source) {
   for (const std::string& library : robot.libraries) {
     detail::check_name(library, "the robot: 'libraries' (names, never paths)", *fields.find("libraries"),

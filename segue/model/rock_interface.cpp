@@ -27,8 +27,9 @@ std::string read_type(Fields& fields, std::string_view key, ComponentModel& mode
   return rock_type_name(scalar_text(*type).value_or(""), model, *type, source);
 }
 
-/// `wrapper: ro_ptr` is a read-only pointer, which is how every sample travels here; any other wrapper is a
-/// type of its own: "/spatio_temporal</maps/grid/MLSMap>".
+/// `wrapper: ro_ptr` is a read-only pointer, which every sample is here; any other wrapper is a type of its
+/// own:
+/// "/spatio_temporal</maps/grid/MLSMap>".
 std::string wrapped(const std::string& type, const std::string& wrapper) {
   if (type.empty() || wrapper.empty() || wrapper == "ro_ptr") return type;
   return "/" + wrapper + "<" + type + ">";
@@ -129,7 +130,7 @@ void read_default_activity(Fields& task, ComponentModel& model, const Source& so
     if (!period) source.error("bad-duration", fields.what() + ": 'period' must be seconds above 0", *value);
     model.activity.period = period.value_or(Duration::zero());
   }
-  // "all input ports" is what no list means.
+  // A missing list means all input ports.
   const Value* ports = fields.find("ports");
   if (ports != nullptr && ports->is_list()) model.trigger_ports = fields.texts("ports");
   fields.finish();
@@ -140,7 +141,7 @@ void add_property(ComponentModel& model, std::string name, std::string type, Val
   model.properties.push_back({std::move(name), std::move(type), std::move(value), false, std::move(doc)});
 }
 
-/// The transformer plugin adds ports and properties that no specification lists.
+/// Adds the ports and properties of the transformer plugin, which specifications do not list.
 void read_transformer(Fields& task, ComponentModel& model, const Source& source) {
   const Value* value = task.find("transformer", Value::Kind::Map);
   if (value == nullptr) return;

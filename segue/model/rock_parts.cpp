@@ -11,14 +11,14 @@ using type::Value;
 
 namespace {
 
-/// "/std/vector</controldev/AxisPort" with the brackets that it lacks.
+/// Adds missing brackets to names such as "/std/vector</controldev/AxisPort".
 std::string balanced(const std::string& written) {
   const auto open = std::ranges::count(written, '<');
   const auto close = std::ranges::count(written, '>');
   return open > close ? written + std::string(static_cast<std::size_t>(open - close), '>') : written;
 }
 
-/// "? /base/Pose" as "/base/Pose".
+/// Reads "? /base/Pose" as "/base/Pose".
 std::string without_guess_mark(const std::string& written) {
   const auto start = written.find_first_not_of("? ");
   return start == std::string::npos ? std::string{} : written.substr(start);
@@ -42,7 +42,7 @@ std::string rock_type_name(const std::string& written, ComponentModel& model, co
   }
   if (wanted.empty() || wanted == "/nil" || wanted == "void") return {};
   if (auto name = type::canonical_type_name(wanted)) return *name == "/nil" ? std::string{} : *name;
-  // A read-only pointer is how every sample travels here, so the port has the type behind it.
+  // Samples are always passed as read-only pointers here, so the port has the type pointed to.
   constexpr std::string_view kReadOnly = "ro_ptr ";
   const std::string repaired =
       balanced(wanted.starts_with(kReadOnly) ? wanted.substr(kReadOnly.size()) : wanted);

@@ -14,9 +14,9 @@
 
 namespace segue::model {
 
-/// In the order of the paper's sequential execution (ours, transitions.md point 2). HandOver is not the
-/// paper's: what it takes the state from is cleaned up after it. CallOperation stands where the request puts
-/// it.
+/// In the order of the paper's sequential execution (ours, transitions.md point 2). HandOver is not in
+/// the paper: the task that it takes the state from is cleaned up after it. CallOperation stands where the
+/// request puts it.
 enum class ActionKind : std::uint8_t {
   Recover,
   Stop,
@@ -38,7 +38,7 @@ inline std::string_view to_string(ActionKind kind) {
   return kActionKindNames.at(static_cast<std::size_t>(kind));
 }
 
-/// The half of a transactional execution that an action belongs to.
+/// The phase of a transactional execution that an action belongs to.
 enum class Phase : std::uint8_t { Prepare, Commit, Retire };
 inline constexpr std::array<std::string_view, 3> kPhaseNames = {"prepare", "commit", "retire"};
 inline std::string_view to_string(Phase phase) {
@@ -59,7 +59,7 @@ struct ConnectionAction {
 /// tasks.
 struct DeploymentAction {
   Deployment deployment;
-  bool kill = false;  ///< Undeploy: the process is killed at once, whatever its tasks do
+  bool kill = false;  ///< Undeploy: the process is killed without stopping its tasks
   friend bool operator==(const DeploymentAction&, const DeploymentAction&) = default;
 };
 /// ApplyConfig: the whole definition of the task as the target network has it, and where it lives. Creates
@@ -71,7 +71,7 @@ struct ConfigAction {
   friend bool operator==(const ConfigAction&, const ConfigAction&) = default;
 };
 /// HandOver: the state of `from`, which is stopped, becomes that of `to`, which is configured and does not
-/// run. Of one id: from the incarnation that goes to the one that comes.
+/// run. With one id: from the old incarnation to the new one.
 struct HandOverAction {
   TaskId from;
   TaskId to;
@@ -91,8 +91,8 @@ struct Action {
   Phase phase = Phase::Commit;
   std::vector<int> after;  ///< ids of actions that must be done before; always of earlier actions in the list
 
-  /// The task of a TaskAction, ConfigAction or CallAction, and who a HandOverAction gives to; nullptr for the
-  /// others.
+  /// The task of a TaskAction, ConfigAction or CallAction, and the receiver of a HandOverAction; nullptr for
+  /// the others.
   [[nodiscard]] const TaskId* task() const;
   /// "stop area_explorer", "connect a.out -> b.in": for messages and events.
   [[nodiscard]] std::string label() const;
@@ -113,7 +113,7 @@ struct ActionCounts {
   [[nodiscard]] int total() const;
 };
 
-/// What turns one network into another: actions in an executable order, with the partial order behind it.
+/// Turns one network into another: actions in an executable order, with the partial order behind it.
 struct Transition {
   NetworkName from;
   NetworkName to;

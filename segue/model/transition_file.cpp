@@ -76,7 +76,7 @@ void read_subject(Action& action, Fields& fields, const Source& source) {
   }
 }
 
-/// Ids as written to ids of ours, which count from 1 in the order of the list.
+/// Maps written ids to our ids, which count from 1 in the order of the list.
 using Ids = std::unordered_map<std::int64_t, int>;
 
 void read_after(Action& action, Fields& fields, const Ids& earlier, const Source& source) {
@@ -230,7 +230,7 @@ Value to_value(const Transition& transition) {
 
 std::string write_transition(const Transition& transition) {
   ValueMap body = write_body(transition);
-  // The empty network has no name, and a file has no key for what is not there.
+  // The empty network has no name, so the key is omitted.
   if (transition.from.empty()) body.erase("from");
   if (transition.to.empty()) body.erase("to");
   return type::to_yaml(Value::map({{"transition", std::move(body)}}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/model/type_file.hpp>
+#include <segue/model/component_parts.hpp>
 
 #include <charconv>
 #include <unordered_map>
@@ -59,7 +59,7 @@ Value write_type(const Type& type) {
   return map;
 }
 
-/// Parts before wholes where types are not recursive, so that the file reads from the ground up.
+/// Sorts types after those that they consist of, unless they are recursive.
 class Collector {
  public:
   void visit(const Type& type) {
@@ -85,7 +85,7 @@ class Collector {
   std::vector<const Type*> order_;
 };
 
-/// Turns definitions into types that may refer to each other in circles.
+/// Creates types from definitions, which may refer to each other recursively.
 class Builder {
  public:
   Builder(const TypeRegistry& known, const Source& source) : known_(known), source_(source) {}
@@ -102,7 +102,7 @@ class Builder {
     read_attributes(type, links_.back());
   }
 
-  /// What was read, as a registry of its own.
+  /// The types read, as a registry of their own.
   TypeRegistry finish() && {
     for (const Link& link : links_)
       connect(link);
@@ -186,9 +186,10 @@ class Builder {
     if (written.empty()) return nullptr;
     const auto name = type::canonical_type_name(written);
     if (const Type* found = name ? lookup(*name) : nullptr) return found;
-    source_.error("unknown-type",
-                  "type " + quote(link.type->name) + " is made of " + quote(written) + ", which is not known",
-                  *link.definition);
+    source_.error(
+        "unknown-type",
+        "type " + quote(link.type->name) + " consists of " + quote(written) + ", which is not known",
+        *link.definition);
     return nullptr;
   }
 

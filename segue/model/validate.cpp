@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/network_index.hpp>
 #include <segue/model/validate.hpp>
-#include <segue/model/validate_checks.hpp>
 
 #include <algorithm>
 #include <set>
@@ -56,7 +56,7 @@ void check_network_hosts(const Robot& robot, const Network& network, Diagnostics
   }
 }
 
-/// Who wants the fallback must have one.
+/// The failure policy `fallback` requires a fallback controller.
 void check_fallback_users(const Robot& robot, const Network& network, Diagnostics& diagnostics) {
   if (robot.fallback) return;
   const auto check = [&](const auto& user, const std::string& what) {

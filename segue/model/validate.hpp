@@ -13,14 +13,14 @@ enum class Depth {
   Full        ///< also components, ports, types, properties: enough to run
 };
 
-/// Every problem of a network at once, each with its place: two tasks of an id; a task in two deployments; a
-/// process twice on a host; connections to unknown tasks; two wires with the same ends; error states as
-/// target; a wire on a dynamic port of a task that is not to be configured. With Depth::Full also: unknown
+/// All problems of a network, each with its location: two tasks of an id; a task in two deployments; a
+/// process twice on a host; connections to unknown tasks; two connections of the same ports; error states as
+/// target; a connection at a dynamic port of a task that is not configured. With Depth::Full also: unknown
 /// components, abstract components, unknown ports, output to output, types that do not match, properties that
 /// do not exist or have the wrong type, devices claimed twice. Linear in the size of the network.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, Depth depth);
 
-/// Hosts that do not exist, controllers twice ... for a robot and its networks together.
+/// All problems of a robot and its networks together: unknown hosts, controllers of one name ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 
 }  // namespace segue::model

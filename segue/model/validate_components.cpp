@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/model/validate_checks.hpp>
+#include <segue/model/network_index.hpp>
 #include <segue/type/conform.hpp>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ class ComponentCheck {
     return where;
   }
 
-  /// Devices belong to a computer: the same path on another host is another device.
+  /// Devices are per host: the same path on another host is another device.
   void check_devices(const Task& task) {
     if (!is_configured(task.state)) return;
     std::vector<std::string> devices = task.exclusive;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/network_index.hpp>
 #include <segue/model/parts.hpp>
-#include <segue/model/validate_checks.hpp>
 
 #include <algorithm>
 #include <tuple>
@@ -11,7 +11,7 @@
 namespace segue::model::detail {
 namespace {
 
-/// One run over a network; every check reports and goes on.
+/// Checks a network; continues after each problem.
 class StructureCheck {
  public:
   StructureCheck(const Network& network, const NetworkIndex& index, Diagnostics& diagnostics)
@@ -115,7 +115,7 @@ class StructureCheck {
         deployment.where);
   }
 
-  /// Tasks that share a thread cannot each have their own scheduling.
+  /// Tasks that share a thread must have equal scheduling.
   void check_thread(const Task& task) {
     if (!task.activity || task.activity->thread.empty()) return;
     const Deployment* holder = index_.deployment(task.id);

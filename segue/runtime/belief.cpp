@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/belief.hpp>
 
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 
 namespace segue::runtime::detail {
 
 namespace {
 
-void set_state(Holding& held, const model::TaskId& id, TaskState state) {
-  for (model::Network* network : {&held.controller, &held.beside}) {
+void set_state(BeliefState& held, const model::TaskId& id, TaskState state) {
+  for (model::Network* network : {&held.controller, &held.extra}) {
     if (model::Task* task = network->find_task(id)) {
       task->state = state;
     }
@@ -17,24 +17,25 @@ void set_state(Holding& held, const model::TaskId& id, TaskState state) {
 
 }  // namespace
 
-model::Network Holding::all() const {
-  return beside.empty() ? controller : together(controller, beside);
+model::Network BeliefState::all() const {
+  return extra.empty() ? controller : unite(controller, extra);
 }
 
-model::Network Holding::shall() const {
-  return wanted ? together(*wanted, beside) : all();
+model::Network BeliefState::desired() const {
+  return wanted ? unite(*wanted, extra) : all();
 }
 
-Holding split(model::Network seen, const model::Network& controller, std::optional<model::Network> wanted) {
-  Holding holding;
-  holding.beside = without(seen, controller);
-  holding.controller = holding.beside.empty() ? std::move(seen) : without(seen, holding.beside);
-  holding.controller.name = controller.name;
-  holding.wanted = std::move(wanted);
-  return holding;
+BeliefState split_observation(model::Network seen, const model::Network& controller,
+                              std::optional<model::Network> wanted) {
+  BeliefState belief;
+  belief.extra = subtract(seen, controller);
+  belief.controller = belief.extra.empty() ? std::move(seen) : subtract(seen, belief.extra);
+  belief.controller.name = controller.name;
+  belief.wanted = std::move(wanted);
+  return belief;
 }
 
-Observation Belief::look() const {
+Observation Belief::observe() const {
   Observation seen;
   {
     const std::lock_guard lock(mutex_);
@@ -45,7 +46,7 @@ Observation Belief::look() const {
   return seen;
 }
 
-Holding Belief::held() const {
+BeliefState Belief::held() const {
   const std::lock_guard lock(mutex_);
   return held_;
 }
@@ -55,46 +56,46 @@ model::Network Belief::controller() const {
   return held_.controller;
 }
 
-bool Belief::is_given() const {
+bool Belief::is_assumed() const {
   const std::lock_guard lock(mutex_);
-  return given_;
+  return assumed_;
 }
 
-void Belief::adopt(Holding seen, std::uint64_t task_events) {
+void Belief::adopt(BeliefState seen, std::uint64_t task_events) {
   const std::lock_guard lock(mutex_);
   replace(std::move(seen), task_events);
 }
 
-bool Belief::renew(Holding seen, const Observation& look) {
+bool Belief::refresh(BeliefState seen, const Observation& observed) {
   const std::lock_guard lock(mutex_);
-  if (look.adoptions != adoptions_) {
+  if (observed.adoptions != adoptions_) {
     return false;
   }
-  replace(std::move(seen), look.task_events);
+  replace(std::move(seen), observed.task_events);
   return true;
 }
 
-void Belief::replace(Holding seen, std::uint64_t task_events) {
+void Belief::replace(BeliefState seen, std::uint64_t task_events) {
   ++adoptions_;
   held_ = std::move(seen);
-  given_ = false;
-  for (const auto& [id, last] : told_) {
+  assumed_ = false;
+  for (const auto& [id, last] : reported_) {
     if (last.first > task_events) {
       set_state(held_, id, last.second);
     }
   }
 }
 
-void Belief::adopt_given(model::Network network) {
+void Belief::adopt_assumed(model::Network network) {
   const std::lock_guard lock(mutex_);
   ++adoptions_;
   held_ = {std::move(network), {}, {}};
-  given_ = true;
+  assumed_ = true;
 }
 
 void Belief::on_event(const host::TaskEvent& event) {
   const std::lock_guard lock(mutex_);
-  told_.insert_or_assign(event.task, std::pair(++task_events_, event.state));
+  reported_.insert_or_assign(event.task, std::pair(++task_events_, event.state));
   set_state(held_, event.task, event.state);
 }
 
@@ -103,11 +104,11 @@ Observation Belief::starting_point() const {
   {
     const std::lock_guard lock(mutex_);
     start = {held_.all(), task_events_, adoptions_};
-    if (given_) {
+    if (assumed_) {
       return start;
     }
   }
-  Observation observed = look();
+  Observation observed = observe();
   if (equivalent(start.network, observed.network)) {
     return start;
   }

@@ -12,62 +12,68 @@
 
 namespace segue::runtime::detail {
 
-/// What the host showed at some moment. Tasks may have changed by themselves since: Belief::adopt takes the
-/// events after that moment into account.
+/// A snapshot of the host. Tasks may have changed state on their own since; Belief::adopt() applies the task
+/// events that came after the snapshot.
 struct Observation {
   model::Network network;
-  std::uint64_t task_events = 0;  ///< how many had come before
-  std::uint64_t adoptions = 0;    ///< how often the belief had been replaced by then
+  std::uint64_t task_events = 0;  ///< number of events received before the snapshot
+  std::uint64_t adoptions = 0;    ///< number of times the belief had been replaced before it
 };
 
-/// What is held to run.
-struct Holding {
-  model::Network controller;  ///< with the states that its tasks are in; its name is the robot's controller
-  model::Network beside;      ///< what is kept ready for another, and what was left over
-  /// The controller as it was requested; nothing where nobody requested what runs.
+/// The network believed to be running, split into the requested controller and everything else.
+struct BeliefState {
+  model::Network controller;  ///< tasks in their present states; its name is that of the robot's controller
+  model::Network extra;       ///< standby tasks of other controllers, and leftovers
+  /// The controller as requested; nothing if what runs was not requested (found at start, or after a
+  /// failure).
   std::optional<model::Network> wanted;
   [[nodiscard]] model::Network all() const;
-  /// What should run: as requested, else as it does.
-  [[nodiscard]] model::Network shall() const;
+  /// The network that should run: the requested controller, or else what runs, with `extra`.
+  [[nodiscard]] model::Network desired() const;
 };
 
-/// What was seen, as holding: what `controller` lacks of it stands beside.
-Holding split(model::Network seen, const model::Network& controller, std::optional<model::Network> wanted);
+/// Splits a snapshot: whatever is not part of `controller` goes to `extra`.
+BeliefState split_observation(model::Network seen, const model::Network& controller,
+                              std::optional<model::Network> wanted);
 
-/// The belief, kept true by what the host shows and by what tasks tell of themselves. Thread safe; calls
-/// nothing but the host's observe(), without a lock.
+/// The belief, kept up to date by snapshots of the host and by task events. Thread safe. The host's observe()
+/// is the only call out of this class, and the mutex is not held meanwhile.
 class Belief {
  public:
   explicit Belief(const host::TaskHost& host) : host_(host) {}
 
-  [[nodiscard]] Observation look() const;
-  [[nodiscard]] Holding held() const;
+  [[nodiscard]] Observation observe() const;
+  [[nodiscard]] BeliefState held() const;
   [[nodiscard]] model::Network controller() const;
-  /// By a person, whatever runs: the next request starts from it.
-  [[nodiscard]] bool is_given() const;
+  /// Whether the belief was set by a user (adopt_assumed()) and not observed; the next request starts from
+  /// it.
+  [[nodiscard]] bool is_assumed() const;
 
-  /// Believes what was seen at a moment, and what tasks told since.
-  void adopt(Holding seen, std::uint64_t task_events);
-  /// The same, unless the belief was replaced since it was looked: false then.
-  bool renew(Holding seen, const Observation& look);
-  /// Believes what a person says.
-  void adopt_given(model::Network network);
+  /// Replaces the belief by a snapshot and applies the task events received since.
+  void adopt(BeliefState seen, std::uint64_t task_events);
+  /// Like adopt(), but returns false and does nothing if the belief was replaced after the snapshot was
+  /// taken.
+  bool refresh(BeliefState seen, const Observation& observed);
+  /// Replaces the belief by a network given by the user.
+  void adopt_assumed(model::Network network);
   void on_event(const host::TaskEvent& event);
 
-  /// What runs, as a new request has to take it: named after the controller.
+  /// The network that a new request starts from: the assumed one, else a snapshot. Its name is the
+  /// controller's.
   [[nodiscard]] Observation starting_point() const;
 
  private:
-  void replace(Holding seen, std::uint64_t task_events);
+  void replace(BeliefState seen, std::uint64_t task_events);
 
   const host::TaskHost& host_;
-  mutable std::mutex mutex_;
-  Holding held_;
-  bool given_ = false;
+  mutable std::mutex mutex_;  ///< protects all members below
+  BeliefState held_;
+  bool assumed_ = false;
   std::uint64_t task_events_ = 0;
   std::uint64_t adoptions_ = 0;
-  /// For each task, the last state that it took by itself, and the number of that event.
-  std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> told_;
+  /// For each task, the number of its last event and the state that it reported. Events numbered above a
+  /// snapshot's `task_events` are newer than the snapshot and override it.
+  std::map<model::TaskId, std::pair<std::uint64_t, TaskState>> reported_;
 };
 
 }  // namespace segue::runtime::detail

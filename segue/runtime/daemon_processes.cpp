@@ -22,7 +22,7 @@ DaemonProcesses::Service DaemonProcesses::current() {
 DaemonProcesses::Service DaemonProcesses::successor(const Service& old) {
   const std::lock_guard lock(mutex_);
   if (current_ != old) {
-    return current_;  // somebody was quicker
+    return current_;  // another thread has reconnected already
   }
   const auto alive = old->processes(robot_);
   if (alive || alive.error().code != ErrorCode::Unavailable) {
@@ -32,7 +32,7 @@ DaemonProcesses::Service DaemonProcesses::successor(const Service& old) {
   if (!next) {
     return nullptr;
   }
-  log(LogLevel::Info, "runtime", "connected with the process server that has been started anew");
+  log(LogLevel::Info, "runtime", "connected to the restarted process server");
   old->set_listener({});
   current_ = std::move(*next);
   current_->set_listener(listener_);

@@ -12,14 +12,14 @@
 
 namespace segue::runtime {
 
-/// The process server of this computer (`segue host`), whichever lives: where one is gone, the next call goes
-/// to its successor, which finds the processes again. Unavailable while there is none. Thread safe.
+/// The process server of this computer (`segue host`). If it was restarted, the next call connects to the new
+/// one, which finds the processes again. Calls fail with Unavailable while there is none. Thread safe.
 class DaemonProcesses final : public process::ProcessService {
  public:
-  /// A new connection to the process server that runs.
+  /// Opens a new connection to the running process server.
   using Open = std::function<Result<std::unique_ptr<process::ProcessService>>()>;
 
-  /// `robot` is whose processes are asked for to find out whether a process server still lives.
+  /// To find out whether the process server still answers, the processes of `robot` are listed. Blocks.
   static Result<std::unique_ptr<DaemonProcesses>> connect(std::string robot, Open open);
   ~DaemonProcesses() override { set_listener({}); }
 
@@ -40,12 +40,12 @@ class DaemonProcesses final : public process::ProcessService {
   template <class T, class Ask>
   Result<T> ask(Ask ask_service);
   Service current();
-  /// What comes after `old`, unless that one lives; null where there is nothing.
+  /// Replaces the connection `old` unless it still answers; null if there is no other process server.
   Service successor(const Service& old);
 
   const std::string robot_;
   const Open open_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects the members below; held while a lost connection is replaced
   Service current_;
   Listener listener_;
 };

@@ -6,12 +6,12 @@
 namespace segue::runtime {
 namespace {
 
-/// What the process servers of a computer share with the test.
+/// State that the process servers of a computer share with the test.
 struct Computer {
   int opened = 0;
   int calls = 0;
   bool one_runs = true;
-  int living = 0;  ///< the number of the one that lives
+  int living = 0;  ///< the number of the running process server
   process::ProcessService::Listener listener;
   ErrorCode start_fails = ErrorCode::AlreadyExists;
 };
@@ -62,7 +62,7 @@ class DaemonProcessesTest : public ::testing::Test {
   Computer computer_;
 };
 
-TEST_F(DaemonProcessesTest, goes_on_with_the_next_process_server) {
+TEST_F(DaemonProcessesTest, reconnects_to_a_restarted_process_server) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   int told = 0;
@@ -71,14 +71,14 @@ TEST_F(DaemonProcessesTest, goes_on_with_the_next_process_server) {
   start_anew();
   computer_.listener = {};
   EXPECT_EQ((*daemon)->processes("rover")->size(), 2U);
-  ASSERT_TRUE(computer_.listener) << "the next one is listened to";
+  ASSERT_TRUE(computer_.listener) << "the listener is set at the new process server";
   computer_.listener({});
   EXPECT_EQ(told, 1);
   EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
   EXPECT_EQ(computer_.opened, 2);
 }
 
-TEST_F(DaemonProcessesTest, says_so_while_there_is_none) {
+TEST_F(DaemonProcessesTest, fails_while_there_is_none) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   computer_.one_runs = false;
@@ -89,12 +89,12 @@ TEST_F(DaemonProcessesTest, says_so_while_there_is_none) {
   EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
 }
 
-TEST_F(DaemonProcessesTest, takes_a_refusal_of_one_that_lives_as_it_is) {
+TEST_F(DaemonProcessesTest, does_not_repeat_a_refused_call) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
   computer_.start_fails = ErrorCode::Unavailable;
   EXPECT_EQ((*daemon)->start({}, {}).error().code, ErrorCode::Unavailable);
-  EXPECT_EQ(computer_.calls, 1) << "it is not asked twice";
+  EXPECT_EQ(computer_.calls, 1) << "it is called once";
   EXPECT_EQ(computer_.opened, 1);
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Files of the robot that match a pattern. One that matches nothing is worth a word.
+/// Files of the robot that match a pattern; a pattern without matches gives a warning.
 std::vector<fs::path> files_of(const model::Robot& robot, const std::string& pattern, std::string_view what,
                                Diagnostics& diagnostics) {
   auto files = glob_files(robot.folder / pattern);
@@ -46,7 +46,7 @@ struct EmbeddedRobot::Implementation {
   model::Robot robot;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
-  task::RealtimeLogDrain log_drain;  ///< goes after the tasks, with their last lines
+  task::RealtimeLogDrain log_drain;  ///< destroyed after the tasks, so that it prints their last lines
   std::unique_ptr<detail::RobotTasks> tasks;
   std::unique_ptr<Runtime> runtime;
 };
@@ -75,7 +75,7 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   return !diagnostics.has_errors();
 }
 
-/// Components are asked for their interfaces themselves: what runs cannot differ from what is checked.
+/// Exports the interfaces from the loaded components, so that the checked models are those that run.
 void EmbeddedRobot::Implementation::load_libraries(Diagnostics& diagnostics, bool required) {
   const auto report = [&](const Error& error) {
     if (required) {
@@ -128,7 +128,7 @@ std::vector<model::Network> EmbeddedRobot::Implementation::load_controllers(Diag
   return networks;
 }
 
-/// Empty where none is kept. A robot without a journal runs all the same.
+/// Empty if no journal is kept. A missing journal does not keep the robot from running.
 fs::path EmbeddedRobot::Implementation::journal_path(const EmbeddedOptions& options,
                                                      Diagnostics& diagnostics) const {
   if (!options.journal || !options.journal_file.empty()) {
@@ -144,12 +144,12 @@ fs::path EmbeddedRobot::Implementation::journal_path(const EmbeddedOptions& opti
 void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& networks,
                                           host::LocalOptions local, const EmbeddedOptions& options,
                                           Diagnostics& diagnostics) {
-  auto made = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
-  if (!made) {
-    diagnostics.error("processes", to_string(made.error()), robot.where);
+  auto created = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
+  if (!created) {
+    diagnostics.error("processes", to_string(created.error()), robot.where);
     return;
   }
-  tasks = std::move(*made);
+  tasks = std::move(*created);
   for (const auto& network : networks) {
     tasks->host().expect(network);
   }
@@ -160,7 +160,7 @@ void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& net
     diagnostics.append(runtime->add_controller(network));
   }
   if (!runtime->belief().empty()) {
-    runtime->reset_belief();  // what was taken over gets the name of the controller that it is
+    runtime->reset_belief();  // adopted deployments: find the name of the controller that they run
   }
 }
 
@@ -171,11 +171,11 @@ EmbeddedRobot::~EmbeddedRobot() = default;
 
 std::unique_ptr<EmbeddedRobot> EmbeddedRobot::open(const fs::path& file, Diagnostics& diagnostics,
                                                    const EmbeddedOptions& options) {
-  auto made = std::make_unique<Implementation>();
-  if (!made->load(file, options, diagnostics)) {
+  auto created = std::make_unique<Implementation>();
+  if (!created->load(file, options, diagnostics)) {
     return nullptr;
   }
-  return std::unique_ptr<EmbeddedRobot>(new EmbeddedRobot(std::move(made)));
+  return std::unique_ptr<EmbeddedRobot>(new EmbeddedRobot(std::move(created)));
 }
 
 Result<std::unique_ptr<EmbeddedRobot>> EmbeddedRobot::open(const fs::path& file,
@@ -212,10 +212,10 @@ SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOption
 }
 
 SwitchResult EmbeddedRobot::shut_down() {
-  implementation_->runtime->prepare({});  // nothing is kept ready any more
+  implementation_->runtime->prepare({});  // end standby
   SwitchResult result = implementation_->runtime->switch_to(model::Network{});
   if (result.outcome != Outcome::Done) {
-    // What had just gone wrong is seen now: a process that hangs, say.
+    // The new snapshot shows what failed, such as a process that hangs, so another transition may succeed.
     result = implementation_->runtime->switch_to(model::Network{});
   }
   if (result.outcome != Outcome::Done) {

@@ -15,42 +15,42 @@
 
 namespace segue::runtime {
 
-/// Where tasks live that a network's deployments name.
-enum class Placement {
-  InProcess,  ///< in this process, as all others: deployments are names only
+/// In which processes the tasks of a network's deployments run.
+enum class TaskPlacement {
+  InProcess,  ///< all in this process: deployments are names only
   Processes   ///< in processes of their own on this computer, as the network says
 };
 
 struct EmbeddedOptions {
   bool stand_in = false;              ///< a stand-in for every component that is not installed
   bool only_stand_ins = false;        ///< stand-ins for all components
-  std::filesystem::path stand_ins{};  ///< how they behave (host/stand_in.hpp); empty: as they are
-  Placement placement = Placement::InProcess;
+  std::filesystem::path stand_ins{};  ///< file with their behaviour (host/stand_in.hpp); empty: the default
+  TaskPlacement placement = TaskPlacement::InProcess;
   bool daemon = false;                   ///< processes are started by `segue host`, not by this process
   LogLevel log_level = LogLevel::Info;   ///< of deployment processes
-  bool journal = false;                  ///< what happens is kept (RuntimeOptions::journal)
-  std::filesystem::path journal_file{};  ///< there; empty: at journal::default_path()
+  bool journal = false;                  ///< keep a journal (RuntimeOptions::journal)
+  std::filesystem::path journal_file{};  ///< its file; empty: journal::default_path()
 };
 
-/// A robot in this process: everything that its robot file names, ready to switch. No daemon, no network;
-/// other processes only where they are asked for (EmbeddedOptions::placement).
+/// A robot in this process, with everything that its robot file names. Needs no daemon; starts other
+/// processes only if EmbeddedOptions::placement says so.
 ///
 ///     auto robot = segue::runtime::EmbeddedRobot::open("robot.yaml");
 ///     if (!robot) { std::cerr << to_string(robot.error()) << '\n'; return 1; }
 ///     auto result = (*robot)->switch_to("explore");
 ///
-/// With Placement::Processes, deployments of this robot that already run are taken over: the belief is what
-/// they show. They outlive this object and this process; its own tasks do not.
+/// With TaskPlacement::Processes, deployments of this robot that already run are adopted into the
+/// belief. They outlive this object and this process; tasks of this process do not.
 ///
 /// Functions may be called from any thread. The destructor ends this process's tasks at once; shut_down()
-/// ends all in order.
+/// stops and cleans up everything first.
 class EmbeddedRobot {
  public:
-  /// Loads the robot file, its component libraries, models and controllers. All problems (of all files) are
-  /// in `diagnostics`; nothing is returned where there are errors. Warnings do not hinder.
+  /// Loads the robot file, its component libraries, models and controllers. Puts the problems of all files
+  /// into `diagnostics` and returns null if there are errors. Blocks.
   static std::unique_ptr<EmbeddedRobot> open(const std::filesystem::path& file, Diagnostics& diagnostics,
                                              const EmbeddedOptions& options = {});
-  /// The same with the first problem as the error; warnings are logged.
+  /// The same with all errors in one; warnings are logged.
   static Result<std::unique_ptr<EmbeddedRobot>> open(const std::filesystem::path& file,
                                                      const EmbeddedOptions& options = {});
   ~EmbeddedRobot();
@@ -60,11 +60,10 @@ class EmbeddedRobot {
   [[nodiscard]] host::TaskHost& host();
   [[nodiscard]] Runtime& runtime();
 
-  /// Requests a controller and waits for the outcome. Blocks.
+  /// Requests a controller and waits for the result. Blocks.
   SwitchResult switch_to(std::string_view controller, RequestOptions options = {});
-  /// Brings the robot to the empty network: every task stopped and cleaned up in order, every deployment
-  /// process ended. What goes wrong is tried again once; after that the processes are ended whatever they do,
-  /// and the answer says what went wrong. Blocks.
+  /// Switches to the empty network: stops and cleans up every task and ends every deployment process. After a
+  /// failure it tries once more and then kills the processes; the result says what failed. Blocks.
   SwitchResult shut_down();
 
  private:

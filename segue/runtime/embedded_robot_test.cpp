@@ -12,7 +12,7 @@
 
 namespace embedded_test {
 
-/// Says on its update path that it updates.
+/// Logs on its update path.
 class Speaker final : public segue::task::Component {
  public:
   Speaker() {
@@ -57,7 +57,7 @@ TEST_F(EmbeddedRobotTest, RunsComponentsOfTheProgramItself) {
   EXPECT_EQ((*robot)->shut_down().outcome, Outcome::Done);
 }
 
-TEST_F(EmbeddedRobotTest, ShuttingDownLeavesNothingReady) {
+TEST_F(EmbeddedRobotTest, ShuttingDownEndsStandby) {
   ASSERT_TRUE(write_file(folder_ / "sing.yaml",
                          "network: sing\ntasks:\n  singer: {component: embedded_test::Speaker}\n"));
   ASSERT_TRUE(write_file(folder_ / "robot.yaml", "robot: parrot\ncontrollers: [talk.yaml, sing.yaml]\n"));
@@ -71,9 +71,9 @@ TEST_F(EmbeddedRobotTest, ShuttingDownLeavesNothingReady) {
   EXPECT_TRUE((*robot)->host().observe().empty());
 }
 
-TEST_F(EmbeddedRobotTest, PassesOnWhatTasksLogOnTheirUpdatePaths) {
+TEST_F(EmbeddedRobotTest, ForwardsLogLinesOfUpdatePaths) {
   std::promise<std::string> said;
-  bool heard = false;  // the sink is called under a lock
+  bool heard = false;  // protected by the lock under which the sink is called
   set_log_sink([&](LogLevel, std::string_view source, std::string_view message) {
     if (source == "speaker" && !std::exchange(heard, true)) said.set_value(std::string(message));
   });
@@ -83,7 +83,7 @@ TEST_F(EmbeddedRobotTest, PassesOnWhatTasksLogOnTheirUpdatePaths) {
   auto message = said.get_future();
   ASSERT_EQ(message.wait_for(std::chrono::seconds(20)), std::future_status::ready);
   EXPECT_EQ(message.get(), "I am updated");
-  robot->reset();  // before what the sink refers to
+  robot->reset();  // ends before the variables that the sink refers to
 }
 
 }  // namespace

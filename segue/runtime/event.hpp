@@ -30,12 +30,12 @@ enum class EventKind {
 };
 std::string_view to_string(EventKind kind);
 
-/// Numbered without gaps from 1; the last few thousand are kept.
+/// Events are numbered from 1 without gaps; the last few thousand are kept.
 struct Event {
   std::uint64_t number = 0;
   std::chrono::system_clock::time_point time;
   EventKind kind = EventKind::RequestAccepted;
-  std::string subject;  ///< task, action or network
+  std::string subject;  ///< a task, action or network
   std::string message;
 };
 

@@ -7,7 +7,7 @@ namespace segue::runtime::detail {
 
 namespace {
 constexpr std::size_t kKeptEvents = 4096;
-/// Waiting longer than this is waiting for ever; beyond it arithmetic on time points would overflow.
+/// Longer waits are cut to this: adding an arbitrary duration to a time point could overflow.
 constexpr Duration kLongestWait = std::chrono::hours(24);
 }  // namespace
 

@@ -11,19 +11,19 @@
 
 namespace segue::runtime::detail {
 
-/// The last few thousand events, numbered from 1. Thread safe.
+/// Keeps the last few thousand events, numbered from 1. Thread safe.
 class EventLog {
  public:
   void add(EventKind kind, std::string subject, std::string message);
-  /// Those after `number`; waits up to `wait` for the first, or until close().
+  /// Events after `number`. Blocks until there is one, at most for `wait`, or until close().
   [[nodiscard]] std::vector<Event> after(std::uint64_t number, Duration wait) const;
-  /// Wakes everybody who waits; nobody waits from now on.
+  /// Wakes all waiting threads; from then on after() does not block.
   void close();
 
  private:
   [[nodiscard]] bool has_after(std::uint64_t number) const { return last_ > number; }
 
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< protects all members below
   mutable std::condition_variable added_;
   std::deque<Event> events_;
   std::uint64_t last_ = 0;

@@ -19,7 +19,7 @@ Duration end_of(const ActionRecord& record) {
   return record.started + record.duration;
 }
 
-/// When each phase could have begun: when those before it had ended.
+/// The earliest possible begin of each phase: the end of those before it.
 std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records) {
   std::array<Duration, 3> begins{};
   for (const ActionRecord& record : records) {
@@ -30,13 +30,13 @@ std::array<Duration, 3> phase_begins(const std::vector<ActionRecord>& records) {
   return begins;
 }
 
-/// What an action took by itself.
+/// The execution time of an action itself, if it was measured.
 Duration work_of(const ActionRecord& record) {
   return record.took.value_or(record.duration);
 }
 
-/// How long processes were at the quick actions that they took up together: one after the other, and told
-/// together.
+/// Quick actions of one batch are executed by their process sequentially and reported together. Sums their
+/// durations for each process and batch.
 class Lanes {
  public:
   Lanes(const std::vector<ActionRecord>& records, const std::vector<journal::ActionEntry>& entries,
@@ -49,7 +49,7 @@ class Lanes {
     }
   }
 
-  /// Until an action was told, itself included.
+  /// The time that the process was busy until it reported the action, that action included.
   [[nodiscard]] Duration busy(const ActionRecord& record, std::size_t index) const {
     const auto part = before_.find(index);
     if (part == before_.end()) return record.duration;
@@ -66,8 +66,8 @@ class Lanes {
   std::unordered_map<std::size_t, Part> before_;
 };
 
-/// Fills in how long each action of the transition waited, though what comes before it was done: to begin,
-/// and on the way there and back.
+/// Fills in the waiting time of each action: from the end of its predecessors to its reported end, less the
+/// time that its process was busy with it.
 void find_waits(const std::vector<ActionRecord>& records, std::size_t count,
                 std::vector<journal::ActionEntry>& entries) {
   const auto begins = phase_begins(records);
@@ -181,7 +181,7 @@ void JournalKeeper::accepted(std::uint64_t request, const std::string& who,
   journal_->add(journal::RequestEntry{request, std::chrono::system_clock::now(), who, wanted.str()});
 }
 
-void JournalKeeper::differs(const std::string& subject, const std::string& sentence,
+void JournalKeeper::drifted(const std::string& subject, const std::string& sentence,
                             const std::string& done) {
   if (!journal_) return;
   journal_->add(journal::DifferenceEntry{std::chrono::system_clock::now(), subject, sentence, done});

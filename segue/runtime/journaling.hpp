@@ -13,37 +13,38 @@
 #include <memory>
 #include <string>
 
-/// What the journal is told of a transition.
+/// Entries of the journal built from results of the runtime.
 namespace segue::runtime {
 
-/// The entry of what became of `transition` from `current`; `known` is what the journal knew before
-/// (Journal::times()), from which the prediction is made. Actions of `result` beyond those of the transition
-/// are of a way that was found instead. Any thread; takes a millisecond for a hundred actions.
+/// The entry of an executed transition from `current`. `known` are the durations known before it
+/// (Journal::times()), from which the prediction is computed. Actions of `result` beyond those of
+/// `transition` belong to a replanned one. From any thread; takes about a millisecond for a hundred actions.
 journal::TransitionEntry journal_entry(const SwitchResult& result, const model::Network& current,
                                        const model::Transition& transition, const model::ActionTimes& known);
 
-/// The same for a request that came to no transition: refused, superseded.
+/// The entry of a request without a transition: it was refused or superseded.
 journal::TransitionEntry journal_entry(const SwitchResult& result);
 
 namespace detail {
 
-/// A runtime's journal. Any thread; nothing blocks.
+/// The journal of a runtime, if it keeps one. All functions may be called from any thread and do not block.
 class JournalKeeper {
  public:
   using Known = std::shared_ptr<const model::ActionTimes>;
 
-  /// Keeps nothing where `path` is empty. Trouble with the file becomes events. `log` must outlive this.
+  /// Keeps no journal if `path` is empty. Problems with the file become events in `log`, which must outlive
+  /// this.
   JournalKeeper(const std::filesystem::path& path, EventLog& log);
 
   void accepted(std::uint64_t request, const std::string& who, const model::NetworkName& wanted);
-  /// `done`: what is done about it, "reported", "repaired" ...
-  void differs(const std::string& subject, const std::string& sentence, const std::string& done);
-  /// A request that came to no transition.
+  /// Drift, and how it was handled: "reported", "repaired", "given up".
+  void drifted(const std::string& subject, const std::string& sentence, const std::string& done);
+  /// A request without a transition.
   void ended(const SwitchResult& result);
 
-  /// What is known before a transition, for ended(); null where nothing is kept.
+  /// The durations known before a transition, for ended(); null if no journal is kept.
   [[nodiscard]] Known known() const;
-  /// A transition from `current`. Fills in what was predicted of it.
+  /// An executed transition from `current`. Fills in its prediction.
   void ended(SwitchResult& result, const model::Network& current, const model::Transition& transition,
              const Known& known);
 

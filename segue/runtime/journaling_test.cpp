@@ -12,16 +12,16 @@ using namespace std::chrono_literals;
 
 ActionRecord record(int id, ActionKind kind, Phase phase, std::vector<int> after, Duration started,
                     Duration duration) {
-  ActionRecord made;
-  made.action.id = id;
-  made.action.kind = kind;
-  made.action.what = model::TaskAction{model::TaskId("a")};
-  made.action.phase = phase;
-  made.action.after = std::move(after);
-  made.started = started;
-  made.duration = duration;
-  made.executed = true;
-  return made;
+  ActionRecord created;
+  created.action.id = id;
+  created.action.kind = kind;
+  created.action.what = model::TaskAction{model::TaskId("a")};
+  created.action.phase = phase;
+  created.action.after = std::move(after);
+  created.started = started;
+  created.duration = duration;
+  created.executed = true;
+  return created;
 }
 
 model::Network one_task() {
@@ -50,7 +50,7 @@ model::Transition transition_of(const SwitchResult& result) {
   return transition;
 }
 
-TEST(JournalEntry, TellsHowLongActionsTookAndWaited) {
+TEST(JournalEntry, HoldsDurationsAndWaitsOfActions) {
   const auto result = three_actions();
   const auto entry = journal_entry(result, one_task(), transition_of(result), {});
   EXPECT_EQ(entry.request, 7U);
@@ -66,17 +66,17 @@ TEST(JournalEntry, TellsHowLongActionsTookAndWaited) {
   EXPECT_FALSE(entry.predicted);
 }
 
-TEST(JournalEntry, TellsTheWorkOfAnActionFromWaitingForOthersOfItsBatch) {
+TEST(JournalEntry, SeparatesTheWorkOfAnActionFromWaitingForOthersOfItsBatch) {
   auto result = three_actions();
   result.actions[1].took = 4ms;
   const auto entry = journal_entry(result, one_task(), transition_of(result), {});
   EXPECT_EQ(entry.actions[1].duration, 4ms);
   EXPECT_EQ(entry.actions[1].waited, 3ms + 16ms);
-  EXPECT_EQ(entry.actions[2].waited, 6ms) << "from when the one before was known to have ended";
+  EXPECT_EQ(entry.actions[2].waited, 6ms) << "since the reported end of its predecessor";
   EXPECT_EQ(entry.total, 45ms);
 }
 
-TEST(JournalEntry, CountsQuickActionsOfOneProcessAsOneAfterTheOther) {
+TEST(JournalEntry, TakesQuickActionsOfOneProcessAsSequential) {
   auto result = three_actions();
   for (std::size_t i = 0; i < 3; ++i) {
     result.actions[i] = record(static_cast<int>(i) + 1, ActionKind::Start, Phase::Commit, {}, 1ms, 2ms);
@@ -89,11 +89,11 @@ TEST(JournalEntry, CountsQuickActionsOfOneProcessAsOneAfterTheOther) {
   }
 }
 
-TEST(JournalEntry, PredictsFromWhatWasKnownBefore) {
+TEST(JournalEntry, PredictsFromEarlierDurations) {
   const auto result = three_actions();
   model::ActionTimes known;
   for (const auto& each :
-       journal::lesson_of(journal_entry(result, one_task(), transition_of(result), {})).actions) {
+       journal::duration_samples(journal_entry(result, one_task(), transition_of(result), {})).actions) {
     for (int i = 0; i < 20; ++i)
       known.actions[each.first].add(each.second);
   }
@@ -103,7 +103,7 @@ TEST(JournalEntry, PredictsFromWhatWasKnownBefore) {
   EXPECT_NEAR(std::chrono::duration<double>(entry.predicted->commit.typical).count(), 0.005, 0.001);
 }
 
-TEST(JournalEntry, SaysWhatFailedAndWhatWasNotDone) {
+TEST(JournalEntry, HoldsFailedAndSkippedActions) {
   auto result = three_actions();
   result.outcome = Outcome::Failed;
   result.error = fail(ErrorCode::HookFailed, "no map", "a");
@@ -118,7 +118,7 @@ TEST(JournalEntry, SaysWhatFailedAndWhatWasNotDone) {
   EXPECT_EQ(entry.total, 34ms);
 }
 
-TEST(JournalEntry, TakesActionsOfAnotherWayAsTheyAre) {
+TEST(JournalEntry, KeepsActionsOfAReplannedTransition) {
   auto result = three_actions();
   const auto transition = transition_of(result);
   result.actions.push_back(record(1, ActionKind::Stop, Phase::Commit, {}, 50ms, 2ms));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/look_ahead.hpp>
 
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 #include <segue/solve/look_ahead.hpp>
 
 #include <algorithm>
@@ -26,12 +26,12 @@ Keys processes_of(const model::Network& network) {
   return keys;
 }
 
-/// What processes cost that stand beside a controller.
+/// Limits the number of standby processes and their memory.
 class Budget {
  public:
   Budget(const model::LookAhead& limit, const MemoryOf& memory_of) : limit_(limit), memory_of_(memory_of) {}
 
-  /// False where it is too much: then nothing is taken.
+  /// Reserves a process. Returns false and reserves nothing if it exceeds the budget.
   bool take(const model::DeploymentKey& process) {
     const std::uint64_t memory = memory_of_(process);
     if (taken_.processes >= static_cast<std::size_t>(std::max(limit_.processes, 0)) ||
@@ -53,7 +53,7 @@ class Budget {
   Cost taken_;
 };
 
-/// A network without some of its processes and all that lives in them or is connected to that.
+/// The network without some of its processes, their tasks and the connections of these.
 model::Network without_processes(model::Network network, const Keys& processes) {
   std::set<model::TaskId> gone;
   std::erase_if(network.deployments, [&](const model::Deployment& deployment) {
@@ -72,7 +72,7 @@ model::Network without_processes(model::Network network, const Keys& processes) 
   return network;
 }
 
-/// How much of a controller is there, or will be.
+/// Counts the tasks of `wanted` that are configured in `there`.
 Readiness readiness_of(const model::Network& wanted, const model::Network& there) {
   Readiness readiness{wanted.name, true, 0, wanted.tasks.size(), {}};
   std::set<model::TaskId> ids;
@@ -89,20 +89,21 @@ Readiness readiness_of(const model::Network& wanted, const model::Network& there
 
 }  // namespace
 
-LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wish>& wishes,
+LookAheadPlan look_ahead(const model::Network& controller,
+                         const std::vector<PrepareRequest>& requests_to_prepare,
                          const model::ComponentCatalog& catalog, const model::LookAhead& budget,
                          const MemoryOf& memory_of) {
   LookAheadPlan plan;
   model::Network all = controller;
   Keys there = processes_of(controller);
   Budget left(budget, memory_of);
-  for (const auto& wish : wishes) {
-    if (!wish.network) {
-      plan.readiness.push_back({wish.name, false, 0, 0, "no such controller"});
+  for (const auto& request : requests_to_prepare) {
+    if (!request.network) {
+      plan.readiness.push_back({request.name, false, 0, 0, "no such controller"});
       continue;
     }
     Keys beyond;
-    for (const auto& deployment : wish.network->deployments) {
+    for (const auto& deployment : request.network->deployments) {
       const auto key = deployment.key();
       if (there.contains(key) || left.take(key)) {
         there.insert(key);
@@ -110,26 +111,26 @@ LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wis
         beyond.insert(key);
       }
     }
-    all = solve::warmed(all, without_processes(*wish.network, beyond), catalog);
-    Readiness readiness = readiness_of(*wish.network, all);
+    all = solve::with_standby(all, without_processes(*request.network, beyond), catalog);
+    Readiness readiness = readiness_of(*request.network, all);
     readiness.ready = beyond.empty();
     if (!readiness.ready) {
       readiness.reason = std::to_string(beyond.size()) + " of its " +
-                         std::to_string(wish.network->deployments.size()) + " processes are beyond " +
+                         std::to_string(request.network->deployments.size()) + " processes exceed " +
                          left.text();
     }
     plan.readiness.push_back(std::move(readiness));
   }
-  plan.beside = without(all, controller);
+  plan.standby = subtract(all, controller);
   return plan;
 }
 
-model::Network already_there(const model::Network& beside, const model::Network& current) {
+model::Network already_present(const model::Network& standby, const model::Network& current) {
   model::Network kept;
-  const auto processes = model::task_processes(beside);
+  const auto processes = model::task_processes(standby);
   const auto current_processes = model::task_processes(current);
   std::set<model::TaskId> ids;
-  for (const auto& task : beside.tasks) {
+  for (const auto& task : standby.tasks) {
     const model::Task* now = current.find_task(task.id);
     const auto process = processes.find(task.id);
     const auto current_process = current_processes.find(task.id);
@@ -142,7 +143,7 @@ model::Network already_there(const model::Network& beside, const model::Network&
       ids.insert(task.id);
     }
   }
-  for (model::Deployment deployment : beside.deployments) {
+  for (model::Deployment deployment : standby.deployments) {
     std::erase_if(deployment.tasks,
                   [&](const model::Placement& placement) { return !ids.contains(placement.task); });
     const bool there = std::any_of(current.deployments.begin(), current.deployments.end(),
@@ -153,7 +154,7 @@ model::Network already_there(const model::Network& beside, const model::Network&
       kept.deployments.push_back(std::move(deployment));
     }
   }
-  for (const auto& connection : beside.connections) {
+  for (const auto& connection : standby.connections) {
     const bool there = std::find(current.connections.begin(), current.connections.end(), connection) !=
                        current.connections.end();
     if (there && ids.contains(connection.from.task) && ids.contains(connection.to.task)) {

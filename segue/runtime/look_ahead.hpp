@@ -11,28 +11,29 @@
 
 namespace segue::runtime::detail {
 
-/// A controller that is to be kept ready; they come the likeliest first.
-struct Wish {
+/// A controller to be kept on standby. Requests are ordered by likelihood, the likeliest first.
+struct PrepareRequest {
   model::NetworkName name;
-  std::optional<model::Network> network;  ///< nothing: nobody knows such a controller
+  std::optional<model::Network> network;  ///< nothing: there is no controller of that name
 };
 
-/// What is to stand beside a controller so that others are ready.
+/// The standby network for a controller.
 struct LookAheadPlan {
-  model::Network beside;
-  std::vector<Readiness> readiness;  ///< one for each wish, as it will be
+  model::Network standby;
+  std::vector<Readiness> readiness;  ///< one for each request, once `standby` is in place
 };
 
-/// How much memory (bytes) a process takes that stands beside now; 0: not known.
+/// The memory in bytes that a standby process uses now; 0 if it is not known.
 using MemoryOf = std::function<std::uint64_t(const model::DeploymentKey& process)>;
 
-/// As much of the wishes as the budget permits, in their order, and of each its processes in theirs. Pure but
-/// for `memory_of`.
-LookAheadPlan look_ahead(const model::Network& controller, const std::vector<Wish>& wishes,
+/// Plans as much of the requests as the budget permits: requests in their order, and the processes of each in
+/// the order of its network. Pure except for `memory_of`.
+LookAheadPlan look_ahead(const model::Network& controller,
+                         const std::vector<PrepareRequest>& requests_to_prepare,
                          const model::ComponentCatalog& catalog, const model::LookAhead& budget,
                          const MemoryOf& memory_of);
 
-/// What of `beside` is there already in `current`, running or not: it can stay where it is.
-model::Network already_there(const model::Network& beside, const model::Network& current);
+/// The parts of `standby` that exist in `current`, running or not, and can stay as they are.
+model::Network already_present(const model::Network& standby, const model::Network& current);
 
 }  // namespace segue::runtime::detail

@@ -3,8 +3,8 @@
 
 #include <segue/base/text.hpp>
 #include <segue/model/validate.hpp>
-#include <segue/runtime/beside.hpp>
 #include <segue/runtime/look_ahead.hpp>
+#include <segue/runtime/network_sets.hpp>
 
 #include <array>
 #include <map>
@@ -33,7 +33,7 @@ std::optional<Refusal> refusal_for(const model::Network& network, const host::Ta
   return Refusal{std::move(error), std::move(findings)};
 }
 
-/// Phases are carried out one after the other, so no action may wait for one of a later phase.
+/// Phases are executed in sequence, so no action may wait for one of a later phase.
 Result<void> check_phases(const model::Transition& transition) {
   std::map<int, const model::Action*> by_id;
   for (const auto& action : transition.actions) {
@@ -60,7 +60,7 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
   std::set<model::ComponentName> seen;
   for (const auto& task : network.tasks) {
     if (!seen.insert(task.component).second || catalog.find(task.component) == nullptr) {
-      continue;  // a component that nobody knows has its finding already, where that matters
+      continue;  // validation has reported unknown components, if the host needs them to be known
     }
     if (auto possible = host.can_make(task.component); !possible) {
       findings.error("not-installed", possible.error().message, task.where);
@@ -75,24 +75,24 @@ solve::Options solve_options(const host::TaskHost& host, model::Order order, boo
   return {order, host.side_by_side(), force};
 }
 
-tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                         const model::Network& keep, const host::TaskHost& host,
-                                         const model::ComponentCatalog& catalog,
-                                         const solve::Options& options) {
+tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
+                                               const model::Network& keep, const host::TaskHost& host,
+                                               const model::ComponentCatalog& catalog,
+                                               const solve::Options& options) {
   if (auto refusal = refusal_for(controller, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  model::Network target = together(controller, already_there(keep, current));
+  model::Network target = unite(controller, already_present(keep, current));
   auto transition = solve::diff(current, target, catalog, options);
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));
   }
-  return Plan{std::move(controller), std::move(target), std::move(*transition)};
+  return SwitchPlan{std::move(controller), std::move(target), std::move(*transition)};
 }
 
-tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                            const host::TaskHost& host,
-                                            const model::ComponentCatalog& catalog) {
+tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
+                                                  const host::TaskHost& host,
+                                                  const model::ComponentCatalog& catalog) {
   if (auto ordered = check_phases(transition); !ordered) {
     return tl::unexpected(refuse(std::move(ordered.error())));
   }
@@ -107,10 +107,10 @@ tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model
   if (auto refusal = refusal_for(*target, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  return Plan{*target, *target, std::move(transition)};
+  return SwitchPlan{*target, *target, std::move(transition)};
 }
 
-std::string shown(const model::NetworkName& name) {
+std::string quoted_name(const model::NetworkName& name) {
   return name.empty() ? "the empty network" : quote(name.str());
 }
 

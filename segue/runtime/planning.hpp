@@ -12,42 +12,42 @@
 
 namespace segue::runtime::detail {
 
-/// What a request comes down to: what is to run, and the way there.
-struct Plan {
-  model::Network controller;  ///< as it was requested
-  model::Network target;      ///< and what stays beside it
+/// The target of a request and the transition to it.
+struct SwitchPlan {
+  model::Network controller;  ///< the requested controller
+  model::Network target;      ///< the controller, and the standby parts that stay
   model::Transition transition;
 };
 
-/// Why a request is refused: the error, and all findings where there are several.
+/// Why a request is refused: the error, and all findings of validation if there are several.
 struct Refusal {
   Error error;
   Diagnostics diagnostics;
 };
 
-/// What the solver may use on this host.
+/// Options of the solver for this host.
 solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force);
 
-/// Validates `controller` as deeply as the host needs it and computes the way from `current`; what of `keep`
-/// is there already stays beside it.
-tl::expected<Plan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                         const model::Network& keep, const host::TaskHost& host,
-                                         const model::ComponentCatalog& catalog,
-                                         const solve::Options& options);
+/// Validates `controller` to the depth that the host requires and solves from `current`. Parts of `keep` that
+/// exist in `current` stay.
+tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
+                                               const model::Network& keep, const host::TaskHost& host,
+                                               const model::ComponentCatalog& catalog,
+                                               const solve::Options& options);
 
-/// A transition as it is given: what it leads to, after the same validation.
-tl::expected<Plan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
-                                            const host::TaskHost& host,
-                                            const model::ComponentCatalog& catalog);
+/// Predicts the network that a given transition leads to, and validates it in the same way.
+tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
+                                                  const host::TaskHost& host,
+                                                  const model::ComponentCatalog& catalog);
 
-/// Findings that keep `network` from running on `host`, warnings included.
+/// All findings about running `network` on `host`, warnings included.
 Diagnostics check_runnable(const model::Network& network, const host::TaskHost& host,
                            const model::ComponentCatalog& catalog);
 
-/// "3 tasks (2 running, 1 stopped), 4 connections, 1 deployment": what a robot runs, for messages.
+/// "3 tasks (2 running, 1 stopped), 4 connections, 1 deployment", for messages.
 std::string summary(const model::Network& network);
 
-/// "'goal_navigation'", or "the empty network".
-std::string shown(const model::NetworkName& name);
+/// "'goal_navigation'", or "the empty network", for messages.
+std::string quoted_name(const model::NetworkName& name);
 
 }  // namespace segue::runtime::detail

@@ -5,7 +5,7 @@
 #include <segue/runtime/runtime.hpp>
 #include <segue/type/value.hpp>
 
-/// What the runtime tells people and tools, as Values with the fields of the JSON that tools may rely on.
+/// Reports of the runtime as Values. Their fields are those of the JSON output, which tools may rely on.
 namespace segue::runtime {
 
 /// "done", "failed" or "skipped".

@@ -13,7 +13,7 @@ namespace segue::runtime {
 
 namespace {
 
-/// An output port's samples for a client elsewhere.
+/// Samples of an output port for a client in another process.
 class ReaderStream final : public control::SampleStream {
  public:
   explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
@@ -42,7 +42,7 @@ Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
 Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view target, TimePoint deadline) {
   if (future.wait_until(deadline) != std::future_status::ready) {
     return fail(ErrorCode::DeadlineExceeded,
-                "the switch to " + quote(target) + " is still under way; watch it with 'segue events'",
+                "the switch to " + quote(target) + " is still in progress; watch it with 'segue events'",
                 std::string(target));
   }
   return to_value(future.get());
@@ -85,7 +85,8 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller,
 Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {
   auto future = runtime_.prepare({controllers.begin(), controllers.end()});
   if (future.wait_until(deadline) != std::future_status::ready) {
-    return fail(ErrorCode::DeadlineExceeded, "not all is ready yet; watch it with 'segue events'");
+    return fail(ErrorCode::DeadlineExceeded,
+                "the controllers are not all prepared yet; watch it with 'segue events'");
   }
   type::Value::List list;
   for (const auto& one : future.get()) {

@@ -8,11 +8,11 @@
 
 namespace segue::runtime {
 
-/// A Runtime as a service for other processes. Functions may be called from any thread.
+/// Offers a Runtime to other processes. Functions may be called from any thread.
 class RuntimeService final : public control::RobotService {
  public:
-  /// `runtime` must outlive this. `on_shut_down` is called (in the caller's thread) when a client asks the
-  /// robot to end; it should return at once.
+  /// `runtime` must outlive this. `on_shut_down` is called in the caller's thread when a client requests
+  /// shut-down; it must not block.
   RuntimeService(Runtime& runtime, std::function<void()> on_shut_down);
 
   Result<type::Value> status() override;

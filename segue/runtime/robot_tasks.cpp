@@ -21,10 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// How long processes that are ended by force may take.
+/// Time limit for killing processes.
 constexpr Duration kForce = std::chrono::seconds(10);
 
-/// Two runtimes that both hold the processes of a robot to be theirs would take off each other's connections.
+/// Only one runtime may own the processes of a robot: two would remove each other's connections.
 Result<Descriptor> lock_robot(const std::string& robot) {
   const auto folder = process::process_folder(robot);
   if (!folder) {
@@ -39,7 +39,7 @@ Result<Descriptor> lock_robot(const std::string& robot) {
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
     return fail(
         ErrorCode::AlreadyExists,
-        "a runtime has this robot already; `segue status` looks at it, and `segue switch` switches it",
+        "another runtime controls this robot; inspect it with `segue status`, switch it with `segue switch`",
         robot);
   }
   return file;
@@ -122,7 +122,7 @@ Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot
                                                        host::LocalOptions local,
                                                        const EmbeddedOptions& options) {
   std::unique_ptr<RobotTasks> tasks(new RobotTasks(libraries, catalog, std::move(local)));
-  if (options.placement == Placement::Processes) {
+  if (options.placement == TaskPlacement::Processes) {
     if (auto spread = tasks->spread(robot, options); !spread) {
       return std::move(spread.error());
     }

@@ -13,18 +13,19 @@
 
 namespace segue::runtime::detail {
 
-/// The tasks of a robot where its options place them: all in this process, or some in processes of their own.
+/// The task host of a robot: all tasks in this process, or some in processes of their own, as its options
+/// say.
 class RobotTasks {
  public:
-  /// `libraries` and `catalog` must outlive this. With processes: AlreadyExists where another runtime has the
-  /// robot, Unavailable where the daemon is to start them and does not run.
+  /// `libraries` and `catalog` must outlive this. With processes: AlreadyExists if another runtime has the
+  /// robot, Unavailable if the daemon is to start them and does not run.
   static Result<std::unique_ptr<RobotTasks>> create(const model::Robot& robot,
                                                     const host::LibrarySet& libraries,
                                                     const model::ComponentCatalog& catalog,
                                                     host::LocalOptions local, const EmbeddedOptions& options);
 
   [[nodiscard]] host::TaskHost& host();
-  /// Ends processes that no transition could end.
+  /// Kills the remaining deployment processes. Blocks, at most ten seconds.
   void end_processes();
 
  private:
@@ -38,7 +39,7 @@ class RobotTasks {
   host::LocalTaskHost local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<process::ProcessService> processes_;
-  std::unique_ptr<deploy::DeployedTaskHost> deployed_;  ///< none: all in this process
+  std::unique_ptr<deploy::DeployedTaskHost> deployed_;  ///< null: all tasks live in this process
 };
 
 }  // namespace segue::runtime::detail

@@ -107,11 +107,11 @@ std::vector<std::string> Runtime::observed_differences() const {
   if (state() == RuntimeState::Executing) {
     return {};
   }
-  return differences(implementation_->belief.held().shall(), implementation_->host.observe());
+  return differences(implementation_->belief.held().desired(), implementation_->host.observe());
 }
 
 std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {
-  return implementation_->wish(std::move(controllers));
+  return implementation_->prepare(std::move(controllers));
 }
 
 std::vector<Readiness> Runtime::readiness() const {

@@ -21,7 +21,8 @@
 #include <variant>
 #include <vector>
 
-/// The runtime (the paper's TaskNetworkHandler): accepts requests, solves, executes, keeps the belief.
+/// The runtime (the paper's TaskNetworkHandler) accepts requests, solves and executes transitions, and keeps
+/// the belief.
 namespace segue::runtime {
 
 enum class Outcome { Done, Superseded, Refused, Failed };
@@ -29,143 +30,144 @@ std::string_view to_string(Outcome outcome);
 
 struct ActionRecord {
   model::Action action;
-  Duration started{0};         ///< since the begin of the execution
-  Duration duration{0};        ///< until its end was known, with all that it waited for others of its batch
-  std::optional<Error> error;  ///< nothing: done
-  bool executed = false;       ///< false: an earlier action failed
-  std::optional<Duration> took{};  ///< itself, where it was carried out; `duration` at most
+  Duration started{0};             ///< since the begin of the execution
+  Duration duration{0};            ///< until its end was reported, waiting for others of its batch included
+  std::optional<Error> error;      ///< nothing: succeeded
+  bool executed = false;           ///< false: an earlier action failed
+  std::optional<Duration> took{};  ///< measured by the process that executed it; at most `duration`
 };
 
-/// Why there was a transition.
+/// Why a transition was executed.
 enum class Cause {
   Request,    ///< somebody asked for a controller
-  Repair,     ///< something of the controller failed by itself
-  Fallback,   ///< something failed whose policy is the fallback network
-  LookAhead,  ///< another controller is kept ready
-  Tidy        ///< something was left over
+  Repair,     ///< a part of the running controller failed
+  Fallback,   ///< a part failed whose failure policy is `fallback`
+  LookAhead,  ///< another controller is prepared for standby
+  Collect     ///< leftovers are removed; "tidy" in JSON
 };
 std::string_view to_string(Cause cause);
 
 /// How a transition that failed in prepare or commit was undone.
 struct Undo {
-  bool restored = false;                       ///< all that ran before runs, exactly as it did
-  std::optional<model::NetworkName> fallback;  ///< tried, since that could not be restored
-  bool fell_back = false;                      ///< and runs
+  bool restored = false;                       ///< the old network runs exactly as before
+  std::optional<model::NetworkName> fallback;  ///< tried because the old network could not be restored
+  bool fell_back = false;                      ///< the fallback runs
   std::vector<ActionRecord> actions;           ///< in the order of their execution
   Duration duration{0};
   std::optional<Error> error;  ///< what failed on the way back
 };
 
-/// What became of a request. Times are wall-clock; actions are in the order of the transition, `started`
-/// tells the order of execution.
+/// The result of a request. `actions` is in the order of the transition; `started` gives the order of
+/// execution.
 struct SwitchResult {
   Outcome outcome = Outcome::Done;
   Cause cause = Cause::Request;
-  std::uint64_t request = 0;  ///< 0: nobody's request
-  std::string who;            ///< asked
+  std::uint64_t request = 0;  ///< 0: not requested
+  std::string who;            ///< sent the request
   std::chrono::system_clock::time_point time;
   model::NetworkName from;
   model::NetworkName to;
-  model::NetworkName runs;  ///< what the robot runs now; empty: nothing that has a name
+  model::NetworkName runs;  ///< the controller that runs now; empty: none with a name
   model::Order order = model::Order::Seamless;
   Duration solve_time{0};
-  Duration duration{0};  ///< of the execution, with what was undone
+  Duration duration{0};  ///< of the execution, undoing included
   /// Of each phase, from its first to its last action. Control is interrupted in commit only.
   Duration prepare{0};
   Duration commit{0};
   Duration retire{0};
-  std::optional<journal::Prediction> predicted;  ///< what was expected, where a journal is kept
-  /// Where the old network did not let itself be taken down as planned, the actions of the way that was found
-  /// instead follow those of the transition.
+  std::optional<journal::Prediction> predicted;  ///< the prediction, if a journal is kept
+  /// If part of the old network could not be taken down as planned, the actions of the replanned transition
+  /// follow those of the original one.
   std::vector<ActionRecord> actions;
-  std::optional<Error> error;     ///< why refused, superseded or failed, and where
-  std::optional<Undo> undo;       ///< where it failed
-  std::optional<Error> leftover;  ///< done, but not all that is gone could be retired
-  Diagnostics diagnostics;        ///< all findings of validation, where refused
+  std::optional<Error> error;     ///< why it was refused, superseded or failed, and where
+  std::optional<Undo> undo;       ///< if it failed
+  std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
+  Diagnostics diagnostics;        ///< all findings of validation, if refused
 };
 
 enum class RuntimeState { Idle, Executing, Failed };
 std::string_view to_string(RuntimeState state);
 
-/// What to switch to: a controller by name, a network, or a transition to be applied as it is (the paper's
-/// transition request interface).
+/// A controller by name, a network, or a transition to be applied as it is (the paper's transition request
+/// interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
 
 struct RequestOptions {
   model::Order order = model::Order::Seamless;
   Duration action_deadline = std::chrono::seconds(30);  ///< for each action
-  /// Processes that go are killed, and nothing is done in them before (solve::Options::force).
+  /// Removed processes are killed without stopping their tasks first (solve::Options::force).
   bool force = false;
-  std::string who;  ///< asks, for the journal
+  std::string who;  ///< the sender, for the journal
 };
 
 struct RuntimeOptions {
-  /// What to switch to where a failed transition cannot be undone; nothing: stay with what runs then.
+  /// The controller to switch to if a failed transition cannot be undone; nothing: keep what then runs.
   std::optional<model::NetworkName> fallback;
-  model::Policies policies;       ///< about what fails by itself
-  model::LookAhead look_ahead;    ///< what controllers that are kept ready may use
-  std::filesystem::path journal;  ///< where what happens is kept (journal/journal.hpp); empty: nowhere
+  model::Policies policies;       ///< for faults of the running controller
+  model::LookAhead look_ahead;    ///< resource limits of standby controllers
+  std::filesystem::path journal;  ///< the journal file (journal/journal.hpp); empty: none is kept
 };
 
-/// How far a controller is prepared that is to be kept ready.
+/// How far a standby controller is prepared.
 struct Readiness {
   model::NetworkName controller;
-  bool ready = false;  ///< as far as what runs permits
+  bool ready = false;  ///< prepared as far as the running controller permits
   std::size_t prepared =
       0;  ///< of its tasks: configured, running ones that it shares with what runs included
   std::size_t tasks = 0;
   std::string reason;  ///< why it is not ready
 };
 
-/// Owns a thread that executes one request after the other. A request that waits is superseded by a newer
-/// one, as is one whose transition is still being prepared; one that is being committed is committed first.
-/// All functions may be called from any thread and do not block unless they say so.
+/// Owns a thread that executes requests sequentially. A newer request supersedes one that waits and one whose
+/// transition is still in its prepare phase; a commit phase is finished first. All functions may be called
+/// from any thread and do not block unless stated.
 class Runtime {
  public:
-  /// `host` and `catalog` must outlive this. The belief begins as what `host` observes.
+  /// `host` and `catalog` must outlive this. The initial belief is a snapshot of `host`.
   Runtime(std::string name, host::TaskHost& host, const model::ComponentCatalog& catalog,
           RuntimeOptions options = {});
-  /// Waits for the actions in progress; leaves the tasks as they are.
+  /// Blocks until the actions in progress have ended; leaves the tasks as they are.
   ~Runtime();
   Runtime(const Runtime&) = delete;
   Runtime& operator=(const Runtime&) = delete;
 
   [[nodiscard]] const std::string& name() const;
 
-  /// Adds or replaces a controller that can be requested by name. Invalid networks are refused (all
-  /// problems).
+  /// Adds or replaces a controller that can be requested by name. An invalid network is not added; the result
+  /// lists all problems.
   Diagnostics add_controller(model::Network network);
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
 
-  /// Asks for a network; the future gets the outcome. Validation and solving happen before any action.
+  /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
-  /// request() and wait. Blocks.
+  /// Calls request() and waits for the result. Blocks.
   SwitchResult switch_to(Request request, RequestOptions options = {});
   /// The transition that request() would execute now.
   Result<model::Transition> plan(const Request& request, RequestOptions options = {}) const;
 
   [[nodiscard]] RuntimeState state() const;
-  /// The network held to be running; "" (the empty network's name) before the first request.
+  /// The network believed to be running; before the first request its name is "".
   [[nodiscard]] model::Network belief() const;
-  /// Replaces the belief by a given network, or by what the host observes (the paper's reset_belief). During
-  /// a transition this waits for its end (the call does not). Every request starts from what the host
-  /// observes then; only after a given belief does the next one start from that.
+  /// Replaces the belief by `network`, or by a snapshot of the host (the paper's reset_belief). During a
+  /// transition the reset is postponed to its end; the call does not block. A request starts from a snapshot
+  /// of the host, except the first one after a belief was given: that starts from the given network.
   void reset_belief(std::optional<model::Network> network = std::nullopt);
-  /// Keeps these controllers ready, the likeliest first, as far as the running one and the budget permit;
-  /// replaces what was asked for before. A request for one of them then begins at its commit. The future gets
-  /// one entry for each when that is done, which a request may delay.
+  /// Prepares these controllers and keeps them on standby, the likeliest first, as far as the running
+  /// controller and the budget permit. Replaces the list of an earlier call. A request for a ready controller
+  /// begins with its commit phase. The future gets one entry for each controller once done; requests take
+  /// precedence.
   std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> controllers);
-  /// As it was when something changed last.
+  /// The readiness of the standby controllers after the last preparation.
   [[nodiscard]] std::vector<Readiness> readiness() const;
 
-  /// Where what runs differs from what shall run, as sentences; empty if they agree, and during a
-  /// transition.
+  /// Drift: the differences between the observed and the desired network, as sentences. Empty during a
+  /// transition. Blocks while the host takes a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
-  /// Events after `number`, oldest first. Waits up to `wait` for the first.
+  /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
 
   [[nodiscard]] host::TaskHost& host();

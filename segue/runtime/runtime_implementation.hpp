@@ -7,8 +7,8 @@
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
+#include <segue/runtime/supervision.hpp>
 #include <segue/runtime/transaction.hpp>
-#include <segue/runtime/watch.hpp>
 #include <segue/solve/repair.hpp>
 
 #include <condition_variable>
@@ -24,8 +24,8 @@ namespace segue::runtime {
 
 namespace detail {
 
-/// A request and whom to answer.
-struct Job {
+/// A request that waits for the worker, with the promise of its result.
+struct PendingRequest {
   std::uint64_t number = 0;
   Request request;
   RequestOptions options;
@@ -41,57 +41,60 @@ struct Runtime::Implementation {
 
   // Requests (runtime_requests.cpp)
   std::future<SwitchResult> accept(Request request, RequestOptions options);
-  /// The controller of a name; the empty name is the empty network.
+  /// The controller of that name; the empty name is the empty network.
   Result<model::Network> resolve(const model::NetworkName& wanted) const;
-  tl::expected<detail::Plan, detail::Refusal> plan(const model::Network& current, const Request& request,
-                                                   const RequestOptions& options) const;
-  SwitchResult serve(const detail::Job& job);
-  void answer(detail::Job& job, SwitchResult result);
-  SwitchResult superseded(const detail::Job& job) const;
-  SwitchResult ended_before(const detail::Job& job) const;
-  SwitchResult refused(const detail::Job& job, SwitchResult result, detail::Refusal refusal);
+  tl::expected<detail::SwitchPlan, detail::Refusal> plan(const model::Network& current,
+                                                         const Request& request,
+                                                         const RequestOptions& options) const;
+  SwitchResult serve(const detail::PendingRequest& job);
+  void answer(detail::PendingRequest& job, SwitchResult result);
+  SwitchResult superseded(const detail::PendingRequest& job) const;
+  SwitchResult cancelled(const detail::PendingRequest& job) const;
+  SwitchResult refused(const detail::PendingRequest& job, SwitchResult result, detail::Refusal refusal);
   void remember(SwitchResult result);
 
   // The worker and its transitions (runtime_worker.cpp)
   void work();
-  /// From `current` as planned; fills in the result and believes what it led to.
-  void carry_out(const model::Network& current, const detail::Plan& plan, Duration action_deadline,
+  /// Executes the plan from `current`, fills in the result and updates the belief from a new snapshot.
+  /// Blocks.
+  void carry_out(const model::Network& current, const detail::SwitchPlan& plan, Duration action_deadline,
                  SwitchResult& result);
-  void conclude(const detail::Plan& plan, SwitchResult& result);
-  void conclude_failed(const detail::Plan& plan, const detail::Observation& seen, SwitchResult& result);
-  /// Believes what was seen; what `controller` lacks of it stands beside.
+  void conclude(const detail::SwitchPlan& plan, SwitchResult& result);
+  void conclude_failed(const detail::SwitchPlan& plan, const detail::Observation& seen, SwitchResult& result);
+  /// Replaces the belief by a snapshot; parts that are not in `controller` become its `extra`.
   void adopt(const detail::Observation& seen, const model::Network& controller,
              std::optional<model::Network> wanted);
-  /// Tells of each difference once, as long as it lasts.
+  /// Reports each difference once for as long as it lasts.
   void note_differences(const model::Network& observed);
-  /// The name of the network that truly runs, if it is one that anybody knows.
-  model::NetworkName true_name(const model::Network& observed, const model::Network& first,
-                               const model::Network& second) const;
+  /// The name of the network that was observed: of `first`, `second` or a known controller; empty if none
+  /// matches.
+  model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,
+                                     const model::Network& second) const;
   std::optional<model::Network> known(const model::NetworkName& name) const;
-  /// Does something to the robot while no request is served.
-  void by_itself(const std::function<RuntimeState(RuntimeState before)>& work);
+  /// Runs `work` in the state Executing, unless a request waits. `work` returns the state to continue with.
+  void run_if_idle(const std::function<RuntimeState(RuntimeState before)>& work);
   void settle(RuntimeState next);
   void reset(std::optional<model::Network> network);
   void on_event(const host::TaskEvent& event);
   void on_event(const host::ProcessEvent& event);
-  void note_news();
+  void wake_worker();
   Diagnostics add(model::Network network);
 
-  // What is done without a request (runtime_care.cpp): in the worker's thread
-  /// Looks at what runs; repairs, tidies up, and keeps controllers ready.
-  void care();
-  void repair(const detail::Observation& seen);
-  void tell_given_up(const std::vector<detail::Ailment>& ailing);
+  // Supervision between requests, in the worker thread (runtime_supervise.cpp)
+  /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
+  void supervise();
+  void handle_faults(const detail::Observation& seen);
+  void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
-  void tidy(const detail::Observation& seen);
+  void collect_leftovers(const detail::Observation& seen);
   void look_ahead();
-  /// The part of the way from what was seen to what shall run that concerns a scope.
-  void mend(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope);
-  [[nodiscard]] std::vector<detail::Wish> known_wishes() const;
+  /// Executes the part of the transition to the desired network that concerns `scope`.
+  void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope);
+  [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests() const;
   [[nodiscard]] detail::LookAheadPlan plan_ahead(const model::Network& controller) const;
-  [[nodiscard]] TimePoint next_care() const;
-  std::future<std::vector<Readiness>> wish(std::vector<model::NetworkName> wanted);
-  void answer_wish(std::vector<Readiness> answer);
+  [[nodiscard]] TimePoint next_supervision() const;
+  std::future<std::vector<Readiness>> prepare(std::vector<model::NetworkName> wanted);
+  void answer_prepare(std::vector<Readiness> answer);
 
   const std::string name;
   host::TaskHost& host;
@@ -100,30 +103,33 @@ struct Runtime::Implementation {
   detail::EventLog log;
   detail::JournalKeeper journal{options.journal, log};
   detail::Belief belief{host};
-  const detail::Ground ground{host, catalog, log};
+  const detail::TransitionContext context{host, catalog, log};
 
-  mutable std::mutex mutex;  ///< guards all below; never held while the host is called
+  /// Protects the members from here to `look_ahead_due`. Never held while the host is called, since the host
+  /// may call on_event(), which takes it. The belief and the log have locks of their own.
+  mutable std::mutex mutex;
   std::condition_variable wake;
   bool stopping = false;
   std::uint64_t requests = 0;
   std::map<model::NetworkName, model::Network> controllers;
-  std::optional<detail::Job> waiting;
+  std::optional<detail::PendingRequest> waiting;
   RuntimeState state = RuntimeState::Idle;
-  std::optional<std::optional<model::Network>> reset_wanted;  ///< during a transition
+  std::optional<std::optional<model::Network>>
+      pending_reset;  ///< a reset requested during a transition; done after it
   std::deque<SwitchResult> history;
   std::shared_ptr<detail::Transaction> transaction;
-  bool news = false;  ///< something happened by itself
-  std::vector<model::NetworkName> wishes;
-  std::optional<std::promise<std::vector<Readiness>>> wish_waiting;
+  bool wake_requested = false;  ///< the worker has to supervise now (an event, or the end of a request)
+  std::vector<model::NetworkName> requests_to_prepare;
+  std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
 
-  // The worker's alone.
-  detail::Watch watch{options.policies.restart};
-  detail::Watch tidying{options.policies.restart};
-  std::set<std::string> noted;  ///< differences that were told
-  model::Network warm;          ///< what stands beside on purpose
-  TimePoint next_look = RealClock::instance().now();
+  // Used by the worker thread only.
+  detail::RepairScheduler repairs{options.policies.restart};
+  detail::RepairScheduler leftover_repairs{options.policies.restart};
+  std::set<std::string> reported_differences;  ///< differences that last and were reported
+  model::Network standby;  ///< the part of `extra` that is kept on standby on purpose; the rest are leftovers
+  TimePoint next_observation = RealClock::instance().now();
 
   std::thread worker;
 };

@@ -7,13 +7,13 @@
 
 namespace segue::runtime {
 
-using detail::Job;
-using detail::shown;
+using detail::PendingRequest;
+using detail::quoted_name;
 
 namespace {
 
 constexpr std::size_t kKeptResults = 100;
-/// A deadline beyond this is none; arithmetic on time points must not overflow.
+/// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
 constexpr Duration kLongestDeadline = std::chrono::hours(24);
 
 model::NetworkName name_of(const Request& request) {
@@ -25,7 +25,7 @@ model::NetworkName name_of(const Request& request) {
   return std::visit(Visitor{}, request);
 }
 
-SwitchResult blank_result(const Job& job) {
+SwitchResult new_result(const PendingRequest& job) {
   SwitchResult result;
   result.request = job.number;
   result.who = job.options.who;
@@ -39,24 +39,24 @@ SwitchResult blank_result(const Job& job) {
 
 std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
   request_options.action_deadline = std::min(request_options.action_deadline, kLongestDeadline);
-  std::optional<Job> older;
+  std::optional<PendingRequest> older;
   std::future<SwitchResult> future;
   {
     const std::lock_guard lock(mutex);
     older.swap(waiting);
-    waiting.emplace(Job{++requests, std::move(request), std::move(request_options), {}});
+    waiting.emplace(PendingRequest{++requests, std::move(request), std::move(request_options), {}});
     future = waiting->promise.get_future();
     log.add(EventKind::RequestAccepted, name_of(waiting->request).str(),
             "request " + std::to_string(requests));
     journal.accepted(requests, waiting->options.who, name_of(waiting->request));
     if (transaction) {
-      transaction->give_way();
+      transaction->supersede();
     }
   }
   wake.notify_all();
   if (older) {
     log.add(EventKind::RequestSuperseded, name_of(older->request).str(),
-            "request " + std::to_string(older->number) + " gave way to a newer one");
+            "request " + std::to_string(older->number) + " was superseded by a newer one");
     SwitchResult result = superseded(*older);
     journal.ended(std::as_const(result));
     answer(*older, std::move(result));
@@ -64,9 +64,9 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
   return future;
 }
 
-SwitchResult Runtime::Implementation::serve(const Job& job) {
+SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   const TimePoint begin = RealClock::instance().now();
-  SwitchResult result = blank_result(job);
+  SwitchResult result = new_result(job);
   detail::Observation current = belief.starting_point();
   result.from = current.network.name;
   const auto plan = this->plan(current.network, job.request, job.options);
@@ -76,7 +76,7 @@ SwitchResult Runtime::Implementation::serve(const Job& job) {
     return refused(job, std::move(result), plan.error());
   }
   const auto held = belief.held();
-  if (!belief.is_given()) {
+  if (!belief.is_assumed()) {
     note_differences(current.network);
     adopt(current, held.controller, held.wanted);
   }
@@ -84,25 +84,25 @@ SwitchResult Runtime::Implementation::serve(const Job& job) {
   return result;
 }
 
-tl::expected<detail::Plan, detail::Refusal> Runtime::Implementation::plan(
+tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
     const model::Network& current, const Request& request, const RequestOptions& request_options) const {
   if (request_options.action_deadline <= Duration::zero()) {
-    return tl::unexpected(detail::Refusal{
-        fail(ErrorCode::InvalidArgument, "the deadline of an action must be more than nothing"), {}});
+    return tl::unexpected(
+        detail::Refusal{fail(ErrorCode::InvalidArgument, "the deadline of an action must be positive"), {}});
   }
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
     return detail::plan_transition(current, *transition, host, catalog);
   }
   const auto how = detail::solve_options(host, request_options.order, request_options.force);
   if (const auto* network = std::get_if<model::Network>(&request)) {
-    return detail::plan_network(current, *network, plan_ahead(*network).beside, host, catalog, how);
+    return detail::plan_network(current, *network, plan_ahead(*network).standby, host, catalog, how);
   }
   auto network = resolve(std::get<model::NetworkName>(request));
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
   }
-  const model::Network beside = plan_ahead(*network).beside;
-  return detail::plan_network(current, std::move(*network), beside, host, catalog, how);
+  const model::Network keep = plan_ahead(*network).standby;
+  return detail::plan_network(current, std::move(*network), keep, host, catalog, how);
 }
 
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {
@@ -122,7 +122,7 @@ Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName
               "no controller " + quote(wanted.str()) + did_you_mean(wanted.str(), names));
 }
 
-void Runtime::Implementation::answer(Job& job, SwitchResult result) {
+void Runtime::Implementation::answer(PendingRequest& job, SwitchResult result) {
   remember(result);
   job.promise.set_value(std::move(result));
 }
@@ -135,21 +135,23 @@ void Runtime::Implementation::remember(SwitchResult result) {
   }
 }
 
-SwitchResult Runtime::Implementation::superseded(const Job& job) const {
-  SwitchResult result = blank_result(job);
+SwitchResult Runtime::Implementation::superseded(const PendingRequest& job) const {
+  SwitchResult result = new_result(job);
   result.outcome = Outcome::Superseded;
   result.error = fail(ErrorCode::Superseded, "a newer request took its place", result.to.str());
   return result;
 }
 
-SwitchResult Runtime::Implementation::ended_before(const Job& job) const {
-  SwitchResult result = blank_result(job);
+SwitchResult Runtime::Implementation::cancelled(const PendingRequest& job) const {
+  SwitchResult result = new_result(job);
   result.outcome = Outcome::Refused;
-  result.error = fail(ErrorCode::Cancelled, "the runtime ended before its turn", result.to.str());
+  result.error =
+      fail(ErrorCode::Cancelled, "the runtime ended before the request was served", result.to.str());
   return result;
 }
 
-SwitchResult Runtime::Implementation::refused(const Job& job, SwitchResult result, detail::Refusal refusal) {
+SwitchResult Runtime::Implementation::refused(const PendingRequest& job, SwitchResult result,
+                                              detail::Refusal refusal) {
   result.outcome = Outcome::Refused;
   result.error = std::move(refusal.error);
   result.diagnostics = std::move(refusal.diagnostics);

@@ -15,7 +15,7 @@
 
 namespace runtime_test {
 
-/// Configures when it is let.
+/// Its configure hook blocks until the test lets it return.
 class Hanging final : public segue::task::Component {
  public:
   static std::shared_future<void> gate;
@@ -135,7 +135,7 @@ TEST_F(RuntimeTest, lets_the_host_get_ready_between_prepare_and_commit) {
   EXPECT_THAT(phases, ::testing::Contains(model::Phase::Commit));
 }
 
-TEST_F(RuntimeTest, refuses_what_it_does_not_know_before_any_action) {
+TEST_F(RuntimeTest, refuses_unknown_names_before_any_action) {
   const auto unknown = switch_to("frist");
   EXPECT_EQ(unknown.outcome, Outcome::Refused);
   EXPECT_THAT(why(unknown), HasSubstr("did you mean 'first'"));
@@ -172,7 +172,7 @@ bool takes_down(const model::Action& action) {
   return down && action.phase != model::Phase::Prepare;
 }
 
-/// The transition from `from` to `to` with each of its actions failing in turn, once.
+/// Executes the transition from `from` to `to` once for each of its actions, which fails then.
 void fail_each_action(const model::Network& from, const model::Network& to, model::Order order) {
   testing::StandInRobot robot;
   Runtime& runtime = robot.runtime;
@@ -188,7 +188,7 @@ void fail_each_action(const model::Network& from, const model::Network& to, mode
     });
     const auto result = runtime.switch_to(to, options);
     robot.asking.ask(nullptr);
-    // It may be at tidying up what could not be taken down.
+    // The runtime may still be removing leftovers.
     EXPECT_NE(runtime.state(), RuntimeState::Failed) << action.label();
     EXPECT_THAT(runtime.observed_differences(), ::testing::IsEmpty()) << action.label();
     if (takes_down(action)) {
@@ -236,7 +236,7 @@ TEST_F(RuntimeTest, hooks_that_fail_leave_the_old_controller_running) {
   }
 }
 
-TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_in_nobodys_way) {
+TEST_F(RuntimeTest, a_task_that_fails_to_stop_does_not_block_the_switch) {
   auto stubborn = first_;
   stubborn.find_task(model::TaskId("gone"))
       ->properties.as_map()
@@ -247,7 +247,7 @@ TEST_F(RuntimeTest, a_task_that_fails_to_stop_is_in_nobodys_way) {
   expect_truth(second_);
 }
 
-TEST_F(RuntimeTest, what_cannot_be_undone_is_told_and_the_fallback_runs) {
+TEST_F(RuntimeTest, a_failure_that_cannot_be_undone_is_reported_and_the_fallback_runs) {
   testing::StandInRobot robot{
       {.fallback = model::NetworkName("safe"), .policies = {}, .look_ahead = {}, .journal = {}}};
   Runtime& runtime = robot.runtime;
@@ -268,7 +268,7 @@ TEST_F(RuntimeTest, what_cannot_be_undone_is_told_and_the_fallback_runs) {
   EXPECT_THAT(differences(safe, robot.host.observe()), ::testing::IsEmpty());
 }
 
-TEST_F(RuntimeTest, without_a_fallback_the_truth_is_told) {
+TEST_F(RuntimeTest, without_a_fallback_it_reports_what_runs) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   robot_.asking.ask([&](const model::Action& action) -> Result<void> {
     const bool fails = action.kind == model::ActionKind::Start;
@@ -285,7 +285,7 @@ TEST_F(RuntimeTest, without_a_fallback_the_truth_is_told) {
   expect_truth(second_);
 }
 
-/// Requests `name` and holds it up at its first action of a phase, until go() is called.
+/// Requests `name` and blocks it at its first action of a phase, until go() is called.
 class HeldUp {
  public:
   HeldUp(testing::StandInRobot& robot, const char* name, model::Phase phase) : robot_(robot) {
@@ -313,7 +313,7 @@ class HeldUp {
   std::future<SwitchResult> result_;
 };
 
-TEST_F(RuntimeTest, a_waiting_request_gives_way_to_a_newer_one) {
+TEST_F(RuntimeTest, a_waiting_request_is_superseded_by_a_newer_one) {
   HeldUp held(robot_, "first", model::Phase::Commit);
   EXPECT_EQ(runtime_.state(), RuntimeState::Executing);
   auto superseded = runtime_.request(model::NetworkName("first"));
@@ -327,7 +327,7 @@ TEST_F(RuntimeTest, a_waiting_request_gives_way_to_a_newer_one) {
   expect_truth(second_);
 }
 
-TEST_F(RuntimeTest, a_request_in_prepare_takes_the_place_of_the_one_being_prepared) {
+TEST_F(RuntimeTest, a_request_supersedes_one_that_is_being_prepared) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   HeldUp held(robot_, "second", model::Phase::Prepare);
   auto back = runtime_.request(model::NetworkName("first"));
@@ -337,7 +337,7 @@ TEST_F(RuntimeTest, a_request_in_prepare_takes_the_place_of_the_one_being_prepar
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, a_request_in_commit_waits_for_it) {
+TEST_F(RuntimeTest, a_request_waits_for_the_end_of_a_commit) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   HeldUp held(robot_, "second", model::Phase::Commit);
   auto back = runtime_.request(model::NetworkName("first"));
@@ -349,7 +349,7 @@ TEST_F(RuntimeTest, a_request_in_commit_waits_for_it) {
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, questions_are_answered_while_a_component_hangs) {
+TEST_F(RuntimeTest, queries_are_answered_while_a_component_hangs) {
   std::promise<void> go;
   runtime_test::Hanging::gate = go.get_future().share();
   const auto network = network_of("network: hanging\ntasks: {stuck: {component: runtime_test::Hanging}}\n");
@@ -367,7 +367,7 @@ TEST_F(RuntimeTest, questions_are_answered_while_a_component_hangs) {
     std::this_thread::yield();
   }
   EXPECT_TRUE(robot_.host.observe().tasks.size() <= 1U);
-  EXPECT_EQ(runtime_.belief().name, model::NetworkName()) << "and the runtime answers";
+  EXPECT_EQ(runtime_.belief().name, model::NetworkName()) << "the runtime answers all the same";
   again.wait();
   go.set_value();
   const auto done = runtime_.switch_to(network);
@@ -375,7 +375,7 @@ TEST_F(RuntimeTest, questions_are_answered_while_a_component_hangs) {
   expect_truth(network);
 }
 
-TEST_F(RuntimeTest, a_task_that_fails_by_itself_is_an_event_and_changes_the_belief) {
+TEST_F(RuntimeTest, a_task_that_fails_causes_an_event_and_changes_the_belief) {
   auto failing = first_;
   failing.find_task(model::TaskId("kept"))
       ->properties.as_map()
@@ -397,7 +397,7 @@ TEST_F(RuntimeTest, a_task_that_fails_by_itself_is_an_event_and_changes_the_beli
   expect_truth(first_);
 }
 
-TEST(BeliefTest, an_event_that_comes_while_the_tasks_are_looked_at_is_not_forgotten) {
+TEST(BeliefTest, an_event_during_a_snapshot_is_not_lost) {
   const model::ComponentCatalog catalog;
   const host::LibrarySet libraries;
   host::LocalTaskHost tasks(libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}});
@@ -412,32 +412,33 @@ TEST(BeliefTest, an_event_that_comes_while_the_tasks_are_looked_at_is_not_forgot
   host.set_listener([&](const host::HostEvent& event) { belief.on_event(std::get<host::TaskEvent>(event)); });
   const model::TaskId kept("kept");
   const auto look_and_adopt = [&] {
-    const auto seen = belief.look();
-    belief.adopt(detail::split(seen.network, network, network), seen.task_events);
+    const auto seen = belief.observe();
+    belief.adopt(detail::split_observation(seen.network, network, network), seen.task_events);
     return belief.controller().find_task(kept)->state;
   };
   host.tell_after_look({kept, TaskState::Exception, "broke"});
   EXPECT_EQ(look_and_adopt(), TaskState::Exception);
-  EXPECT_EQ(look_and_adopt(), TaskState::Running) << "a later look counts";
+  EXPECT_EQ(look_and_adopt(), TaskState::Running) << "a later snapshot overrides the event";
 
-  const auto before = belief.look();
-  belief.adopt_given({});
-  EXPECT_FALSE(belief.renew(detail::split(before.network, network, network), before));
-  EXPECT_TRUE(belief.is_given()) << "what a person said meanwhile counts";
+  const auto before = belief.observe();
+  belief.adopt_assumed({});
+  EXPECT_FALSE(belief.refresh(detail::split_observation(before.network, network, network), before));
+  EXPECT_TRUE(belief.is_assumed()) << "a belief given meanwhile is kept";
   host.set_listener({});
 }
 
-TEST_F(RuntimeTest, belief_can_be_given_and_taken_back) {
+TEST_F(RuntimeTest, belief_can_be_given_and_reset) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   runtime_.reset_belief(second_);
   EXPECT_FALSE(runtime_.observed_differences().empty());
-  EXPECT_TRUE(runtime_.plan(model::NetworkName("second"))->actions.empty()) << "the belief counts";
+  EXPECT_TRUE(runtime_.plan(model::NetworkName("second"))->actions.empty())
+      << "the plan starts from the given belief";
   runtime_.reset_belief();
   EXPECT_EQ(runtime_.belief().name, model::NetworkName("first"));
   expect_truth(first_);
 }
 
-TEST_F(RuntimeTest, a_property_changed_from_outside_is_a_difference_and_undone_by_the_next_request) {
+TEST_F(RuntimeTest, a_property_changed_from_outside_is_drift_and_undone_by_the_next_request) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
   ASSERT_TRUE(robot_.host.set_property(model::TaskId("changed"), "gain", 7, deadline));

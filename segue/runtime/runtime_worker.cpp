@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
@@ -8,15 +8,15 @@
 
 namespace segue::runtime {
 
-using detail::Job;
 using detail::Observation;
-using detail::Plan;
-using detail::shown;
+using detail::PendingRequest;
+using detail::quoted_name;
+using detail::SwitchPlan;
 
 namespace {
 
-/// Whether the robot runs neither what it did nor what was wanted, nor its fallback.
-bool is_lost(const SwitchResult& result) {
+/// Whether the robot runs neither the old network nor the requested one nor its fallback.
+bool is_unrecovered(const SwitchResult& result) {
   const bool caught = result.undo && (result.undo->restored || result.undo->fell_back);
   return result.outcome == Outcome::Failed && !caught;
 }
@@ -30,7 +30,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
-  const Observation seen = belief.look();
+  const Observation seen = belief.observe();
   const model::Network all = seen.network;
   adopt(seen, all, std::nullopt);
   worker = std::thread([this] { work(); });
@@ -38,7 +38,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
 
 Runtime::Implementation::~Implementation() {
   host.set_listener({});
-  std::optional<Job> left;
+  std::optional<PendingRequest> left;
   {
     const std::lock_guard lock(mutex);
     stopping = true;
@@ -50,7 +50,7 @@ Runtime::Implementation::~Implementation() {
   wake.notify_all();
   log.close();
   if (left) {
-    SwitchResult result = ended_before(*left);
+    SwitchResult result = cancelled(*left);
     journal.ended(std::as_const(result));
     answer(*left, std::move(result));
   }
@@ -60,33 +60,33 @@ Runtime::Implementation::~Implementation() {
 void Runtime::Implementation::work() {
   std::unique_lock lock(mutex);
   while (true) {
-    wake.wait_until(lock, next_care(), [&] { return stopping || waiting || news; });
+    wake.wait_until(lock, next_supervision(), [&] { return stopping || waiting || wake_requested; });
     if (stopping) {
       return;
     }
     if (!waiting) {
-      news = false;
+      wake_requested = false;
       lock.unlock();
-      care();
+      supervise();
       lock.lock();
       continue;
     }
-    Job job = std::move(*waiting);
+    PendingRequest job = std::move(*waiting);
     waiting.reset();
     const RuntimeState before = std::exchange(state, RuntimeState::Executing);
     lock.unlock();
     SwitchResult result = serve(job);
     settle(result.outcome == Outcome::Refused ? before
-           : is_lost(result)                  ? RuntimeState::Failed
+           : is_unrecovered(result)           ? RuntimeState::Failed
                                               : RuntimeState::Idle);
     answer(job, std::move(result));
     lock.lock();
-    look_ahead_due = !wishes.empty() || wish_waiting;
-    news = true;  // what the request left is looked after
+    look_ahead_due = !requests_to_prepare.empty() || prepare_waiting;
+    wake_requested = true;  // supervise whatever the request left
   }
 }
 
-void Runtime::Implementation::by_itself(const std::function<RuntimeState(RuntimeState)>& work) {
+void Runtime::Implementation::run_if_idle(const std::function<RuntimeState(RuntimeState)>& work) {
   RuntimeState before{};
   {
     const std::lock_guard lock(mutex);
@@ -98,10 +98,10 @@ void Runtime::Implementation::by_itself(const std::function<RuntimeState(Runtime
   settle(work(before));
 }
 
-void Runtime::Implementation::carry_out(const model::Network& current, const Plan& plan,
+void Runtime::Implementation::carry_out(const model::Network& current, const SwitchPlan& plan,
                                         Duration action_deadline, SwitchResult& result) {
   const std::string way = result.cause == Cause::Request || result.cause == Cause::Fallback
-                              ? "from " + shown(result.from) + " to " + shown(result.to)
+                              ? "from " + quoted_name(result.from) + " to " + quoted_name(result.to)
                               : std::string(to_string(result.cause));
   log.add(EventKind::TransitionStarted, plan.controller.name.str(),
           way + ": " + std::to_string(plan.transition.actions.size()) + " actions");
@@ -110,14 +110,14 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Pla
     fallback = known(*options.fallback);
   }
   const auto running = std::make_shared<detail::Transaction>(
-      ground, current, plan, detail::Transaction::Options{action_deadline, std::move(fallback)});
+      context, current, plan, detail::Transaction::Options{action_deadline, std::move(fallback)});
   {
     const std::lock_guard lock(mutex);
     transaction = running;
     if (stopping) {
       running->cancel();
     } else if (waiting) {
-      running->give_way();
+      running->supersede();
     }
   }
   const auto known_before = journal.known();
@@ -130,8 +130,8 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Pla
   journal.ended(result, current, plan.transition, known_before);
 }
 
-void Runtime::Implementation::conclude(const Plan& plan, SwitchResult& result) {
-  const Observation seen = belief.look();
+void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& result) {
+  const Observation seen = belief.observe();
   const auto held = belief.held();
   if (result.outcome == Outcome::Superseded) {
     log.add(EventKind::RequestSuperseded, result.to.str(), "while it was prepared");
@@ -139,32 +139,33 @@ void Runtime::Implementation::conclude(const Plan& plan, SwitchResult& result) {
   } else if (result.outcome == Outcome::Failed) {
     conclude_failed(plan, seen, result);
   } else {
-    // What the transition did not come to (it gave way to a request) or could not retire is still there.
+    // Whatever was not retired, because a newer request came or an action failed, is still there.
     adopt(seen, plan.controller, plan.controller);
-    warm = detail::without(plan.target, plan.controller);
+    standby = detail::subtract(plan.target, plan.controller);
     note_differences(seen.network);
     log.add(EventKind::TransitionDone, result.to.str(),
-            "now runs " + shown(result.to) + " after " + std::to_string(result.actions.size()) + " actions");
+            "now runs " + quoted_name(result.to) + " after " + std::to_string(result.actions.size()) +
+                " actions");
   }
   result.runs = belief.controller().name;
 }
 
-void Runtime::Implementation::conclude_failed(const Plan& plan, const Observation& seen,
+void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Observation& seen,
                                               SwitchResult& result) {
   const auto held = belief.held();
   std::string runs;
   if (result.undo && result.undo->restored) {
     adopt(seen, held.controller, held.wanted);
-    runs = "it was undone: the robot runs " + shown(held.controller.name) + " as before";
+    runs = "it was undone: the robot runs " + quoted_name(held.controller.name) + " as before";
   } else if (result.undo && result.undo->fell_back) {
     const auto fallback = known(*result.undo->fallback).value_or(model::Network{});
     adopt(seen, fallback, fallback);
-    runs = "it could not be undone: the robot now runs its fallback " + shown(fallback.name);
+    runs = "it could not be undone: the robot now runs its fallback " + quoted_name(fallback.name);
   } else {
     model::Network all = seen.network;
-    all.name = true_name(all, held.controller, plan.controller);
+    all.name = name_of_running(all, held.controller, plan.controller);
     runs = "the robot now runs " + detail::summary(all) +
-           (all.name.empty() ? "" : " as " + shown(all.name) + " names it");
+           (all.name.empty() ? "" : " as " + quoted_name(all.name) + " names it");
     note_differences(all);
     adopt({all, seen.task_events, seen.adoptions}, all, std::nullopt);
   }
@@ -173,14 +174,15 @@ void Runtime::Implementation::conclude_failed(const Plan& plan, const Observatio
   const auto failed = std::find_if(result.actions.begin(), result.actions.end(),
                                    [](const ActionRecord& record) { return record.error.has_value(); });
   std::string subject = failed == result.actions.end() ? result.to.str() : failed->action.label();
-  result.error = fail(code, "the transition to " + shown(result.to) + " failed; " + runs, std::move(subject))
-                     .because_of(std::move(cause));
+  result.error =
+      fail(code, "the transition to " + quoted_name(result.to) + " failed; " + runs, std::move(subject))
+          .because_of(std::move(cause));
   log.add(EventKind::TransitionFailed, result.to.str(), to_string(*result.error));
 }
 
 void Runtime::Implementation::adopt(const Observation& seen, const model::Network& controller,
                                     std::optional<model::Network> wanted) {
-  belief.adopt(detail::split(seen.network, controller, std::move(wanted)), seen.task_events);
+  belief.adopt(detail::split_observation(seen.network, controller, std::move(wanted)), seen.task_events);
 }
 
 std::optional<model::Network> Runtime::Implementation::known(const model::NetworkName& wanted) const {
@@ -189,9 +191,9 @@ std::optional<model::Network> Runtime::Implementation::known(const model::Networ
   return found == controllers.end() ? std::nullopt : std::optional(found->second);
 }
 
-model::NetworkName Runtime::Implementation::true_name(const model::Network& observed,
-                                                      const model::Network& first,
-                                                      const model::Network& second) const {
+model::NetworkName Runtime::Implementation::name_of_running(const model::Network& observed,
+                                                            const model::Network& first,
+                                                            const model::Network& second) const {
   for (const model::Network* candidate : {&first, &second}) {
     const bool names = !candidate->name.empty() || candidate->empty();
     if (names && equivalent(observed, *candidate)) {
@@ -208,25 +210,25 @@ model::NetworkName Runtime::Implementation::true_name(const model::Network& obse
 }
 
 void Runtime::Implementation::note_differences(const model::Network& observed) {
-  const model::Network shall = belief.held().shall();
+  const model::Network shall = belief.held().desired();
   std::set<std::string> now;
   for (auto& sentence : differences(shall, observed)) {
-    if (!noted.contains(sentence)) {
+    if (!reported_differences.contains(sentence)) {
       log.add(EventKind::Difference, shall.name.str(), sentence);
-      journal.differs(shall.name.str(), sentence, "reported");
+      journal.drifted(shall.name.str(), sentence, "reported");
     }
     now.insert(std::move(sentence));
   }
-  noted = std::move(now);
+  reported_differences = std::move(now);
 }
 
-/// After a request: the state it leaves, and a reset of the belief that came meanwhile.
+/// Leaves the state Executing and performs a reset of the belief that was requested meanwhile.
 void Runtime::Implementation::settle(RuntimeState next) {
   std::optional<std::optional<model::Network>> reset_now;
   {
     const std::lock_guard lock(mutex);
     state = next;
-    reset_now.swap(reset_wanted);
+    reset_now.swap(pending_reset);
   }
   if (reset_now) {
     reset(std::move(*reset_now));
@@ -235,22 +237,22 @@ void Runtime::Implementation::settle(RuntimeState next) {
 
 void Runtime::Implementation::on_event(const host::TaskEvent& event) {
   belief.on_event(event);
-  note_news();
+  wake_worker();
   log.add(EventKind::TaskState, event.task.str(),
           std::string(to_string(event.state)) + (event.message.empty() ? "" : ": " + event.message));
 }
 
-/// The worker has something to look at.
-void Runtime::Implementation::note_news() {
+/// Makes the worker supervise as soon as it is idle.
+void Runtime::Implementation::wake_worker() {
   {
     const std::lock_guard lock(mutex);
-    news = true;
+    wake_requested = true;
   }
   wake.notify_all();
 }
 
 void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
-  note_news();
+  wake_worker();
   log.add(EventKind::Process, to_string(event.process), event.message);
 }
 
@@ -258,16 +260,16 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
   {
     const std::lock_guard lock(mutex);
     if (state == RuntimeState::Executing) {
-      reset_wanted = std::move(network);
+      pending_reset = std::move(network);
       return;
     }
   }
   if (network) {
     log.add(EventKind::BeliefReset, network->name.str(), "given: " + detail::summary(*network));
-    belief.adopt_given(std::move(*network));
+    belief.adopt_assumed(std::move(*network));
   } else {
-    Observation now = belief.look();
-    now.network.name = true_name(now.network, belief.controller(), {});
+    Observation now = belief.observe();
+    now.network.name = name_of_running(now.network, belief.controller(), {});
     log.add(EventKind::BeliefReset, now.network.name.str(), "observed: " + detail::summary(now.network));
     const model::Network all = now.network;
     adopt(now, all, known(all.name));

@@ -28,7 +28,7 @@ class Service : public ::testing::Test {
   RuntimeService service_{robot_.runtime, [this] { ++shut_downs_; }};
 };
 
-TEST_F(Service, tells_the_status_that_tools_rely_on) {
+TEST_F(Service, reports_the_status_that_tools_rely_on) {
   ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
   const auto status = service_.status();
   ASSERT_TRUE(status);
@@ -45,7 +45,7 @@ TEST_F(Service, tells_the_status_that_tools_rely_on) {
   EXPECT_TRUE(status->find("differences")->as_list().empty());
 }
 
-TEST_F(Service, answers_switches_with_their_outcome) {
+TEST_F(Service, answers_a_switch_with_its_outcome) {
   const auto planned =
       service_.switch_to("only", {.dry_run = true, .force = false, .order = "seamless", .who = {}}, soon());
   ASSERT_TRUE(planned);
@@ -67,7 +67,7 @@ TEST_F(Service, answers_switches_with_their_outcome) {
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
 }
 
-TEST_F(Service, reaches_single_tasks) {
+TEST_F(Service, gives_access_to_single_tasks) {
   ASSERT_TRUE(service_.switch_to("only", {.dry_run = false, .force = false, .order = "", .who = {}}, soon()));
   const auto task = service_.task("a");
   ASSERT_TRUE(task) << to_string(task.error());
@@ -80,7 +80,7 @@ TEST_F(Service, reaches_single_tasks) {
   ASSERT_TRUE(stream);
   EXPECT_EQ((*stream)->type_name(), "/int32_t");
   EXPECT_FALSE(service_.task("c"));
-  EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by hand";
+  EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by the user";
   ASSERT_TRUE(service_.shut_down());
   EXPECT_EQ(shut_downs_, 1);
 }

@@ -45,7 +45,7 @@ TEST(Artemis, all_twelve_transitions_reach_their_targets) {
   EXPECT_TRUE(robot->host().observe().empty());
 }
 
-/// Threads of this process, those aside that the host keeps for its next batch.
+/// The number of threads of this process, without those that the host keeps for its next batch.
 std::size_t threads_now() {
   std::size_t count = 0;
   for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -65,7 +65,7 @@ std::size_t settled_threads(std::size_t most) {
   return threads_now();
 }
 
-/// Whoever looks into /proc has a descriptor more for a moment, before as well as after.
+/// Reading /proc opens a descriptor itself, in each count alike.
 std::size_t settled_descriptors(std::size_t most) {
   const auto deadline = RealClock::instance().now() + std::chrono::seconds(10);
   while (entries("/proc/self/fd") > most && RealClock::instance().now() < deadline) {
@@ -97,7 +97,7 @@ TEST(RandomNetworks, hundreds_of_switches_reach_their_targets_and_leak_nothing) 
   EXPECT_LE(settled_descriptors(descriptors), descriptors);
 }
 
-TEST(EmbeddedRobotFile, tells_all_problems_of_all_files) {
+TEST(EmbeddedRobotFile, reports_all_problems_of_all_files) {
   Diagnostics diagnostics;
   EXPECT_FALSE(EmbeddedRobot::open("no_such_robot.yaml", diagnostics));
   EXPECT_TRUE(diagnostics.has_errors());

@@ -25,7 +25,7 @@ inline model::Network network_of(std::string_view text, const std::string& file 
   return network.value_or(model::Network{});
 }
 
-/// A random network that can run here: one process carries every connection, and no thread needs a privilege.
+/// Makes a random network runnable in one process: transports are chosen automatically.
 inline model::Network runnable(model::Network network) {
   for (auto& connection : network.connections) {
     connection.policy.transport = Transport::Automatic;
@@ -37,7 +37,7 @@ inline std::string why(const SwitchResult& result) {
   return result.error ? to_string(*result.error) : std::string(to_string(result.outcome));
 }
 
-/// How many entries a folder of /proc/self has.
+/// The number of entries of a folder, such as one of /proc/self.
 inline std::size_t entries(const char* folder) {
   const std::filesystem::directory_iterator all(folder);
   return static_cast<std::size_t>(std::distance(begin(all), end(all)));

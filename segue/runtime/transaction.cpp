@@ -2,7 +2,7 @@
 #include <segue/runtime/transaction.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 #include <segue/solve/solve.hpp>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array kPhases = {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire};
 
-/// Tasks that hang in the runtime's own process, which no transition can replace.
+/// Tasks in Fatal in the runtime's own process, which no transition can replace.
 std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
   std::set<model::TaskId> stuck;
   for (const auto& task : observed.tasks) {
@@ -33,7 +33,7 @@ std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
   return stuck;
 }
 
-/// The target with those tasks as they are: all else can be done.
+/// The target with stuck tasks left as they are, so that everything else can be reached.
 model::Network with_stuck(model::Network target, const model::Network& observed) {
   const auto stuck = stuck_tasks(observed);
   if (stuck.empty()) {
@@ -55,7 +55,8 @@ model::Network with_stuck(model::Network target, const model::Network& observed)
   return target;
 }
 
-/// What of a network can be reached: a task that is in an error there stays as it is now, or is left clean.
+/// The closest reachable network: a task whose target state is an error keeps its present state, or becomes
+/// PreOperational if that is an error as well.
 model::Network reachable(model::Network target, const model::Network& observed) {
   for (auto& task : target.tasks) {
     if (!is_error(task.state)) {
@@ -67,15 +68,15 @@ model::Network reachable(model::Network target, const model::Network& observed) 
   return with_stuck(std::move(target), observed);
 }
 
-/// Whether all of `before` runs as it did (no worse, where it was in an error), and what stands beside it
-/// does not interfere.
+/// Whether all of `before` runs as it did (or better, where it was in an error), and nothing else runs or
+/// writes to it.
 bool is_restored(model::Network before, const model::Network& observed) {
-  const model::Network beside = without(observed, before);
-  const bool runs_alone = std::none_of(beside.tasks.begin(), beside.tasks.end(), [](const model::Task& task) {
+  const model::Network extra = subtract(observed, before);
+  const bool runs_alone = std::none_of(extra.tasks.begin(), extra.tasks.end(), [](const model::Task& task) {
     return task.state == TaskState::Running || task.state == TaskState::RunTimeError;
   });
   const bool hears_no_other = std::none_of(
-      beside.connections.begin(), beside.connections.end(),
+      extra.connections.begin(), extra.connections.end(),
       [&](const model::Connection& other) { return before.find_task(other.to.task) != nullptr; });
   for (auto& task : before.tasks) {
     const model::Task* now = observed.find_task(task.id);
@@ -83,7 +84,7 @@ bool is_restored(model::Network before, const model::Network& observed) {
       task.state = now->state;
     }
   }
-  return runs_alone && hears_no_other && has_all_of(observed, before);
+  return runs_alone && hears_no_other && includes(observed, before);
 }
 
 Error error_of(const ActionRecord& failed) {
@@ -94,7 +95,7 @@ Error error_of(const ActionRecord& failed) {
   return error;
 }
 
-/// Actions that only take something down.
+/// Whether the action only takes something down.
 bool takes_down(model::ActionKind kind) {
   using enum model::ActionKind;
   return kind == Recover || kind == Stop || kind == Disconnect || kind == Cleanup || kind == Undeploy;
@@ -102,13 +103,13 @@ bool takes_down(model::ActionKind kind) {
 
 }  // namespace
 
-Transaction::Transaction(const Ground& ground, const model::Network& before, const Plan& plan,
-                         Options options)
-    : ground_(ground), before_(before), plan_(plan), options_(std::move(options)) {}
+Transaction::Transaction(const TransitionContext& context, const model::Network& before,
+                         const SwitchPlan& plan, Options options)
+    : context_(context), before_(before), plan_(plan), options_(std::move(options)) {}
 
-void Transaction::give_way() {
+void Transaction::supersede() {
   const std::lock_guard lock(mutex_);
-  giving_way_ = true;
+  superseded_ = true;
   if (execution_ && (stage_ == Stage::Prepare || stage_ == Stage::Retire)) {
     execution_->cancel();
   }
@@ -124,8 +125,8 @@ void Transaction::cancel() {
 
 bool Transaction::enter(Stage stage) {
   const std::lock_guard lock(mutex_);
-  const bool gives_way = giving_way_ && stage != Stage::Back;
-  if (cancelled_ || gives_way) {
+  const bool is_superseded = superseded_ && stage != Stage::Undo;
+  if (cancelled_ || is_superseded) {
     return false;
   }
   stage_ = stage;
@@ -133,19 +134,19 @@ bool Transaction::enter(Stage stage) {
 }
 
 std::shared_ptr<Execution> Transaction::begin(const model::Transition& transition) {
-  auto made = std::make_shared<Execution>(ground_.host, transition, options_.action_deadline,
-                                          [this](const ActionRecord& record) { on_action(record); });
+  auto created = std::make_shared<Execution>(context_.host, transition, options_.action_deadline,
+                                             [this](const ActionRecord& record) { on_action(record); });
   const std::lock_guard lock(mutex_);
-  execution_ = made;
+  execution_ = created;
   if (cancelled_) {
-    made->cancel();
+    created->cancel();
   }
-  return made;
+  return created;
 }
 
 void Transaction::run(SwitchResult& result) {
   const TimePoint started = RealClock::instance().now();
-  ground_.host.expect(plan_.target);
+  context_.host.expect(plan_.target);
   forward(result);
   {
     const std::lock_guard lock(mutex_);
@@ -157,11 +158,11 @@ void Transaction::run(SwitchResult& result) {
 void Transaction::forward(SwitchResult& result) {
   const auto execution = begin(plan_.transition);
   const bool prepared = enter(Stage::Prepare) && execution->run(model::Phase::Prepare);
-  const TimePoint made = RealClock::instance().now();
+  const TimePoint created = RealClock::instance().now();
   if (prepared) {
-    ground_.host.get_ready(plan_.target);
+    context_.host.get_ready(plan_.target);
   }
-  const Duration getting_ready = RealClock::instance().now() - made;
+  const Duration getting_ready = RealClock::instance().now() - created;
   const bool committed = prepared && enter(Stage::Commit) && execution->run(model::Phase::Commit);
   if (committed) {
     retire(*execution, result);
@@ -179,18 +180,18 @@ void Transaction::forward(SwitchResult& result) {
   }
   if (!failed) {
     end_early(result);
-  } else if (!find_another_way(*failed, result)) {
+  } else if (!replan(*failed, result)) {
     result.outcome = Outcome::Failed;
     result.error = failed->error;
-    result.undo = go_back(*failed);
+    result.undo = undo(*failed);
   }
 }
 
 void Transaction::retire(Execution& execution, SwitchResult& result) {
-  ground_.log.add(EventKind::TransitionCommitted, plan_.transition.to.str(),
-                  "after " + format_duration(execution.window(model::Phase::Commit)) + " of commit");
+  context_.log.add(EventKind::TransitionCommitted, plan_.transition.to.str(),
+                   "after " + format_duration(execution.window(model::Phase::Commit)) + " of commit");
   const bool retired = enter(Stage::Retire) && execution.run(model::Phase::Retire);
-  ground_.host.conclude(plan_.transition);
+  context_.host.conclude(plan_.transition);
   const ActionRecord* failed = retired ? nullptr : execution.failure();
   if (failed != nullptr) {
     result.leftover =
@@ -198,9 +199,9 @@ void Transaction::retire(Execution& execution, SwitchResult& result) {
   }
 }
 
-/// Superseded or cancelled before anything failed.
+/// The transition was superseded or cancelled before an action failed.
 void Transaction::end_early(SwitchResult& result) {
-  ground_.host.withdraw();
+  context_.host.withdraw();
   const std::lock_guard lock(mutex_);
   if (cancelled_) {
     result.outcome = Outcome::Failed;
@@ -212,18 +213,18 @@ void Transaction::end_early(SwitchResult& result) {
   }
 }
 
-bool Transaction::find_another_way(const ActionRecord& failed, SwitchResult& result) {
+bool Transaction::replan(const ActionRecord& failed, SwitchResult& result) {
   if (failed.action.phase != model::Phase::Commit || !takes_down(failed.action.kind)) {
     return false;
   }
-  ground_.host.withdraw();
-  ground_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                  quote(failed.action.label()) + " failed; looking for another way on");
+  context_.host.withdraw();
+  context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
+                   quote(failed.action.label()) + " failed; replanning from the observed network");
   const TimePoint started = RealClock::instance().now();
   const auto error = bring_to(plan_.target, result.actions);
   result.commit += RealClock::instance().now() - started;
-  const model::Network observed = ground_.host.observe();
-  if (error || !has_all_of(observed, plan_.target)) {
+  const model::Network observed = context_.host.observe();
+  if (error || !includes(observed, plan_.target)) {
     return false;
   }
   if (const auto stuck = stuck_tasks(observed); !stuck.empty()) {
@@ -236,24 +237,24 @@ bool Transaction::find_another_way(const ActionRecord& failed, SwitchResult& res
   return true;
 }
 
-Undo Transaction::go_back(const ActionRecord& failed) {
+Undo Transaction::undo(const ActionRecord& failed) {
   const TimePoint started = RealClock::instance().now();
   Undo undo;
-  enter(Stage::Back);
-  ground_.host.withdraw();
-  ground_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                  quote(failed.action.label()) + " failed; going back to " + shown(before_.name));
+  enter(Stage::Undo);
+  context_.host.withdraw();
+  context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
+                   quote(failed.action.label()) + " failed; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
-  const model::Network observed = ground_.host.observe();
+  const model::Network observed = context_.host.observe();
   undo.restored = is_restored(before_, observed);
   if (!undo.restored && options_.fallback && options_.fallback->name != plan_.transition.to) {
-    ground_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
-                    "what ran before cannot be restored; trying the fallback network");
+    context_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
+                     "the old network cannot be restored; trying the fallback network");
     undo.fallback = options_.fallback->name;
     if (auto error = bring_to(*options_.fallback, undo.actions)) {
       undo.error = std::move(error);
     } else {
-      undo.fell_back = has_all_of(ground_.host.observe(), *options_.fallback);
+      undo.fell_back = includes(context_.host.observe(), *options_.fallback);
     }
   }
   undo.duration = RealClock::instance().now() - started;
@@ -261,20 +262,20 @@ Undo Transaction::go_back(const ActionRecord& failed) {
 }
 
 std::optional<Error> Transaction::bring_to(const model::Network& target, std::vector<ActionRecord>& actions) {
-  const model::Network observed = ground_.host.observe();
-  const auto way = solve::diff(observed, reachable(target, observed), ground_.catalog,
-                               solve_options(ground_.host, model::Order::Seamless, false));
+  const model::Network observed = context_.host.observe();
+  const auto way = solve::diff(observed, reachable(target, observed), context_.catalog,
+                               solve_options(context_.host, model::Order::Seamless, false));
   if (!way) {
     return way.error();
   }
-  ground_.host.expect(target);
+  context_.host.expect(target);
   const auto execution = begin(*way);
   bool done = true;
   for (const auto phase : kPhases) {
     done = done && execution->run(phase);
   }
-  // Only then are new incarnations what plain ids mean, and who was removed is forgotten.
-  done ? ground_.host.conclude(*way) : ground_.host.withdraw();
+  // Only after success may the host let plain ids mean the new incarnations and forget removed tasks.
+  done ? context_.host.conclude(*way) : context_.host.withdraw();
   std::optional<Error> error;
   if (const ActionRecord* failed = execution->failure()) {
     error = error_of(*failed);
@@ -289,9 +290,9 @@ std::optional<Error> Transaction::bring_to(const model::Network& target, std::ve
 
 void Transaction::on_action(const ActionRecord& record) {
   if (record.error) {
-    ground_.log.add(EventKind::ActionFailed, record.action.label(), to_string(*record.error));
+    context_.log.add(EventKind::ActionFailed, record.action.label(), to_string(*record.error));
   } else {
-    ground_.log.add(EventKind::ActionDone, record.action.label(), format_duration(record.duration));
+    context_.log.add(EventKind::ActionDone, record.action.label(), format_duration(record.duration));
   }
 }
 

@@ -13,64 +13,65 @@
 
 namespace segue::runtime::detail {
 
-/// What transitions are carried out on.
-struct Ground {
+/// The host on which transitions are executed, the components it has, and the log of events.
+struct TransitionContext {
   host::TaskHost& host;
   const model::ComponentCatalog& catalog;
   EventLog& log;
 };
 
-/// A transition as a whole: prepare, commit and retire, or back to what ran before.
+/// Executes a transition atomically: prepare, commit and retire, or back to the old network.
 ///
-/// A failure in prepare or commit is undone: from what truly runs then, the solver finds the way back, which
-/// leaves alone what had not been touched. Where that fails too, the fallback network is tried. Two failures
-/// are not undone. One in commit that concerns only what was to be taken down (a task that fails to stop has
-/// stopped all the same; back, it would be in the way for ever): the solver finds another way on from what
-/// runs, once. And one in retire: the new network runs; what is left over is told.
+/// A failure in prepare or commit is undone: the solver computes a transition from the observed network back
+/// to the old one, which leaves untouched parts alone. If that fails too, the fallback network is tried. Two
+/// kinds of failures are not undone. If an action of commit fails that only takes something down (a task that
+/// will not stop would block every later switch as well), the solver replans once from the observed network
+/// to the target. And if an action of retire fails, the new network runs already; leftovers are reported.
 class Transaction {
  public:
   struct Options {
     Duration action_deadline{0};
-    std::optional<model::Network> fallback;  ///< nothing: none
+    std::optional<model::Network> fallback;  ///< tried if the old network cannot be restored
   };
 
-  /// `before` is what runs. References must outlive this.
-  Transaction(const Ground& ground, const model::Network& before, const Plan& plan, Options options);
+  /// `before` is the network that runs now. References must outlive this.
+  Transaction(const TransitionContext& context, const model::Network& before, const SwitchPlan& plan,
+              Options options);
 
-  /// Blocks; called once. Fills in outcome, times, actions, what was undone and the error. Afterwards, what
-  /// runs has to be looked at, whatever the outcome.
+  /// Blocks; to be called once. Fills in outcome, times, actions, undo and error. Whatever the outcome, the
+  /// caller has to observe the host afterwards to know what runs.
   void run(SwitchResult& result);
 
-  /// From any thread, at any time: a newer request waits. Prepare ends early, as superseded, and leaves what
-  /// it made; retire ends early and leaves what is left; a commit goes on to its end.
-  void give_way();
-  /// From any thread: no further action begins, nothing is undone.
+  /// A newer request waits: prepare ends early as superseded and leaves what it has created, retire ends
+  /// early and leaves the rest, commit is finished. From any thread; does not block.
+  void supersede();
+  /// No further action begins and nothing is undone. From any thread; does not block.
   void cancel();
 
  private:
-  enum class Stage { Prepare, Commit, Retire, Back };
+  enum class Stage { Prepare, Commit, Retire, Undo };
 
-  /// False where nothing further is to begin.
+  /// Begins a stage; false if the transaction was cancelled or superseded.
   bool enter(Stage stage);
   std::shared_ptr<Execution> begin(const model::Transition& transition);
   void forward(SwitchResult& result);
   void retire(Execution& execution, SwitchResult& result);
-  /// Whether another way led to the target after all.
-  bool find_another_way(const ActionRecord& failed, SwitchResult& result);
+  /// Solves again after an action failed that takes something down; true if that led to the target.
+  bool replan(const ActionRecord& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
-  Undo go_back(const ActionRecord& failed);
-  /// Brings the robot to `target` from whatever runs; appends what was done to `actions`.
+  Undo undo(const ActionRecord& failed);
+  /// Solves from the observed network to `target` and executes that; appends to `actions`.
   std::optional<Error> bring_to(const model::Network& target, std::vector<ActionRecord>& actions);
   void on_action(const ActionRecord& record);
 
-  const Ground& ground_;
+  const TransitionContext& context_;
   const model::Network& before_;
-  const Plan& plan_;
+  const SwitchPlan& plan_;
   const Options options_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects all members below; actions run without it
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;
-  bool giving_way_ = false;
+  bool superseded_ = false;
   bool cancelled_ = false;
 };
 

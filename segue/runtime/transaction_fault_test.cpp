@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fault at every action of many transitions: the robot then runs what it did, or what was wanted, or the
-// runtime says truthfully what it runs.
-#include <segue/runtime/beside.hpp>
+// Injects faults at every action of many transitions. Afterwards the robot runs the old network or the new
+// one, or the runtime reports correctly what runs.
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/faulty_host.hpp>
@@ -36,15 +36,15 @@ struct FaultyRobot {
   Runtime runtime{"robot", host, catalog};
 };
 
-/// How often each of the three allowed ends was seen.
+/// Counts of the three allowed outcomes.
 struct Ends {
   int target = 0;
   int before = 0;
-  int told = 0;
-  [[nodiscard]] int all() const { return target + before + told; }
+  int reported = 0;
+  [[nodiscard]] int all() const { return target + before + reported; }
 };
 
-/// A transition and what happened at one of its actions.
+/// A transition and the fault at one of its actions.
 struct Case {
   const model::Network& before;
   const model::Network& target;
@@ -84,7 +84,7 @@ model::DeploymentKey process_of(const model::Network& network, const model::Task
   return {};
 }
 
-/// Who had no part in it was not touched: neither by the transition nor by the way back.
+/// Tasks and processes without an action in the transition were not touched, by undoing neither.
 void expect_others_untouched(const Case& what, const FaultyHost& host) {
   const auto passed = host.passed();
   const auto touched = tasks_of(passed);
@@ -105,57 +105,57 @@ void expect_others_untouched(const Case& what, const FaultyHost& host) {
   }
 }
 
-/// Every part of the network that was runs, exactly as it did; nothing else does.
+/// The old network runs exactly as before, and nothing else runs.
 void expect_restored(const Case& what, const Runtime& runtime, const model::Network& observed) {
   EXPECT_EQ(runtime.belief().name, what.before.name);
-  EXPECT_TRUE(detail::has_all_of(observed, what.before))
+  EXPECT_TRUE(detail::includes(observed, what.before))
       << ::testing::PrintToString(differences(what.before, observed));
   for (const auto& task : what.before.tasks) {
     const auto* now = observed.find_task(task.id);
     ASSERT_NE(now, nullptr) << task.id.str();
     EXPECT_EQ(*now, task) << task.id.str();
   }
-  for (const auto& task : detail::without(observed, what.before).tasks) {
-    EXPECT_NE(task.state, TaskState::Running) << task.id.str() << " beside what was restored";
+  for (const auto& task : detail::subtract(observed, what.before).tasks) {
+    EXPECT_NE(task.state, TaskState::Running) << task.id.str() << " runs beside the restored network";
   }
-  for (const auto& connection : detail::without(observed, what.before).connections) {
+  for (const auto& connection : detail::subtract(observed, what.before).connections) {
     const bool among_them = what.before.find_task(connection.from.task) != nullptr &&
                             what.before.find_task(connection.to.task) != nullptr;
-    EXPECT_FALSE(among_them) << to_string(connection) << " among what was restored";
+    EXPECT_FALSE(among_them) << to_string(connection) << " in the restored network";
   }
 }
 
-std::vector<Event> differences_told(const Runtime& runtime, std::uint64_t since) {
+std::vector<Event> reported_differences(const Runtime& runtime, std::uint64_t since) {
   auto events = runtime.events(since);
   std::erase_if(events, [](const Event& event) { return event.kind != EventKind::Difference; });
   return events;
 }
 
-/// `since`: the last event before.
-void judge(const Case& what, const Runtime& runtime, const FaultyHost& host, const SwitchResult& result,
-           std::uint64_t since, Ends& ends) {
+/// `since` is the number of the last event before the switch.
+void check_outcome(const Case& what, const Runtime& runtime, const FaultyHost& host,
+                   const SwitchResult& result, std::uint64_t since, Ends& ends) {
   const model::Network observed = host.observe();
   if (result.outcome == Outcome::Done) {
     ++ends.target;
     EXPECT_EQ(runtime.belief().name, what.target.name);
     if (!result.leftover) {
       EXPECT_THAT(differences(what.target, observed), ::testing::IsEmpty());
-    } else if (!detail::has_all_of(observed, what.target)) {
-      EXPECT_FALSE(differences_told(runtime, since).empty()) << "what it lacks is told";
+    } else if (!detail::includes(observed, what.target)) {
+      EXPECT_FALSE(reported_differences(runtime, since).empty()) << "missing parts are reported";
     }
   } else if (result.undo && result.undo->restored) {
     ++ends.before;
     expect_restored(what, runtime, observed);
     expect_others_untouched(what, host);
   } else {
-    ++ends.told;
+    ++ends.reported;
     EXPECT_EQ(runtime.state(), RuntimeState::Failed);
     EXPECT_THAT(why(result), ::testing::HasSubstr("the robot now runs"));
     EXPECT_THAT(differences(runtime.belief(), observed), ::testing::IsEmpty());
   }
 }
 
-/// The transition with that fault at that action; afterwards the robot runs what it did before.
+/// Executes the transition with that fault at that action, then switches back to the old network.
 void try_fault(FaultyRobot& robot, const Case& what, Ends& ends) {
   SCOPED_TRACE(what.before.name.str() + " to " + what.target.name.str() + ": " + what.action.label() + " (" +
                std::string(to_string(what.action.phase)) + "), " +
@@ -164,20 +164,20 @@ void try_fault(FaultyRobot& robot, const Case& what, Ends& ends) {
   robot.host.arm(what.fault, what.action.label());
   const auto result = robot.runtime.switch_to(what.target);
   EXPECT_TRUE(robot.host.struck());
-  judge(what, robot.runtime, robot.host, result, events.empty() ? 0 : events.back().number, ends);
+  check_outcome(what, robot.runtime, robot.host, result, events.empty() ? 0 : events.back().number, ends);
   robot.host.heal();
   const auto back = robot.runtime.switch_to(what.before);
   ASSERT_EQ(back.outcome, Outcome::Done) << why(back);
   ASSERT_THAT(differences(what.before, robot.host.observe()), ::testing::IsEmpty());
 }
 
-/// Every fault at every action only where somebody has the time.
+/// Whether every fault is injected at every action, which takes minutes.
 bool thorough() {
   return std::getenv("SEGUE_ALL_FAULTS") != nullptr;
 }
 
-/// Which faults strike an action: all of them, or a sample in which every action is struck, and every fault
-/// strikes every kind of action in every phase.
+/// Selects the faults for an action: all, or a sample in which every action has one and each fault occurs at
+/// every kind of action in every phase.
 class Sample {
  public:
   bool takes(const model::Action& action, Fault fault) {
@@ -194,7 +194,7 @@ class Sample {
   std::set<std::tuple<model::ActionKind, model::Phase, Fault>> seen_;
 };
 
-/// Every fault at every action between two networks.
+/// Injects every fault at every action of the transition between two networks.
 void try_all_faults(const model::Network& before, const model::Network& target, Ends& ends) {
   FaultyRobot robot;
   ASSERT_EQ(robot.runtime.switch_to(before).outcome, Outcome::Done);
@@ -207,7 +207,7 @@ void try_all_faults(const model::Network& before, const model::Network& target, 
   }
 }
 
-/// Nothing can replace the runtime's own process; all else is undone.
+/// The runtime's own process cannot be replaced; everything else is undone.
 TEST(TransactionFaults, of_tasks_in_the_process_of_the_runtime) {
   const auto before = testing::network_of("network: before\ntasks: {a: {component: \"demo::A\"}}\n");
   const auto target = testing::network_of(
@@ -219,7 +219,7 @@ TEST(TransactionFaults, of_tasks_in_the_process_of_the_runtime) {
   EXPECT_GT(ends.before, 10);
 }
 
-/// Whoever leaves without an action is still there when the transition comes to nothing.
+/// Tasks that leave without an action still exist after a failed transition.
 TEST(TransactionFaults, where_tasks_that_were_never_configured_leave) {
   const auto before = testing::network_of(
       "network: before\n"
@@ -282,7 +282,7 @@ TEST(TransactionFaults, at_every_action_of_random_transitions) {
   }
   EXPECT_GT(ends.target, 100);
   EXPECT_GT(ends.before, 100);
-  EXPECT_GT(ends.told, 10);
+  EXPECT_GT(ends.reported, 10);
 }
 
 }  // namespace

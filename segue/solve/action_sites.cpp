@@ -12,11 +12,11 @@ using model::ActionKind;
 using model::DeploymentKey;
 using model::TaskId;
 
-struct Incarnation {
+struct TaskIncarnation {
   std::string component;
   DeploymentKey process;
 };
-using Incarnations = std::unordered_map<TaskId, Incarnation>;
+using Incarnations = std::unordered_map<TaskId, TaskIncarnation>;
 
 Incarnations running_in(const model::Network& network) {
   Incarnations found;
@@ -31,17 +31,17 @@ Incarnations running_in(const model::Network& network) {
   return found;
 }
 
-Incarnations made_by(const model::Transition& transition) {
-  Incarnations made;
+Incarnations created_by(const model::Transition& transition) {
+  Incarnations created;
   for (const model::Action& action : transition.actions) {
     if (const auto* config = std::get_if<model::ConfigAction>(&action.what)) {
-      made[config->definition.id] = {config->definition.component.str(), config->process};
+      created[config->definition.id] = {config->definition.component.str(), config->process};
     }
   }
-  return made;
+  return created;
 }
 
-/// These concern the incarnation that goes, all others the one that comes.
+/// These kinds of action concern the old incarnation, all others the new one.
 bool concerns_old(ActionKind kind) {
   return kind == ActionKind::Recover || kind == ActionKind::Stop || kind == ActionKind::Disconnect ||
          kind == ActionKind::Cleanup;
@@ -50,22 +50,22 @@ bool concerns_old(ActionKind kind) {
 class SiteFinder {
  public:
   SiteFinder(const model::Network& current, const model::Transition& transition)
-      : old_(running_in(current)), new_(made_by(transition)) {}
+      : old_(running_in(current)), new_(created_by(transition)) {}
 
   [[nodiscard]] ActionSite site_of(const model::Action& action) const {
     if (const auto* process = std::get_if<model::DeploymentAction>(&action.what)) {
       const model::Deployment& deployment = process->deployment;
       return {{deployment.deployer, action.kind, deployment.host}, deployment.process};
     }
-    if (const auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
-      const Incarnation& from = find(wire->connection.from.task, action.kind);
-      const Incarnation& to = find(wire->connection.to.task, action.kind);
+    if (const auto* connection = std::get_if<model::ConnectionAction>(&action.what)) {
+      const TaskIncarnation& from = find(connection->connection.from.task, action.kind);
+      const TaskIncarnation& to = find(connection->connection.to.task, action.kind);
       const bool within = from.process == to.process;
       return site(std::string(within ? model::kWithinProcess : model::kBetweenProcesses), action.kind,
                   to.process);
     }
     if (action.task() == nullptr) return site("", action.kind, {});
-    const Incarnation& task = find(*action.task(), action.kind);
+    const TaskIncarnation& task = find(*action.task(), action.kind);
     const auto* call = std::get_if<model::CallAction>(&action.what);
     return site(call == nullptr ? task.component : task.component + '.' + call->operation, action.kind,
                 task.process);
@@ -77,8 +77,8 @@ class SiteFinder {
     return {{std::move(component), kind, here ? model::kLocalHost : process.host}, process.process};
   }
 
-  [[nodiscard]] const Incarnation& find(const TaskId& id, ActionKind kind) const {
-    static const Incarnation unknown;
+  [[nodiscard]] const TaskIncarnation& find(const TaskId& id, ActionKind kind) const {
+    static const TaskIncarnation unknown;
     const bool old_first = concerns_old(kind);
     for (const Incarnations* known : {old_first ? &old_ : &new_, old_first ? &new_ : &old_}) {
       const auto found = known->find(id);

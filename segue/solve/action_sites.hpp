@@ -9,15 +9,15 @@
 
 namespace segue::solve {
 
-/// Where an action takes place, and what its duration depends on.
+/// The process that executes an action, and the key that its duration depends on.
 struct ActionSite {
   model::ActionKey key;
   model::ProcessName process;  ///< empty: the runtime's own
   friend bool operator==(const ActionSite&, const ActionSite&) = default;
 };
 
-/// The site of each action of a transition from `current`. Of a connection it is that of the task that
-/// reads. What neither the network nor the transition knows has an empty component. Pure; linear.
+/// The site of each action of a transition from `current`. A connection has the site of its reader. The
+/// component is empty if neither the network nor the transition defines the task. Pure; linear.
 std::vector<ActionSite> action_sites(const model::Network& current, const model::Transition& transition);
 
 }  // namespace segue::solve

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
 #include <segue/solve/hash_index.hpp>
 
 #include <vector>
 
 namespace segue::solve::detail {
 
-/// What the catalog says about a component.
+/// The facts about a component that the solver needs.
 struct ComponentFacts {
   const model::ComponentModel* model = nullptr;  ///< nullptr: the catalog lacks it
   bool dynamic = false;                          ///< it has dynamic ports
 };
 
-/// Looks each component up once. The catalog and the names it is asked for must outlive it.
+/// Looks up each component once. The catalog and the given names must outlive it.
 class KnownComponents {
  public:
   explicit KnownComponents(const model::ComponentCatalog& catalog)
@@ -42,5 +43,9 @@ inline bool is_dynamic(const ComponentFacts& component, std::string_view port, m
   const model::PortModel* model = component.model->find_port(port, direction);
   return model != nullptr && (model->dynamic || model->pattern);
 }
+
+/// Whether two definitions differ in live properties of the component only. A property that only one of them
+/// sets counts as a difference.
+bool differ_only_live(const model::Task& now, const model::Task& then, const model::ComponentModel* model);
 
 }  // namespace segue::solve::detail

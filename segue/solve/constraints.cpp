@@ -13,7 +13,7 @@ namespace {
 
 using model::ActionKind;
 
-/// Who lets go of an exclusive device, and who wants it.
+/// The actions that release an exclusive device, and those that claim it.
 struct Device {
   std::vector<int> releases;
   std::vector<int> claims;
@@ -21,7 +21,7 @@ struct Device {
 
 class Finder {
  public:
-  Finder(const Index& index, const Plan& plan, const Nodes& nodes)
+  Finder(const Index& index, const ChangeSet& plan, const ActionNodes& nodes)
       : index_(index), plan_(plan), nodes_(nodes) {}
 
   Constraints find() {
@@ -33,8 +33,8 @@ class Finder {
       add_task(task);
     for (std::size_t i = 0; i < index_.processes.size(); ++i)
       add(nodes_.undeploy[i], nodes_.deploy[i]);
-    for (std::size_t i = 0; i < index_.wires[kCurrent].size(); ++i)
-      add_old_wire(i);
+    for (std::size_t i = 0; i < index_.connections[kCurrent].size(); ++i)
+      add_old_connection(i);
     for (std::size_t i = 0; i < nodes_.connect.size(); ++i)
       add_connect(i);
     add_devices();
@@ -48,7 +48,7 @@ class Finder {
 
   [[nodiscard]] int node(int task, ActionKind kind) const { return nodes_.of(task, kind); }
 
-  /// The end of the process that the task lives in now.
+  /// The action that ends the task's present process.
   [[nodiscard]] int undeploy_of(int task) const {
     return nodes_.undeploy[as_index(index_.task(task).current().process)];
   }
@@ -57,12 +57,12 @@ class Finder {
            plan_.is_killed(index_.task(task).current().process);
   }
 
-  /// What ends the old incarnation's running.
+  /// The action after which the old incarnation does not run.
   [[nodiscard]] int halt(int task) const {
     return is_killed(task) ? undeploy_of(task) : node(task, ActionKind::Stop);
   }
 
-  /// Each of these actions of one task after the one before it.
+  /// Chains these actions of one task.
   void chain(int task, std::initializer_list<ActionKind> kinds) {
     int last = kNone;
     for (const ActionKind kind : kinds) {
@@ -81,7 +81,7 @@ class Finder {
     for (const int task : index_.target_order) {
       if (!has_new(plan_.task(task).fate)) continue;
       if (is_in_place(task)) found_.in_place[as_index(task)] = true;
-      const Incarnation& target = index_.task(task).target();
+      const TaskIncarnation& target = index_.task(task).target();
       if (plan_.process(target.process) != ProcessFate::Kept) continue;
       const int occupant = occupants ? occupants->find(target.process, target.name) : kNone;
       if (occupant == kNone || occupant == task) continue;
@@ -128,7 +128,7 @@ class Finder {
     if (is_killed(task) || goes_with_process) before_its_place_is_taken(task, undeploy_of(task));
   }
 
-  /// The old incarnation is gone with its process, or when another takes its place.
+  /// The old incarnation is removed with its process, or when another task takes its placement.
   void before_it_vanishes(int task, int action) {
     add(action, undeploy_of(task));
     before_its_place_is_taken(task, action);
@@ -140,18 +140,18 @@ class Finder {
     if (taker != kNone) add(action, node(taker, ActionKind::ApplyConfig));
   }
 
-  /// Two incarnations of a task, or a task and the one whose state it continues, never run at a time.
+  /// Two incarnations of a task, or a task and the one whose state it continues, never run at the same time.
   void add_new(int task) {
     using enum ActionKind;
     chain(task, {ApplyConfig, Configure, HandOver, Start});
-    const TaskEntry& entry = index_.task(task);
+    const IndexedTask& entry = index_.task(task);
     add(nodes_.deploy[as_index(entry.target().process)], node(task, ApplyConfig));
     if (plan_.task(task).fate == TaskFate::Replaced && entry.current().process != entry.target().process) {
       if (entry.takes_over != task) add(halt(task), node(task, Start));
     }
   }
 
-  /// The old task is at rest when its state is taken, and is there until then.
+  /// The old task is stopped before its state is handed over, and exists until then.
   void add_take_over(int task) {
     using enum ActionKind;
     const int from = index_.task(task).takes_over;
@@ -166,21 +166,21 @@ class Finder {
     add(hand_over, cleanup == kNone ? node(from, Start) : cleanup);
   }
 
-  void add_old_wire(std::size_t number) {
-    const int end = end_of_wire(number);
+  void add_old_connection(std::size_t number) {
+    const int end = end_of_connection(number);
     if (end == kNone) return;
-    const Wire& wire = index_.wires[kCurrent][number];
-    before_its_end_goes(end, wire.from, wire.from_dynamic);
-    before_its_end_goes(end, wire.to, wire.to_dynamic);
-    if (wire.partner == kNone || !(is_kept(wire.from) || is_kept(wire.to))) return;
-    add(end, nodes_.connect[as_index(wire.partner)]);
+    const IndexedConnection& connection = index_.connections[kCurrent][number];
+    before_its_end_goes(end, connection.from, connection.from_dynamic);
+    before_its_end_goes(end, connection.to, connection.to_dynamic);
+    if (connection.partner == kNone || !(is_kept(connection.from) || is_kept(connection.to))) return;
+    add(end, nodes_.connect[as_index(connection.partner)]);
   }
 
-  /// A wire is disconnected, or goes with a process that is killed.
-  [[nodiscard]] int end_of_wire(std::size_t number) const {
-    const Wire& wire = index_.wires[kCurrent][number];
-    if (is_killed(wire.from)) return undeploy_of(wire.from);
-    return is_killed(wire.to) ? undeploy_of(wire.to) : nodes_.disconnect[number];
+  /// The action that removes a connection: its disconnect, or the end of a killed process.
+  [[nodiscard]] int end_of_connection(std::size_t number) const {
+    const IndexedConnection& connection = index_.connections[kCurrent][number];
+    if (is_killed(connection.from)) return undeploy_of(connection.from);
+    return is_killed(connection.to) ? undeploy_of(connection.to) : nodes_.disconnect[number];
   }
 
   [[nodiscard]] bool is_kept(int task) const { return plan_.task(task).fate == TaskFate::Kept; }
@@ -200,9 +200,9 @@ class Finder {
   void add_connect(std::size_t number) {
     const int connect = nodes_.connect[number];
     if (connect == kNone) return;
-    const Wire& wire = index_.wires[kTarget][number];
-    after_its_end_comes(connect, wire.from, wire.from_dynamic);
-    after_its_end_comes(connect, wire.to, wire.to_dynamic);
+    const IndexedConnection& connection = index_.connections[kTarget][number];
+    after_its_end_comes(connect, connection.from, connection.from_dynamic);
+    after_its_end_comes(connect, connection.to, connection.to_dynamic);
   }
 
   void after_its_end_comes(int connect, int task, bool dynamic) {
@@ -216,7 +216,7 @@ class Finder {
 
   void add_devices() {
     for (int task = 0; as_index(task) < index_.tasks.size(); ++task) {
-      const TaskEntry& entry = index_.task(task);
+      const IndexedTask& entry = index_.task(task);
       if (entry.current().task) for_each_device(kCurrent, task, [&](Device& d) { release(d, task); });
       if (entry.target().task) for_each_device(kTarget, task, [&](Device& d) { claim(d, task); });
     }
@@ -226,7 +226,7 @@ class Finder {
 
   template <class Action>
   void for_each_device(Side side, int task, const Action& action) {
-    const Incarnation& incarnation = index_.task(task).on[side];
+    const TaskIncarnation& incarnation = index_.task(task).on[side];
     const model::Deployment* process = index_.process(incarnation.process).on[side];
     const model::HostName& host = process == nullptr ? model::kLocalHost : process->host;
     for (const std::string& name : incarnation.task->exclusive)
@@ -243,7 +243,7 @@ class Finder {
     return devices_[found->second];
   }
 
-  /// A task in Fatal may hold its devices until its process is gone.
+  /// A task in Fatal may hold its devices until its process has ended.
   void release(Device& device, int task) {
     const bool fatal = index_.task(task).current().task->state == TaskState::Fatal;
     const bool with_process = fatal || is_killed(task);
@@ -256,7 +256,7 @@ class Finder {
     if (action != kNone) device.claims.push_back(action);
   }
 
-  /// All releases before every claim, with as many edges as there are of both.
+  /// Puts all releases before every claim, with a number of edges linear in both.
   void add_device(Device& device) {
     if (device.releases.empty() || device.claims.empty()) return;
     std::sort(device.releases.begin(), device.releases.end());
@@ -268,9 +268,9 @@ class Finder {
   }
 
   const Index& index_;
-  const Plan& plan_;
-  const Nodes& nodes_;
-  std::vector<int> takers_;  ///< per task: who takes its place
+  const ChangeSet& plan_;
+  const ActionNodes& nodes_;
+  std::vector<int> takers_;  ///< per task: the task that takes its placement
   std::unordered_map<std::string, std::size_t> device_numbers_;
   std::vector<Device> devices_;
   Constraints found_;
@@ -278,9 +278,9 @@ class Finder {
 
 }  // namespace
 
-bool drop_impossible_hand_overs(Plan& plan, const Nodes& nodes, const Constraints& constraints) {
-  // Whatever else there is has an order, so every cycle holds a hand-over.
-  const Sequence found = sequence(static_cast<int>(nodes.list.size()), constraints.edges);
+bool drop_impossible_hand_overs(ChangeSet& plan, const ActionNodes& nodes, const Constraints& constraints) {
+  // Without hand-overs the constraints are acyclic, so every cycle contains one.
+  const GroupedOrder found = sequence(static_cast<int>(nodes.list.size()), constraints.edges);
   std::vector<int> group_size(nodes.list.size());
   for (const int group : found.group_of)
     ++group_size[as_index(group)];
@@ -296,7 +296,7 @@ bool drop_impossible_hand_overs(Plan& plan, const Nodes& nodes, const Constraint
   return dropped;
 }
 
-Constraints find_constraints(const Index& index, const Plan& plan, const Nodes& nodes) {
+Constraints find_constraints(const Index& index, const ChangeSet& plan, const ActionNodes& nodes) {
   return Finder(index, plan, nodes).find();
 }
 

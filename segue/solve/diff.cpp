@@ -19,37 +19,37 @@ using model::Phase;
 
 model::DeploymentKey key_of(const Index& index, int process) {
   if (process == kRuntime) return {};
-  const ProcessEntry& entry = index.process(process);
+  const IndexedProcess& entry = index.process(process);
   return (entry.target() ? entry.target() : entry.current())->key();
 }
 
-/// All attributes that count, and no tasks: apply_config places these.
-model::DeploymentAction deployment_action(const Index& index, const Plan& plan, const Node& node) {
-  const ProcessEntry& entry = index.process(node.subject);
+/// The deployment without its tasks, which apply_config places.
+model::DeploymentAction deployment_action(const Index& index, const ChangeSet& plan, const ActionNode& node) {
+  const IndexedProcess& entry = index.process(node.subject);
   const model::Deployment& from = node.kind == ActionKind::Deploy ? *entry.target() : *entry.current();
   model::Deployment process = from;
   process.tasks.clear();
   return {std::move(process), node.kind == ActionKind::Undeploy && plan.options.force};
 }
 
-/// Fills in what the action acts on.
-void fill(Action& action, const Index& index, const Plan& plan, const Node& node) {
-  const auto wire = [&](Side side) -> const model::Connection& {
-    return *index.wires[side][as_index(node.subject)].connection;
+/// Fills in the subject of the action.
+void fill(Action& action, const Index& index, const ChangeSet& plan, const ActionNode& node) {
+  const auto connection = [&](Side side) -> const model::Connection& {
+    return *index.connections[side][as_index(node.subject)].connection;
   };
   switch (node.kind) {
     case ActionKind::Disconnect:
-      action.what.emplace<model::ConnectionAction>().connection = wire(kCurrent);
+      action.what.emplace<model::ConnectionAction>().connection = connection(kCurrent);
       return;
     case ActionKind::Connect:
-      action.what.emplace<model::ConnectionAction>().connection = wire(kTarget);
+      action.what.emplace<model::ConnectionAction>().connection = connection(kTarget);
       return;
     case ActionKind::Undeploy:
     case ActionKind::Deploy:
       action.what = deployment_action(index, plan, node);
       return;
     case ActionKind::ApplyConfig: {
-      const Incarnation& task = index.task(node.subject).target();
+      const TaskIncarnation& task = index.task(node.subject).target();
       auto& what = action.what.emplace<model::ConfigAction>();
       what.definition = *task.task;
       what.process = key_of(index, task.process);
@@ -57,22 +57,23 @@ void fill(Action& action, const Index& index, const Plan& plan, const Node& node
       return;
     }
     case ActionKind::HandOver: {
-      const TaskEntry& entry = index.task(node.subject);
+      const IndexedTask& entry = index.task(node.subject);
       auto& what = action.what.emplace<model::HandOverAction>();
       what.from = *entry.target().task->takes_over;
       what.to = entry.target().task->id;
       return;
     }
     default: {
-      const TaskEntry& entry = index.task(node.subject);
+      const IndexedTask& entry = index.task(node.subject);
       const model::Task& task = *(entry.target().task ? entry.target() : entry.current()).task;
       action.what.emplace<model::TaskAction>().task = task.id;
     }
   }
 }
 
-/// Appends the action: one at a time, since they are large and many, and memory is what they cost.
-Action& add_action(model::Transition& transition, const Index& index, const Plan& plan, const Node& node) {
+/// Appends one action at a time: actions are large, and copying them dominates the time.
+Action& add_action(model::Transition& transition, const Index& index, const ChangeSet& plan,
+                   const ActionNode& node) {
   Action& action = transition.actions.emplace_back();
   action.id = static_cast<int>(transition.actions.size());
   action.kind = node.kind;
@@ -81,7 +82,7 @@ Action& add_action(model::Transition& transition, const Index& index, const Plan
 }
 
 /// The nodes in the order of their phases, otherwise as in `order`.
-std::vector<int> by_phase(const std::vector<Node>& nodes, const std::vector<int>& order) {
+std::vector<int> by_phase(const std::vector<ActionNode>& nodes, const std::vector<int>& order) {
   std::vector<int> sorted;
   sorted.reserve(nodes.size());
   for (const Phase phase : {Phase::Prepare, Phase::Commit, Phase::Retire}) {
@@ -92,9 +93,10 @@ std::vector<int> by_phase(const std::vector<Node>& nodes, const std::vector<int>
   return sorted;
 }
 
-/// All nodes, each after those before it: as they are listed, unless something must be handed over before the
-/// old one is cleaned up.
-std::vector<int> executable_order(const Plan& plan, const Nodes& nodes, const Constraints& constraints) {
+/// A topological order of all nodes: their list order, unless a hand-over must precede the cleanup of the old
+/// task.
+std::vector<int> executable_order(const ChangeSet& plan, const ActionNodes& nodes,
+                                  const Constraints& constraints) {
   const int count = static_cast<int>(nodes.list.size());
   if (plan.hands_over) return sequence(count, constraints.edges).nodes;
   std::vector<int> order(nodes.list.size());
@@ -113,7 +115,8 @@ std::vector<int> ids_before(const Predecessors& before, int node, const std::vec
   return ids;
 }
 
-void order_seamlessly(model::Transition& transition, const Index& index, Plan& plan, Nodes& nodes) {
+void order_seamlessly(model::Transition& transition, const Index& index, ChangeSet& plan,
+                      ActionNodes& nodes) {
   Constraints constraints = find_constraints(index, plan, nodes);
   if (plan.hands_over && drop_impossible_hand_overs(plan, nodes, constraints)) {
     nodes = make_nodes(index, plan);
@@ -128,30 +131,31 @@ void order_seamlessly(model::Transition& transition, const Index& index, Plan& p
     id_of[as_index(order[i])] = static_cast<int>(i) + 1;
   transition.actions.reserve(order.size());
   for (const int number : order) {
-    const Node& node = nodes.list[as_index(number)];
+    const ActionNode& node = nodes.list[as_index(number)];
     Action& action = add_action(transition, index, plan, node);
     action.phase = node.phase;
     action.after = ids_before(before, number, id_of);
   }
 }
 
-/// The paper's sequential execution: one after the other, the whole of it a commit.
-void order_as_paper(model::Transition& transition, const Index& index, const Plan& plan, const Nodes& nodes) {
+/// The paper's sequential execution: each action waits for the previous one, and all are in Commit.
+void order_as_paper(model::Transition& transition, const Index& index, const ChangeSet& plan,
+                    const ActionNodes& nodes) {
   transition.actions.reserve(nodes.list.size());
-  for (const Node& node : nodes.list) {
+  for (const ActionNode& node : nodes.list) {
     Action& action = add_action(transition, index, plan, node);
     if (action.id > 1) action.after.push_back(action.id - 1);
   }
 }
 
-void list_silent_changes(model::Transition& transition, const Index& index, const Plan& plan) {
+void list_silent_changes(model::Transition& transition, const Index& index, const ChangeSet& plan) {
   for (std::size_t i = 0; i < index.current_tasks; ++i) {
     if (plan.tasks[i].fate == TaskFate::Removed) {
       transition.removes.push_back(index.tasks[i].current().task->id);
     }
   }
   for (const int number : index.target_order) {
-    const TaskEntry& entry = index.task(number);
+    const IndexedTask& entry = index.task(number);
     if (plan.task(number).fate != TaskFate::Kept) continue;
     if (plan.task(number).steps.has(ActionKind::ApplyConfig)) continue;
     const model::Task& now = *entry.current().task;
@@ -169,7 +173,7 @@ Result<model::Transition> diff(const model::Network& current, const model::Netwo
   if (!index) return index.error();
   auto plan = make_plan(*index, options);
   if (!plan) return plan.error();
-  Nodes nodes = make_nodes(*index, *plan);
+  ActionNodes nodes = make_nodes(*index, *plan);
   model::Transition transition;
   transition.from = current.name;
   transition.to = target.name;

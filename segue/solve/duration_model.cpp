@@ -7,16 +7,16 @@ namespace segue::solve::detail {
 
 namespace {
 
-/// Nothing is shorter than this, in nanoseconds: what the clock and the hand-over add.
+/// Lower bound in nanoseconds: the overhead of the clock and of reporting.
 constexpr double kShortest = 1000;
-/// A robot that nothing was measured of: some 10 ms, give or take a factor of five.
+/// Prior without any measurement: about 10 ms, within a factor of five.
 constexpr double kGuess = 1e7;
 constexpr double kGuessScatter = 1.6;
-/// How far values of one source lie apart where that was never seen either, as a logarithm.
+/// Prior of the scatter within a source, as a logarithm.
 constexpr double kUsualScatter = 0.3;
-/// So many values of others count as much as a source's own.
+/// Weight of the scatter of other sources, as a number of values.
 constexpr double kTrustInOthers = 8;
-/// Fewer values than this do not tell how a kind scatters.
+/// The scatter of a kind needs at least this many values.
 constexpr std::size_t kEnough = 20;
 
 double logarithm(Duration duration) {
@@ -37,7 +37,7 @@ std::vector<double> logarithms(const model::DurationRecord& record) {
   return values;
 }
 
-/// Distances from the place; widened, since the place lies among so few values.
+/// Distances from the location, widened because the location is estimated from few values.
 std::vector<double> scatter_about(double place, std::vector<double> values) {
   const auto count = static_cast<double>(values.size());
   const double widening = count > 1 ? std::sqrt(count / (count - 1)) : 0;
@@ -70,7 +70,7 @@ void DurationModel::learn_scatter() {
   }
 }
 
-/// Empty where too little was measured.
+/// Empty if there are too few values.
 const std::vector<double>& DurationModel::common_scatter(model::ActionKind kind) const {
   const auto of_kind = scatter_of_kind_.find(kind);
   if (of_kind != scatter_of_kind_.end() && of_kind->second.size() >= kEnough) return of_kind->second;

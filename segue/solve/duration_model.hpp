@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-/// What measured durations tell about the next one.
+/// A statistical model of the durations of actions.
 namespace segue::solve::detail {
 
 /// Random numbers that are the same with every compiler (splitmix64).
@@ -38,22 +38,22 @@ class Dice {
   std::uint64_t state_;
 };
 
-/// Draws durations, in logarithms of nanoseconds inside: durations scatter by factors. Each source (what is
-/// measured together) has a place, which is the less certain the fewer values there are, and scatters about
-/// it as its own values do and, the fewer these are, as all of its kind do. A source without values has the
-/// place of any other of its kind, if possible on the same host, else of any other. Points into the times,
-/// which must outlive it.
+/// Draws random durations. Computes with logarithms of nanoseconds, since durations scatter by factors. Each
+/// source (durations measured under one key) has a location and a scatter about it. The fewer values a source
+/// has, the less certain is its location, and the more its scatter is that of all sources of its kind. A
+/// source without values takes the location of another one of its kind, if possible on the same host. Points
+/// into the times, which must outlive it.
 class DurationModel {
  public:
   explicit DurationModel(const model::ActionTimes& times);
 
-  /// The number of the source of a key.
+  /// The index of the source of a key.
   std::size_t source_of(const model::ActionKey& key);
   [[nodiscard]] bool is_measured(std::size_t source) const { return !sources_[source].scatter.empty(); }
-  /// The median that is expected, in nanoseconds.
+  /// The expected median in nanoseconds.
   [[nodiscard]] double typical(std::size_t source) const;
 
-  /// What is not known for certain takes on one of its possible values for all draws to come.
+  /// Draws one possible location for each source, which all draws of the trial use.
   void begin_trial(Dice& dice);
   double draw(std::size_t source, Dice& dice) const;
   double draw_wait(Dice& dice) const;
@@ -63,8 +63,8 @@ class DurationModel {
   struct Source {
     model::ActionKind kind;
     double place = 0;
-    std::vector<double> scatter;  ///< of its own values about the place; empty: never measured
-    std::vector<double> others;   ///< never measured: places that it may have
+    std::vector<double> scatter;  ///< of its values about the location; empty: never measured
+    std::vector<double> others;   ///< locations of similar sources, if it was never measured
     double place_now = 0;         ///< in this trial
   };
   void learn_scatter();

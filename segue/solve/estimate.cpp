@@ -21,14 +21,14 @@ using detail::DurationModel;
 constexpr std::size_t kPhases = 3;
 constexpr int kNobody = -1;
 constexpr auto kQuick = static_cast<double>(model::kQuickAction.count());  // in nanoseconds
-/// Of the trials, so many lie below a range and as many above.
+/// The fraction of trials below a range, and of those above it.
 constexpr double kOutside = 0.02;
-/// What the play leaves out (timers, the scheduler, others at work) moves what is measured by so much of it.
+/// Relative error that the simulation leaves out: timers, the scheduler, other load.
 constexpr double kUnmodelled = 0.03;
 constexpr std::size_t kMostSteps = 400'000;
 constexpr std::size_t kFewestTrials = 64;
 
-/// When each action of one execution began and ended, in nanoseconds, and whom it waited for.
+/// Begin and end of each action of one trial in nanoseconds, and the action that it waited for.
 struct Run {
   struct Times {
     double begin = 0;
@@ -38,10 +38,10 @@ struct Run {
   std::vector<Times> actions;
   std::array<double, kPhases> phase{};
   double total = 0;
-  int last = kNobody;  ///< whose end is the total
+  int last = kNobody;  ///< the action that ended last
 };
 
-/// A transition as numbers, to be played again and again.
+/// A transition as indices, for many trials.
 class Player {
  public:
   Player(const model::Transition& transition, const std::vector<ActionSite>& sites) {
@@ -62,7 +62,7 @@ class Player {
     lanes_ = lanes.size();
   }
 
-  /// `duration` and `wait` are asked once for each action.
+  /// Simulates one execution. Calls `duration` and `wait` once for each action.
   template <class GetDuration, class GetWait>
   Run play(GetDuration duration, GetWait wait) const {
     Run run;
@@ -75,11 +75,11 @@ class Player {
  private:
   struct Step {
     std::size_t lane = 0;
-    int before = 0;          ///< how many of its phase come before it
-    std::vector<int> after;  ///< of its phase
+    int before = 0;          ///< number of predecessors in its phase
+    std::vector<int> after;  ///< successors in its phase
   };
 
-  /// Edges between phases say nothing that the order of the phases does not.
+  /// Skips edges between phases, which the order of the phases implies.
   void add_edge(const std::unordered_map<int, int>& positions, int id, int position, model::Phase phase,
                 const model::Transition& transition) {
     const auto found = positions.find(id);
@@ -123,7 +123,7 @@ class Player {
     run.phase.at(phase) = in_phase_.at(phase).empty() ? 0 : run.total - begin;
   }
 
-  /// Those after it come when the last before them has ended, which need not be the last that was popped.
+  /// A successor is ready at the latest end of its predecessors, which need not be the one popped last.
   template <class Queue, class GetWait>
   void release(int position, Run& run, Queue& ready, std::vector<int>& waits_for, GetWait& wait) const {
     for (const int next : steps_[static_cast<std::size_t>(position)].after) {

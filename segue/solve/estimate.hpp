@@ -12,18 +12,19 @@
 namespace segue::solve {
 
 struct EstimateOptions {
-  int trials = 200;  ///< fewer where a transition has very many actions
+  int trials = 200;  ///< fewer for transitions with very many actions
   std::uint64_t seed = 1;
 };
 
-/// How long a transition will take. Nine of ten measured values should lie within their range.
+/// Predicted durations of a transition. Nine of ten measured values should lie within their range.
 struct Estimate {
   model::DurationRange total;  ///< from the begin of its execution to the end of its last action
   std::array<model::DurationRange, 3> phase;  ///< by model::Phase: from its first action's begin to its end
   /// Ids of the actions that typically decide the total, each waiting for the one before, in order.
   std::vector<int> critical_path;
   std::vector<Duration> typical;  ///< of each action, in the order of the list
-  /// Actions whose like was never measured: guessed from the same kind of action of others.
+  /// Number of actions without measured durations: estimated from actions of the same kind of other
+  /// components.
   int never_measured = 0;
 
   [[nodiscard]] const model::DurationRange& of(model::Phase which) const {
@@ -32,9 +33,9 @@ struct Estimate {
   friend bool operator==(const Estimate&, const Estimate&) = default;
 };
 
-/// Plays the execution of a transition from `current` many times, with durations drawn from `times`: phases
-/// come one after the other; within a phase whatever is ready runs side by side, but for quick actions of one
-/// process, which follow each other. Pure: the same arguments give the same estimate.
+/// Simulates the execution of a transition from `current` many times, with durations drawn from `times`.
+/// Phases are sequential; within a phase all ready actions run concurrently, except quick actions of one
+/// process, which are sequential. Pure: equal arguments give equal estimates.
 Estimate estimate(const model::Network& current, const model::Transition& transition,
                   const model::ActionTimes& times, const EstimateOptions& options = {});
 

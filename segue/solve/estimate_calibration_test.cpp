@@ -10,7 +10,7 @@
 #include <cmath>
 #include <random>
 
-/// A robot that exists only here, whose components take random times: whether what is estimated comes true.
+/// Compares estimates with simulated executions on a robot whose components take random times.
 namespace segue::solve {
 namespace {
 
@@ -31,12 +31,12 @@ class Robot {
     }
   }
 
-  /// Some of twenty tasks, in some of four processes or none, connected at random.
+  /// A random network: some of twenty tasks in up to four processes, connected at random.
   model::Network network() {
-    model::Network made;
+    model::Network created;
     for (int i = 0; i < 4; ++i) {
-      made.deployments.emplace_back();
-      made.deployments.back().process = model::ProcessName("p" + std::to_string(i));
+      created.deployments.emplace_back();
+      created.deployments.back().process = model::ProcessName("p" + std::to_string(i));
     }
     for (int i = 0; i < 20; ++i) {
       if (chance(0.4)) continue;
@@ -44,23 +44,26 @@ class Robot {
       task.id = model::TaskId("t" + std::to_string(i));
       task.component = model::ComponentName("demo::C" + std::to_string(i % kComponents));
       if (chance(0.3)) task.properties.as_map().set("speed", below(3));
-      if (i < 16) made.deployments[static_cast<std::size_t>(i % 4)].tasks.push_back({task.id, task.id.str()});
-      made.tasks.push_back(std::move(task));
+      if (i < 16)
+        created.deployments[static_cast<std::size_t>(i % 4)].tasks.push_back({task.id, task.id.str()});
+      created.tasks.push_back(std::move(task));
     }
-    std::erase_if(made.deployments, [](const auto& process) { return process.tasks.empty(); });
-    for (int i = 0; i < 15 && made.tasks.size() > 1; ++i) {
-      const auto& from = made.tasks[static_cast<std::size_t>(below(static_cast<int>(made.tasks.size())))];
-      const auto& to = made.tasks[static_cast<std::size_t>(below(static_cast<int>(made.tasks.size())))];
-      const model::Connection wire{{from.id, "out"}, {to.id, "in"}, {}, {}};
-      const auto& wires = made.connections;
-      if (from.id != to.id && std::find(wires.begin(), wires.end(), wire) == wires.end())
-        made.connections.push_back(wire);
+    std::erase_if(created.deployments, [](const auto& process) { return process.tasks.empty(); });
+    for (int i = 0; i < 15 && created.tasks.size() > 1; ++i) {
+      const auto& from =
+          created.tasks[static_cast<std::size_t>(below(static_cast<int>(created.tasks.size())))];
+      const auto& to = created.tasks[static_cast<std::size_t>(below(static_cast<int>(created.tasks.size())))];
+      const model::Connection connection{{from.id, "out"}, {to.id, "in"}, {}, {}};
+      const auto& connections = created.connections;
+      if (from.id != to.id &&
+          std::find(connections.begin(), connections.end(), connection) == connections.end())
+        created.connections.push_back(connection);
     }
-    return made;
+    return created;
   }
 
-  /// Carries it out, as a runtime would tell of it: whoever is ready begins a little later, the three phases
-  /// one after the other.
+  /// Simulates an execution and its journal entry: a ready action begins after a short delay, and the three
+  /// phases are sequential.
   journal::TransitionEntry execute(const model::Transition& transition,
                                    const std::vector<ActionSite>& sites) {
     journal::TransitionEntry entry;
@@ -105,7 +108,7 @@ class Robot {
   bool chance(double probability) { return std::bernoulli_distribution(probability)(random_); }
   int below(int count) { return std::uniform_int_distribution<>(0, count - 1)(random_); }
 
-  /// Decades apart: from devices that take seconds to what is done at once.
+  /// From devices that take seconds to actions that take microseconds.
   double usual_duration(ActionKind kind) {
     const auto between = [&](double low, double high) {
       return std::exp(std::uniform_real_distribution<>(std::log(low), std::log(high))(random_));
@@ -123,7 +126,7 @@ class Robot {
     }
   }
 
-  /// One in fifty takes much longer.
+  /// One in fifty actions takes much longer.
   double duration_of(const model::ActionKey& key) {
     const std::size_t number = std::hash<std::string>{}(key.component) % kComponents;
     const int component =
@@ -139,14 +142,14 @@ class Robot {
 };
 
 void learn(model::ActionTimes& times, const journal::TransitionEntry& entry) {
-  const journal::Lesson lesson = journal::lesson_of(entry);
-  for (const auto& [key, duration] : lesson.actions)
+  const journal::DurationSamples samples = journal::duration_samples(entry);
+  for (const auto& [key, duration] : samples.actions)
     times.actions[key].add(duration);
-  for (const Duration wait : lesson.waits)
+  for (const Duration wait : samples.waits)
     times.waits.add(wait);
 }
 
-/// What comes true of estimates of one robot's transitions.
+/// The accuracy of the estimates of one robot's transitions.
 struct Score {
   int asked = 0;
   int total_within = 0;
@@ -190,7 +193,7 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : values[values.size() / 2];
 }
 
-TEST(EstimateCalibration, AfterTenTransitionsNineOfTenUnseenOnesLieWithinTheirRange) {
+TEST(EstimateCalibration, AfterTenTransitionsNineOfTenNewOnesLieWithinTheirRange) {
   Score score;
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
     score_robot(seed, score);
@@ -201,7 +204,7 @@ TEST(EstimateCalibration, AfterTenTransitionsNineOfTenUnseenOnesLieWithinTheirRa
               median(score.total_width), median(score.commit_width));
   EXPECT_GE(score.total_within, 0.9 * asked);
   EXPECT_GE(score.commit_within, 0.9 * asked);
-  // A range that allows everything would be right as well.
+  // Very wide ranges would always be right, so the width is checked as well.
   EXPECT_LE(median(score.total_width), 4);
   EXPECT_LE(median(score.commit_width), 4);
 }

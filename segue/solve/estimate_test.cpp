@@ -19,13 +19,13 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 model::Action action(int id, ActionKind kind, const char* task, Phase phase, std::vector<int> after = {}) {
-  model::Action made;
-  made.id = id;
-  made.kind = kind;
-  made.what = model::TaskAction{TaskId(task)};
-  made.phase = phase;
-  made.after = std::move(after);
-  return made;
+  model::Action created;
+  created.id = id;
+  created.kind = kind;
+  created.what = model::TaskAction{TaskId(task)};
+  created.phase = phase;
+  created.after = std::move(after);
+  return created;
 }
 
 /// Tasks a, b and c, each of a component of its own, in processes pa, pb and pc.
@@ -74,13 +74,13 @@ model::Transition six_actions() {
 
 void expect_near(const model::DurationRange& range, Duration expected) {
   EXPECT_NEAR(static_cast<double>(range.typical.count()), static_cast<double>(expected.count()), 1e6);
-  // A range of what never varied is what is left out of the play.
+  // The range of constant durations is the error that the simulation leaves out.
   const double slack = 1e6 + 0.04 * static_cast<double>(expected.count());
   EXPECT_NEAR(static_cast<double>(range.low.count()), static_cast<double>(expected.count()), slack);
   EXPECT_NEAR(static_cast<double>(range.high.count()), static_cast<double>(expected.count()), slack);
 }
 
-TEST(Estimate, PlaysPhasesOneAfterTheOtherAndActionsSideBySide) {
+TEST(Estimate, RunsPhasesSequentiallyAndActionsConcurrently) {
   const Estimate found = estimate(three_tasks(), six_actions(), three_measured());
   expect_near(found.of(Phase::Prepare), 100ms);
   expect_near(found.of(Phase::Commit), 50ms);
@@ -90,20 +90,20 @@ TEST(Estimate, PlaysPhasesOneAfterTheOtherAndActionsSideBySide) {
   EXPECT_THAT(found.critical_path, ElementsAre(1, 5, 6));
 }
 
-TEST(Estimate, OfNothingIsNothing) {
+TEST(Estimate, OfAnEmptyTransitionIsZero) {
   const Estimate found = estimate({}, {}, {});
   EXPECT_EQ(found.total, model::DurationRange{});
   EXPECT_THAT(found.critical_path, IsEmpty());
 }
 
-TEST(Estimate, AddsWhatActionsUsuallyWait) {
+TEST(Estimate, AddsUsualWaits) {
   ActionTimes times = three_measured();
   for (int i = 0; i < 30; ++i)
     times.waits.add(5ms);
   expect_near(estimate(three_tasks(), six_actions(), times).total, 165ms);
 }
 
-TEST(Estimate, LetsQuickActionsOfAProcessFollowEachOther) {
+TEST(Estimate, RunsQuickActionsOfAProcessSequentially) {
   ActionTimes times;
   measure(times, "demo::a", ActionKind::Configure, 100us);
   model::Transition transition;
@@ -112,7 +112,7 @@ TEST(Estimate, LetsQuickActionsOfAProcessFollowEachOther) {
   expect_near(estimate(three_tasks(), transition, times).total, 10ms);
 }
 
-TEST(Estimate, IsTheSameForTheSame) {
+TEST(Estimate, IsDeterministic) {
   ActionTimes times = three_measured();
   measure(times, "demo::a", ActionKind::Configure, 300ms, 5);
   const auto once = estimate(three_tasks(), six_actions(), times);
@@ -120,7 +120,7 @@ TEST(Estimate, IsTheSameForTheSame) {
   EXPECT_LT(once.total.low, once.total.high);
 }
 
-TEST(Estimate, GuessesWhatWasNeverMeasuredFromOthersOfItsKind) {
+TEST(Estimate, EstimatesUnmeasuredActionsFromOthersOfTheirKind) {
   ActionTimes times = three_measured();
   times.actions.erase({"demo::a", ActionKind::Configure, model::kLocalHost});
   const auto found = estimate(three_tasks(), six_actions(), times);
@@ -142,13 +142,13 @@ TEST(Estimate, PrefersOthersOnTheSameHost) {
   EXPECT_GT(estimate(three_tasks(), transition, times).total.low, 1s);
 }
 
-TEST(Estimate, KnowsNothingWhereNothingWasMeasured) {
+TEST(Estimate, IsWideWithoutMeasurements) {
   const auto found = estimate(three_tasks(), six_actions(), {});
   EXPECT_EQ(found.never_measured, 6);
   EXPECT_GT(found.total.high, 4 * found.total.low);
 }
 
-TEST(Estimate, TheMoreWasMeasuredTheNarrowerIsTheRange) {
+TEST(Estimate, TheRangeNarrowsWithMoreMeasurements) {
   const auto width = [](int count) {
     ActionTimes times;
     for (int i = 0; i < count; ++i) {
@@ -163,7 +163,7 @@ TEST(Estimate, TheMoreWasMeasuredTheNarrowerIsTheRange) {
   EXPECT_GT(width(1), width(10));
 }
 
-TEST(ActionSites, TellOldAndNewIncarnationsApart) {
+TEST(ActionSites, DistinguishOldAndNewIncarnations) {
   model::Network current = three_tasks();
   model::Network target = three_tasks();
   target.deployments[0].process = model::ProcessName("elsewhere");

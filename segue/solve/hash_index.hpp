@@ -16,8 +16,8 @@ inline std::size_t as_index(int number) {
   return static_cast<std::size_t>(number);
 }
 
-/// Numbers found by a hash; whoever asks compares what the numbers stand for. Open addressing in one block of
-/// memory: the solver looks up every name of two networks, and this is most of its work.
+/// Finds numbers by hash; the caller compares the objects that they stand for. Uses open addressing in one
+/// block of memory, because looking up every name of two networks is most of the solver's work.
 class HashIndex {
  public:
   explicit HashIndex(std::size_t expected) {
@@ -27,7 +27,7 @@ class HashIndex {
     slots_.resize(size);
   }
 
-  /// The number of this hash for which `equal(number)`, or kNone.
+  /// The number with this hash for which `equal(number)` is true, or kNone.
   template <class Equal>
   [[nodiscard]] int find(std::size_t hash, const Equal& equal) const {
     const auto tag = static_cast<std::uint32_t>(hash);
@@ -37,7 +37,7 @@ class HashIndex {
     return kNone;
   }
 
-  /// Every number that may be of this hash; `visit(number)` sees others, too.
+  /// Visits every number that may have this hash, and possibly others.
   template <class Visit>
   void each(std::size_t hash, const Visit& visit) const {
     (void)find(hash, [&](int number) {
@@ -46,7 +46,7 @@ class HashIndex {
     });
   }
 
-  /// Adds a number whose meaning is not there yet.
+  /// Adds a number; there must be no equal one yet.
   void insert(std::size_t hash, int number) {
     if ((count_ + 1) * 2 > slots_.size()) grow();
     put({static_cast<std::uint32_t>(hash), number});
@@ -83,7 +83,7 @@ class HashIndex {
   std::size_t count_ = 0;
 };
 
-/// Names to numbers from 0, in the order of their first use. The texts must outlive it.
+/// Maps names to numbers from 0, in the order of their first use. The texts must outlive it.
 class Interner {
  public:
   explicit Interner(std::size_t expected) : index_(expected) { names_.reserve(expected); }

@@ -16,15 +16,15 @@ std::string of(Side side) {
   return " of the " + std::string(side_name(side));
 }
 
-std::size_t hash_of_ends(const Wire& wire) {
+std::size_t hash_of_ends(const IndexedConnection& connection) {
   const std::hash<std::string> hash;
-  const std::size_t tasks = model::combine_hashes(as_index(wire.from), as_index(wire.to));
+  const std::size_t tasks = model::combine_hashes(as_index(connection.from), as_index(connection.to));
   const std::size_t ports =
-      model::combine_hashes(hash(wire.connection->from.port), hash(wire.connection->to.port));
+      model::combine_hashes(hash(connection.connection->from.port), hash(connection.connection->to.port));
   return model::combine_hashes(tasks * 0x9e3779b97f4a7c15ULL, ports);
 }
 
-bool same_ends(const Wire& a, const Wire& b) {
+bool same_ends(const IndexedConnection& a, const IndexedConnection& b) {
   return a.from == b.from && a.to == b.to && a.connection->from.port == b.connection->from.port &&
          a.connection->to.port == b.connection->to.port;
 }
@@ -46,7 +46,7 @@ class Builder {
     for (const Side side : {kCurrent, kTarget}) {
       if (auto done = add_tasks(side); !done) return done.error();
       if (auto done = add_deployments(side); !done) return done.error();
-      if (auto done = add_wires(side); !done) return done.error();
+      if (auto done = add_connections(side); !done) return done.error();
     }
     if (auto done = check_places(); !done) return done.error();
     index_.ids = std::move(ids_);
@@ -72,7 +72,7 @@ class Builder {
     }
     const int number = ids_.intern(task.id.str());
     if (as_index(number) == index_.tasks.size()) index_.tasks.emplace_back();
-    Incarnation& incarnation = index_.tasks[as_index(number)].on[side];
+    TaskIncarnation& incarnation = index_.tasks[as_index(number)].on[side];
     if (incarnation.task != nullptr) {
       return fail(ErrorCode::InvalidArgument,
                   "the " + std::string(side_name(side)) + " has two tasks " + quote(task.id.str()) +
@@ -87,7 +87,7 @@ class Builder {
     return {};
   }
 
-  /// An error that is there already may stay.
+  /// An error is allowed as target state if the task is in it already.
   [[nodiscard]] bool is_so_now(const model::Task& task) const {
     const int number = ids_.find(task.id.str());
     if (number == kNone) return false;
@@ -127,7 +127,7 @@ class Builder {
   int process_number(const model::Deployment& deployment) {
     const std::size_t hash = std::hash<model::DeploymentKey>{}(deployment.key());
     const int known = processes_.find(hash, [&](int number) {
-      const ProcessEntry& entry = index_.processes[as_index(number)];
+      const IndexedProcess& entry = index_.processes[as_index(number)];
       const model::Deployment& other = entry.on[kCurrent] ? *entry.on[kCurrent] : *entry.on[kTarget];
       return other.process == deployment.process && other.host == deployment.host;
     });
@@ -138,11 +138,11 @@ class Builder {
     return number;
   }
 
-  /// Deployments may name tasks that the network lacks: such placements are empty.
+  /// Deployments may name tasks that the network lacks; these placements are empty.
   Result<> place(Side side, int process, const model::Placement& placement, const SourceLocation& where) {
     const int number = ids_.find(placement.task.str());
     if (number == kNone) return {};
-    Incarnation& incarnation = index_.tasks[as_index(number)].on[side];
+    TaskIncarnation& incarnation = index_.tasks[as_index(number)].on[side];
     if (incarnation.task == nullptr) return {};
     if (incarnation.process != kRuntime) {
       return fail(ErrorCode::InvalidArgument,
@@ -157,12 +157,12 @@ class Builder {
     return {};
   }
 
-  /// Ids are unique, so two tasks can only meet in a place where names inside processes differ from ids.
+  /// Ids are unique, so two tasks can only have the same placement if names inside processes differ from ids.
   Result<> check_places() const {
     if (!index_.tasks_renamed) return {};
     const OccupantIndex occupants(index_, kTarget);
     for (const int number : index_.target_order) {
-      const Incarnation& task = index_.task(number).target();
+      const TaskIncarnation& task = index_.task(number).target();
       const int first = occupants.find(task.process, task.name);
       if (first == number) continue;
       return fail(ErrorCode::InvalidArgument,
@@ -174,26 +174,26 @@ class Builder {
     return {};
   }
 
-  Result<> add_wires(Side side) {
-    index_.wires[side].reserve(networks_[side]->connections.size());
+  Result<> add_connections(Side side) {
+    index_.connections[side].reserve(networks_[side]->connections.size());
     for (const model::Connection& connection : networks_[side]->connections) {
-      if (auto done = add_wire(side, connection); !done) return done;
+      if (auto done = add_connection(side, connection); !done) return done;
     }
     return {};
   }
 
-  Result<> add_wire(Side side, const model::Connection& connection) {
-    Wire wire{&connection, end(side, connection.from), end(side, connection.to)};
-    if (wire.from == kNone || wire.to == kNone) return unknown_end(side, wire);
-    const Incarnation& from = index_.tasks[as_index(wire.from)].on[side];
-    const Incarnation& to = index_.tasks[as_index(wire.to)].on[side];
-    wire.from_dynamic = is_dynamic(from.component, connection.from.port, model::Direction::Output);
-    wire.to_dynamic = is_dynamic(to.component, connection.to.port, model::Direction::Input);
+  Result<> add_connection(Side side, const model::Connection& definition) {
+    IndexedConnection connection{&definition, end(side, definition.from), end(side, definition.to)};
+    if (connection.from == kNone || connection.to == kNone) return unknown_end(side, connection);
+    const TaskIncarnation& from = index_.tasks[as_index(connection.from)].on[side];
+    const TaskIncarnation& to = index_.tasks[as_index(connection.to)].on[side];
+    connection.from_dynamic = is_dynamic(from.component, definition.from.port, model::Direction::Output);
+    connection.to_dynamic = is_dynamic(to.component, definition.to.port, model::Direction::Input);
     if (side == kTarget) {
-      if (wire.from_dynamic && !is_configured(from)) return no_port(connection, connection.from);
-      if (wire.to_dynamic && !is_configured(to)) return no_port(connection, connection.to);
+      if (connection.from_dynamic && !is_configured(from)) return no_port(definition, definition.from);
+      if (connection.to_dynamic && !is_configured(to)) return no_port(definition, definition.to);
     }
-    return match(side, wire);
+    return match(side, connection);
   }
 
   [[nodiscard]] int end(Side side, const model::PortRef& ref) const {
@@ -201,39 +201,39 @@ class Builder {
     return number != kNone && index_.tasks[as_index(number)].on[side].task != nullptr ? number : kNone;
   }
 
-  /// Wires are numbered through: those of the current network first.
-  Result<> match(Side side, Wire& wire) {
-    std::vector<Wire>& current = index_.wires[kCurrent];
-    std::vector<Wire>& own = index_.wires[side];
-    const std::size_t hash = hash_of_ends(wire);
-    const int found = ends_.find(hash, [&](int number) { return same_ends(numbered(number), wire); });
+  /// Connections are numbered through: those of the current network first.
+  Result<> match(Side side, IndexedConnection& connection) {
+    std::vector<IndexedConnection>& current = index_.connections[kCurrent];
+    std::vector<IndexedConnection>& own = index_.connections[side];
+    const std::size_t hash = hash_of_ends(connection);
+    const int found = ends_.find(hash, [&](int number) { return same_ends(numbered(number), connection); });
     const bool is_current = found != kNone && as_index(found) < current.size();
     if (found != kNone && (side == kCurrent || !is_current || current[as_index(found)].partner != kNone)) {
       return fail(ErrorCode::InvalidArgument,
                   "two connections" + of(side) + " join the same ports, one is " +
-                      quote(to_string(*wire.connection)) + "; keep one of them",
-                  to_string(*wire.connection), wire.connection->where);
+                      quote(to_string(*connection.connection)) + "; keep one of them",
+                  to_string(*connection.connection), connection.connection->where);
     }
     if (found == kNone) {
       const std::size_t before = side == kTarget ? current.size() : 0;
       ends_.insert(hash, static_cast<int>(before + own.size()));
     } else {
-      wire.partner = found;
+      connection.partner = found;
       current[as_index(found)].partner = static_cast<int>(own.size());
     }
-    own.push_back(wire);
+    own.push_back(connection);
     return {};
   }
 
-  [[nodiscard]] const Wire& numbered(int number) const {
-    const std::vector<Wire>& current = index_.wires[kCurrent];
+  [[nodiscard]] const IndexedConnection& numbered(int number) const {
+    const std::vector<IndexedConnection>& current = index_.connections[kCurrent];
     if (as_index(number) < current.size()) return current[as_index(number)];
-    return index_.wires[kTarget][as_index(number) - current.size()];
+    return index_.connections[kTarget][as_index(number) - current.size()];
   }
 
-  static Result<> unknown_end(Side side, const Wire& wire) {
-    const model::Connection& connection = *wire.connection;
-    const model::TaskId& missing = wire.from == kNone ? connection.from.task : connection.to.task;
+  static Result<> unknown_end(Side side, const IndexedConnection& indexed) {
+    const model::Connection& connection = *indexed.connection;
+    const model::TaskId& missing = indexed.from == kNone ? connection.from.task : connection.to.task;
     return fail(ErrorCode::InvalidArgument,
                 "connection " + quote(to_string(connection)) + of(side) + " names task " +
                     quote(missing.str()) + ", which is not there; add the task or remove the connection",
@@ -258,21 +258,21 @@ class Builder {
 
 }  // namespace
 
-bool is_configured(const Incarnation& incarnation) {
+bool is_configured(const TaskIncarnation& incarnation) {
   return segue::is_configured(incarnation.task->state);
 }
 
 OccupantIndex::OccupantIndex(const Index& index, Side side)
     : index_(index), side_(side), occupants_(index.tasks.size()) {
   for (std::size_t i = 0; i < index.tasks.size(); ++i) {
-    const Incarnation& task = index.tasks[i].on[side];
+    const TaskIncarnation& task = index.tasks[i].on[side];
     if (task.task != nullptr) occupants_.insert(hash(task.process, task.name), static_cast<int>(i));
   }
 }
 
 int OccupantIndex::find(int process, std::string_view name) const {
   return occupants_.find(hash(process, name), [&](int number) {
-    const Incarnation& task = index_.task(number).on[side_];
+    const TaskIncarnation& task = index_.task(number).on[side_];
     return task.process == process && task.name == name;
   });
 }

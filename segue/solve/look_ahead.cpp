@@ -15,9 +15,10 @@ namespace {
 
 using namespace detail;
 
-class Warmer {
+class StandbyBuilder {
  public:
-  Warmer(const model::Network& running, const model::Network& wanted, const model::ComponentCatalog& catalog)
+  StandbyBuilder(const model::Network& running, const model::Network& wanted,
+                 const model::ComponentCatalog& catalog)
       : running_(running),
         wanted_(wanted),
         result_(running),
@@ -25,7 +26,7 @@ class Warmer {
         placements_(running),
         wanted_placements_(wanted) {}
 
-  model::Network warm() {
+  model::Network build() {
     hold_devices();
     add_processes();
     find_full_processes();
@@ -37,7 +38,8 @@ class Warmer {
   }
 
  private:
-  /// A task in Fatal may hold its devices until its process is gone, which no new task shall live in.
+  /// Collects the held devices. A task in Fatal may hold its devices until its process has ended, and no new
+  /// task is placed in that process.
   void hold_devices() {
     for (const model::Task& task : running_.tasks) {
       if (task.state == TaskState::Fatal) others_.insert(placements_.place_of(task.id).process);
@@ -65,7 +67,7 @@ class Warmer {
     }
   }
 
-  /// Processes that hold the tasks they were built with go when another component is wanted there.
+  /// Processes with a fixed set of tasks are replaced if another component is wanted there.
   void find_full_processes() {
     for (const model::Task& task : wanted_.tasks) {
       const Place place = wanted_placements_.place_of(task.id);
@@ -82,18 +84,18 @@ class Warmer {
     const bool can_be =
         !placements_.has_task(task.id) && !others_.contains(place.process) && !placements_.is_taken(place);
     if (!can_be) return;
-    model::Task made = task;
-    made.state =
+    model::Task created = task;
+    created.state =
         is_configured(task.state) && take_devices(task) ? TaskState::Stopped : TaskState::PreOperational;
     forget_empty_placement(task.id);
     if (!place.process.is_runtime()) {
       result_.deployments[processes_.at(place.process)].tasks.push_back({task.id, place.name});
     }
-    made_.emplace(task.id.str(), made.state);
-    result_.tasks.push_back(std::move(made));
+    created_.emplace(task.id.str(), created.state);
+    result_.tasks.push_back(std::move(created));
   }
 
-  /// Deployments may name tasks that their network lacks.
+  /// Removes a placement without a task: deployments may name tasks that their network lacks.
   void forget_empty_placement(const model::TaskId& id) {
     const auto process = processes_.find(placements_.place_of(id).process);
     if (process == processes_.end()) return;
@@ -101,7 +103,7 @@ class Warmer {
                   [&](const model::Placement& placement) { return placement.task == id; });
   }
 
-  /// All of them, or none where somebody has one.
+  /// Reserves all devices of the task, or none if one is held.
   bool take_devices(const model::Task& task) {
     std::vector<std::string> wanted = devices_of(task, wanted_placements_);
     for (const std::string& device : wanted) {
@@ -120,29 +122,30 @@ class Warmer {
   }
 
   bool has_port(const model::PortRef& port, model::Direction direction) {
-    const auto made = made_.find(port.task.str());
-    if (made == made_.end()) return false;
+    const auto created = created_.find(port.task.str());
+    if (created == created_.end()) return false;
     const model::Task& task = *wanted_placements_.task(port.task);
-    return is_configured(made->second) || !is_dynamic(components_.of(task.component), port.port, direction);
+    return is_configured(created->second) ||
+           !is_dynamic(components_.of(task.component), port.port, direction);
   }
 
   const model::Network& running_;
   const model::Network& wanted_;
-  model::Network result_;  ///< grows, so nothing may point into it
+  model::Network result_;  ///< grows, so there must be no pointers into it
   KnownComponents components_;
   PlacementIndex placements_;
   PlacementIndex wanted_placements_;
   std::unordered_set<std::string> held_;                             ///< devices
   std::unordered_map<model::DeploymentKey, std::size_t> processes_;  ///< of the result
-  std::unordered_set<model::DeploymentKey> others_;                  ///< that nothing can be made in
-  std::unordered_map<std::string_view, TaskState> made_;             ///< new tasks, by id
+  std::unordered_set<model::DeploymentKey> others_;                  ///< processes that cannot take new tasks
+  std::unordered_map<std::string_view, TaskState> created_;          ///< new tasks, by id
 };
 
 }  // namespace
 
-model::Network warmed(const model::Network& running, const model::Network& wanted,
-                      const model::ComponentCatalog& catalog) {
-  return Warmer(running, wanted, catalog).warm();
+model::Network with_standby(const model::Network& running, const model::Network& wanted,
+                            const model::ComponentCatalog& catalog) {
+  return StandbyBuilder(running, wanted, catalog).build();
 }
 
 }  // namespace segue::solve

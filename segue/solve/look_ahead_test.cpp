@@ -18,7 +18,7 @@ using model::Transition;
 using segue::testing::NetworkPair;
 using segue::testing::random_pair;
 
-/// What runs, in any state but in error (a robot in trouble does not look ahead); what is wanted.
+/// A running network without errors, since there is no look-ahead with errors, and the wanted one.
 NetworkPair quiet_pair(std::uint64_t seed) {
   segue::testing::PairShape shape;
   shape.errors = false;
@@ -33,8 +33,8 @@ Transition solved(const Network& from, const Network& to, const model::Component
 
 RC_GTEST_PROP(LookAhead, PreparesAndTouchesNothing, (std::uint64_t seed)) {
   const NetworkPair pair = quiet_pair(seed);
-  const Network warm = warmed(pair.current, pair.target, pair.catalog);
-  const Transition transition = solved(pair.current, warm, pair.catalog);
+  const Network standby = with_standby(pair.current, pair.target, pair.catalog);
+  const Transition transition = solved(pair.current, standby, pair.catalog);
   RC_ASSERT(transition.removes.empty());
   RC_ASSERT(transition.redefines.empty());
   for (const Action& action : transition.actions) {
@@ -47,15 +47,15 @@ RC_GTEST_PROP(LookAhead, PreparesAndTouchesNothing, (std::uint64_t seed)) {
   }
   const auto reached = predict(pair.current, transition, pair.catalog);
   if (!reached) RC_FAIL(to_string(reached.error()));
-  RC_ASSERT(model::equivalent(*reached, warm));
+  RC_ASSERT(model::equivalent(*reached, standby));
 }
 
-/// What the transition from the warmed network still has to make, and why it could not be there.
+/// Checks that the transition from the standby network creates only parts that could not be prepared.
 RC_GTEST_PROP(LookAhead, LeavesNothingThatCouldBePrepared, (std::uint64_t seed)) {
   const NetworkPair pair = quiet_pair(seed);
-  const Network warm = warmed(pair.current, pair.target, pair.catalog);
+  const Network standby = with_standby(pair.current, pair.target, pair.catalog);
   const Transition cold = solved(pair.current, pair.target, pair.catalog);
-  const Transition rest = solved(warm, pair.target, pair.catalog);
+  const Transition rest = solved(standby, pair.target, pair.catalog);
   const auto in_prepare = [](const Transition& transition) {
     std::multiset<std::string> labels;
     for (const Action& action : transition.actions) {
@@ -63,7 +63,7 @@ RC_GTEST_PROP(LookAhead, LeavesNothingThatCouldBePrepared, (std::uint64_t seed))
     }
     return labels;
   };
-  // What is ready can take over where what is yet to be configured could not.
+  // A prepared task can take over a state where one that is still to be configured could not.
   const auto count = [](const Transition& transition) {
     return transition.counts().total() - transition.counts().of(ActionKind::HandOver);
   };
@@ -71,11 +71,11 @@ RC_GTEST_PROP(LookAhead, LeavesNothingThatCouldBePrepared, (std::uint64_t seed))
   RC_ASSERT(count(rest) <= count(cold));
   for (const Action& action : rest.actions) {
     if (action.phase != model::Phase::Prepare) continue;
-    // Only for what moves from where it runs.
+    // Only for tasks that move from where they run.
     const auto stands = [&](const model::TaskId& task) { return pair.current.find_task(task) != nullptr; };
-    const auto* wire = std::get_if<model::ConnectionAction>(&action.what);
-    if (wire != nullptr) {
-      RC_ASSERT(stands(wire->connection.from.task) || stands(wire->connection.to.task));
+    const auto* connection = std::get_if<model::ConnectionAction>(&action.what);
+    if (connection != nullptr) {
+      RC_ASSERT(stands(connection->connection.from.task) || stands(connection->connection.to.task));
     } else {
       RC_ASSERT(action.kind != ActionKind::Deploy);
       RC_ASSERT(stands(*action.task()));
@@ -86,31 +86,31 @@ RC_GTEST_PROP(LookAhead, LeavesNothingThatCouldBePrepared, (std::uint64_t seed))
 
 RC_GTEST_PROP(LookAhead, LeavesWhatRunsAsItIs, (std::uint64_t seed)) {
   const NetworkPair pair = quiet_pair(seed);
-  Network warm = warmed(pair.current, pair.target, pair.catalog);
+  Network standby = with_standby(pair.current, pair.target, pair.catalog);
   const auto is_extra = [&](const model::TaskId& task) { return pair.current.find_task(task) == nullptr; };
-  std::erase_if(warm.tasks, [&](const model::Task& task) { return is_extra(task.id); });
-  std::erase_if(warm.connections, [&](const model::Connection& connection) {
+  std::erase_if(standby.tasks, [&](const model::Task& task) { return is_extra(task.id); });
+  std::erase_if(standby.connections, [&](const model::Connection& connection) {
     return is_extra(connection.from.task) || is_extra(connection.to.task);
   });
-  std::erase_if(warm.deployments, [&](const model::Deployment& process) {
+  std::erase_if(standby.deployments, [&](const model::Deployment& process) {
     return std::none_of(pair.current.deployments.begin(), pair.current.deployments.end(),
                         [&](const model::Deployment& other) { return other.key() == process.key(); });
   });
-  RC_ASSERT(model::equivalent(warm, pair.current));
-  RC_ASSERT(warm.name == pair.current.name);
+  RC_ASSERT(model::equivalent(standby, pair.current));
+  RC_ASSERT(standby.name == pair.current.name);
 }
 
 RC_GTEST_PROP(LookAhead, IsDoneOnce, (std::uint64_t seed)) {
   const NetworkPair pair = quiet_pair(seed);
-  const Network warm = warmed(pair.current, pair.target, pair.catalog);
-  RC_ASSERT(model::equivalent(warmed(warm, pair.target, pair.catalog), warm));
-  RC_ASSERT(model::equivalent(warmed(pair.target, pair.target, pair.catalog), pair.target));
+  const Network standby = with_standby(pair.current, pair.target, pair.catalog);
+  RC_ASSERT(model::equivalent(with_standby(standby, pair.target, pair.catalog), standby));
+  RC_ASSERT(model::equivalent(with_standby(pair.target, pair.target, pair.catalog), pair.target));
 }
 
 RC_GTEST_PROP(LookAhead, CanBeGivenUp, (std::uint64_t seed)) {
   const NetworkPair pair = quiet_pair(seed);
-  const Network warm = warmed(pair.current, pair.target, pair.catalog);
-  const Transition back = solved(warm, pair.current, pair.catalog);
+  const Network standby = with_standby(pair.current, pair.target, pair.catalog);
+  const Transition back = solved(standby, pair.current, pair.catalog);
   for (const Action& action : back.actions) {
     if (const model::TaskId* task = action.task()) RC_ASSERT(pair.current.find_task(*task) == nullptr);
   }

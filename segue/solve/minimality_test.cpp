@@ -10,11 +10,11 @@
 
 #include <cstdlib>
 
-/// "Minimal" as a fact: on small networks an exhaustive search finds nothing shorter, nor does it need more.
+/// On small networks an exhaustive search finds no shorter transition, and needs no longer one.
 namespace segue::solve {
 namespace {
 
-/// SEGUE_MINIMALITY_CASES asks for more than a run of all tests can afford.
+/// SEGUE_MINIMALITY_CASES sets a larger number of cases than a run of all tests can afford.
 int cases() {
   const char* wanted = std::getenv("SEGUE_MINIMALITY_CASES");
 #ifdef NDEBUG
@@ -37,7 +37,7 @@ void check(std::uint64_t seed, const segue::testing::PairShape& shape) {
   const auto found = diff(pair.current, pair.target, pair.catalog);
   ASSERT_TRUE(found) << to_string(found.error());
   segue::testing::ShortestTransition search(pair.current, pair.target, pair.catalog);
-  // The search knows states, not what tasks remember.
+  // The search does not model the internal state of tasks.
   const int needed = found->counts().total() - found->counts().of(model::ActionKind::HandOver);
   ASSERT_EQ(needed, search.length()) << "seed " << seed << "\n"
                                      << describe(*found) << "from\n"

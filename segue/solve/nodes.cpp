@@ -11,30 +11,30 @@ using model::ActionKind;
 
 class Lister {
  public:
-  Lister(const Index& index, const Plan& plan) : index_(index), plan_(plan) {
+  Lister(const Index& index, const ChangeSet& plan) : index_(index), plan_(plan) {
     std::array<int, 11> none;
     none.fill(kNone);
     nodes_.of_task.assign(index.tasks.size(), none);
     nodes_.undeploy.assign(index.processes.size(), kNone);
     nodes_.deploy.assign(index.processes.size(), kNone);
-    nodes_.disconnect.assign(index.wires[kCurrent].size(), kNone);
-    nodes_.connect.assign(index.wires[kTarget].size(), kNone);
+    nodes_.disconnect.assign(index.connections[kCurrent].size(), kNone);
+    nodes_.connect.assign(index.connections[kTarget].size(), kNone);
     current_order_.resize(index.current_tasks);
     std::iota(current_order_.begin(), current_order_.end(), 0);
   }
 
-  /// The kinds in their order; see ActionKind. What hangs is killed before anything else is asked of it.
-  Nodes list() {
+  /// The kinds in their order; see ActionKind. With `force`, processes are killed before all other actions.
+  ActionNodes list() {
     if (plan_.options.force) add_undeploys();
     add_tasks(ActionKind::Recover, current_order_);
     add_sequence(ActionKind::Stop, current_order_);
-    add_wires(ActionKind::Disconnect, plan_.disconnect, nodes_.disconnect);
+    add_connection(ActionKind::Disconnect, plan_.disconnect, nodes_.disconnect);
     add_tasks(ActionKind::Cleanup, current_order_);
     if (!plan_.options.force) add_undeploys();
     add_processes(ActionKind::Deploy, index_.process_order[kTarget], is_deployed, nodes_.deploy);
     add_tasks(ActionKind::ApplyConfig, index_.target_order);
     add_tasks(ActionKind::Configure, index_.target_order);
-    add_wires(ActionKind::Connect, plan_.connect, nodes_.connect);
+    add_connection(ActionKind::Connect, plan_.connect, nodes_.connect);
     add_tasks(ActionKind::HandOver, index_.target_order);
     add_sequence(ActionKind::Start, index_.target_order);
     return std::move(nodes_);
@@ -60,7 +60,7 @@ class Lister {
     }
   }
 
-  void add_wires(ActionKind kind, const std::vector<bool>& wanted, std::vector<int>& nodes) {
+  void add_connection(ActionKind kind, const std::vector<bool>& wanted, std::vector<int>& nodes) {
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       if (wanted[i]) nodes[i] = add(kind, static_cast<int>(i));
     }
@@ -81,23 +81,23 @@ class Lister {
       slot(task, kind) = static_cast<int>(members.size());
       members.push_back(task);
     }
-    const std::vector<Edge> flow = flow_between(kind);
-    const Sequence found = sequence(static_cast<int>(members.size()), flow);
+    const std::vector<OrderEdge> flow = flow_between(kind);
+    const GroupedOrder found = sequence(static_cast<int>(members.size()), flow);
     const int first = static_cast<int>(nodes_.list.size());
     for (const int member : found.nodes) {
       const int task = members[as_index(member)];
       slot(task, kind) = add(kind, task);
     }
     const auto node_of = [&](int member) { return slot(members[as_index(member)], kind); };
-    for (const Edge& edge : flow) {
+    for (const OrderEdge& edge : flow) {
       if (found.group_of[as_index(edge.before)] == found.group_of[as_index(edge.after)]) continue;
       nodes_.start_and_stop.push_back({node_of(edge.before), node_of(edge.after)});
     }
     chain_groups(found, first);
   }
 
-  /// Tasks that a cycle joins follow each other as declared.
-  void chain_groups(const Sequence& found, int first) {
+  /// Tasks in a cycle are ordered as declared.
+  void chain_groups(const GroupedOrder& found, int first) {
     for (std::size_t i = 1; i < found.nodes.size(); ++i) {
       const bool same_group =
           found.group_of[as_index(found.nodes[i])] == found.group_of[as_index(found.nodes[i - 1])];
@@ -106,28 +106,28 @@ class Lister {
     }
   }
 
-  /// The wires between members, whose numbers stand in their slots.
-  std::vector<Edge> flow_between(ActionKind kind) {
+  /// The connections between members, whose numbers stand in their slots.
+  std::vector<OrderEdge> flow_between(ActionKind kind) {
     const bool stop = kind == ActionKind::Stop;
-    std::vector<Edge> flow;
-    for (const Wire& wire : index_.wires[stop ? kCurrent : kTarget]) {
-      const int from = slot(wire.from, kind);
-      const int to = slot(wire.to, kind);
-      if (from == kNone || to == kNone || from == to || (stop && !exists(index_, wire))) continue;
-      flow.push_back(stop ? Edge{from, to} : Edge{to, from});
+    std::vector<OrderEdge> flow;
+    for (const IndexedConnection& connection : index_.connections[stop ? kCurrent : kTarget]) {
+      const int from = slot(connection.from, kind);
+      const int to = slot(connection.to, kind);
+      if (from == kNone || to == kNone || from == to || (stop && !exists(index_, connection))) continue;
+      flow.push_back(stop ? OrderEdge{from, to} : OrderEdge{to, from});
     }
     return flow;
   }
 
   const Index& index_;
-  const Plan& plan_;
+  const ChangeSet& plan_;
   std::vector<int> current_order_;
-  Nodes nodes_;
+  ActionNodes nodes_;
 };
 
 }  // namespace
 
-Nodes make_nodes(const Index& index, const Plan& plan) {
+ActionNodes make_nodes(const Index& index, const ChangeSet& plan) {
   return Lister(index, plan).list();
 }
 

@@ -8,13 +8,13 @@ namespace {
 using model::ActionKind;
 using model::Phase;
 
-/// The phase of an action as far as its own subject is concerned.
-class Wishes {
+/// The phase of an action, considering its subject only.
+class PhaseRule {
  public:
-  Wishes(const Plan& plan, const Index& index, const Constraints& constraints)
+  PhaseRule(const ChangeSet& plan, const Index& index, const Constraints& constraints)
       : plan_(plan), index_(index), constraints_(constraints) {}
 
-  [[nodiscard]] Phase of(const Node& node) const {
+  [[nodiscard]] Phase of(const ActionNode& node) const {
     switch (node.kind) {
       case ActionKind::Recover:
       case ActionKind::Cleanup:
@@ -46,37 +46,38 @@ class Wishes {
   }
 
   [[nodiscard]] bool joins_new(int number) const {
-    const Wire& wire = index_.wires[kTarget][as_index(number)];
-    return is_beside(wire.from) && is_beside(wire.to);
+    const IndexedConnection& connection = index_.connections[kTarget][as_index(number)];
+    return is_beside(connection.from) && is_beside(connection.to);
   }
 
-  /// Nobody reads from it any more once its reader is stopped; what a reader that stays has of an old writer
-  /// must be gone before the new one starts.
+  /// A connection to a removed reader is unused once that is stopped. A reader that stays must be
+  /// disconnected from the old writer before the new writer starts.
   [[nodiscard]] bool reader_goes(int number) const {
-    return has_old(plan_.task(index_.wires[kCurrent][as_index(number)].to).fate);
+    return has_old(plan_.task(index_.connections[kCurrent][as_index(number)].to).fate);
   }
 
-  const Plan& plan_;
+  const ChangeSet& plan_;
   const Index& index_;
   const Constraints& constraints_;
 };
 
 }  // namespace
 
-void assign_phases(Nodes& nodes, const Plan& plan, const Index& index, const Constraints& constraints,
-                   const Predecessors& before, const std::vector<int>& order) {
-  const Wishes wishes(plan, index, constraints);
-  std::vector<Node>& list = nodes.list;
-  // Nothing is prepared that waits for what is not.
+void assign_phases(ActionNodes& nodes, const ChangeSet& plan, const Index& index,
+                   const Constraints& constraints, const Predecessors& before,
+                   const std::vector<int>& order) {
+  const PhaseRule rule(plan, index, constraints);
+  std::vector<ActionNode>& list = nodes.list;
+  // An action that waits for one outside of Prepare cannot be in Prepare.
   for (const int i : order) {
     Phase& phase = list[as_index(i)].phase;
-    phase = wishes.of(list[as_index(i)]);
+    phase = rule.of(list[as_index(i)]);
     if (phase != Phase::Prepare) continue;
     for (const int* node = before.begin(i); node != before.end(i); ++node) {
       if (list[as_index(*node)].phase != Phase::Prepare) phase = Phase::Commit;
     }
   }
-  // Nothing is retired that something else waits for.
+  // An action that one outside of Retire waits for cannot be in Retire.
   for (auto i = order.rbegin(); i != order.rend(); ++i) {
     if (list[as_index(*i)].phase == Phase::Retire) continue;
     for (const int* node = before.begin(*i); node != before.end(*i); ++node) {

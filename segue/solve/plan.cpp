@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/solve/live.hpp>
+#include <segue/solve/component_facts.hpp>
 #include <segue/solve/plan.hpp>
 
 namespace segue::solve::detail {
@@ -9,7 +9,7 @@ namespace {
 
 using model::ActionKind;
 
-/// Down to pre-operational, from a state that a life cycle can leave.
+/// The steps from a state down to pre-operational.
 Steps steps_down(TaskState now) {
   switch (now) {
     case TaskState::Running:
@@ -26,14 +26,14 @@ Steps steps_down(TaskState now) {
   return {};
 }
 
-/// Up from pre-operational.
+/// The steps from pre-operational up to a state.
 Steps steps_up(TaskState target) {
   if (target == TaskState::Running) return {ActionKind::Configure, ActionKind::Start};
   if (target == TaskState::Stopped) return {ActionKind::Configure};
   return {};
 }
 
-/// Between two states without a new configuration.
+/// The steps between two states without reconfiguration.
 Steps steps_between(TaskState now, TaskState target) {
   if (now == target) return {};
   if (!is_configured(now) || !is_configured(target)) return steps_down(now) + steps_up(target);
@@ -41,7 +41,8 @@ Steps steps_between(TaskState now, TaskState target) {
   return now == TaskState::RunTimeError ? Steps{ActionKind::Recover} : Steps{ActionKind::Start};
 }
 
-/// The old incarnation's way out. A task in Exception needs no recovery if its process goes.
+/// The steps that remove the old incarnation. A task in Exception needs no recovery if its process is
+/// removed.
 Steps steps_of_old(TaskState now, bool process_stays) {
   if (now == TaskState::Exception && !process_stays) return {};
   return steps_down(now);
@@ -55,28 +56,28 @@ class Planner {
  public:
   Planner(const Index& index, const Options& options) : index_(index) { plan_.options = options; }
 
-  Result<Plan> plan() {
+  Result<ChangeSet> plan() {
     plan_processes();
     if (auto done = redeploy_fatal(); !done) return done.error();
     redeploy_full_processes();
     plan_.tasks.reserve(index_.tasks.size());
-    for (const TaskEntry& task : index_.tasks) {
+    for (const IndexedTask& task : index_.tasks) {
       plan_.tasks.push_back(plan_task(task));
       if (auto done = check_lasting_error(task); !done) return done.error();
     }
     if (plan_.options.order != model::Order::Paper) plan_hand_overs();
-    plan_wires();
+    plan_connection();
     return std::move(plan_);
   }
 
  private:
   void plan_processes() {
     plan_.processes.reserve(index_.processes.size());
-    for (const ProcessEntry& process : index_.processes)
+    for (const IndexedProcess& process : index_.processes)
       plan_.processes.push_back(fate_of(process));
   }
 
-  static ProcessFate fate_of(const ProcessEntry& process) {
+  static ProcessFate fate_of(const IndexedProcess& process) {
     const model::Deployment* now = process.current();
     const model::Deployment* then = process.target();
     if (now == nullptr) return then == nullptr ? ProcessFate::Kept : ProcessFate::Deployed;
@@ -89,10 +90,10 @@ class Planner {
     if (fate == ProcessFate::Kept) fate = ProcessFate::Redeployed;
   }
 
-  /// No action leads out of Fatal: only the process can go, wanted or not.
+  /// No action leads out of Fatal: the process has to be replaced or removed.
   Result<> redeploy_fatal() {
     for (std::size_t i = 0; i < index_.current_tasks; ++i) {
-      const Incarnation& task = index_.tasks[i].current();
+      const TaskIncarnation& task = index_.tasks[i].current();
       if (task.task->state != TaskState::Fatal || stays_fatal(index_.tasks[i])) continue;
       if (task.process == kRuntime) {
         return fail(
@@ -107,12 +108,12 @@ class Planner {
     return {};
   }
 
-  static bool stays_fatal(const TaskEntry& entry) {
+  static bool stays_fatal(const IndexedTask& entry) {
     return entry.target().task != nullptr && entry.target().task->state == TaskState::Fatal;
   }
 
-  /// Nothing can be done to a task whose error is to stay; the last one planned.
-  [[nodiscard]] Result<> check_lasting_error(const TaskEntry& entry) const {
+  /// A task whose error is to stay must not have any steps. Checked last.
+  [[nodiscard]] Result<> check_lasting_error(const IndexedTask& entry) const {
     if (entry.target().task == nullptr || !is_error(entry.target().task->state)) return {};
     const TaskPlan& plan = plan_.tasks.back();
     if (plan.fate == TaskFate::Kept && plan.steps.empty()) return {};
@@ -120,7 +121,7 @@ class Planner {
     return fail(ErrorCode::Unsupported,
                 "task " + quote(task.id.str()) + " is to stay in state " +
                     std::string(to_string(task.state)) +
-                    ", but has to be made or configured anew; ask for another state of it",
+                    ", but has to be created or configured again; ask for another state of it",
                 task.id.str(), task.where);
   }
 
@@ -131,7 +132,7 @@ class Planner {
       redeploy_by_place();
       return;
     }
-    for (const TaskEntry& task : index_.tasks) {
+    for (const IndexedTask& task : index_.tasks) {
       if (task.in_both()) redeploy_if_other(task.current(), task.target());
     }
   }
@@ -139,20 +140,20 @@ class Planner {
   void redeploy_by_place() {
     const OccupantIndex occupants(index_, kCurrent);
     for (const int number : index_.target_order) {
-      const Incarnation& task = index_.task(number).target();
+      const TaskIncarnation& task = index_.task(number).target();
       const int occupant = occupants.find(task.process, task.name);
       if (occupant != kNone) redeploy_if_other(index_.task(occupant).current(), task);
     }
   }
 
-  void redeploy_if_other(const Incarnation& now, const Incarnation& then) {
+  void redeploy_if_other(const TaskIncarnation& now, const TaskIncarnation& then) {
     if (now.process != then.process || now.process == kRuntime) return;
     if (now.task->component == then.task->component) return;
     const model::Deployment* deployment = index_.process(now.process).current();
     if (!holds_any_component(*deployment)) redeploy(now.process);
   }
 
-  [[nodiscard]] TaskPlan plan_task(const TaskEntry& entry) const {
+  [[nodiscard]] TaskPlan plan_task(const IndexedTask& entry) const {
     if (entry.target().task == nullptr) return {TaskFate::Removed, false, old_steps(entry)};
     const TaskState target = entry.target().task->state;
     if (entry.current().task == nullptr) return {TaskFate::Added, false, steps_of_new(target)};
@@ -168,20 +169,20 @@ class Planner {
     return {TaskFate::Kept, false, steps_down(now.state) + steps_of_new(target)};
   }
 
-  static bool can_apply_live(const TaskEntry& entry) {
+  static bool can_apply_live(const IndexedTask& entry) {
     return is_configured(entry.current()) && is_configured(entry.target()) &&
            differ_only_live(*entry.current().task, *entry.target().task, entry.target().component.model);
   }
 
-  [[nodiscard]] Steps old_steps(const TaskEntry& entry) const {
+  [[nodiscard]] Steps old_steps(const IndexedTask& entry) const {
     if (plan_.is_killed(entry.current().process)) return {};
     const bool stays = !is_undeployed(plan_.process(entry.current().process));
     return steps_of_old(entry.current().task->state, stays);
   }
 
-  [[nodiscard]] bool is_same_incarnation(const TaskEntry& entry) const {
-    const Incarnation& now = entry.current();
-    const Incarnation& then = entry.target();
+  [[nodiscard]] bool is_same_incarnation(const IndexedTask& entry) const {
+    const TaskIncarnation& now = entry.current();
+    const TaskIncarnation& then = entry.target();
     return now.process == then.process && !is_undeployed(plan_.process(now.process)) &&
            now.name == then.name && now.task->component == then.task->component;
   }
@@ -210,28 +211,28 @@ class Planner {
            (segue::is_configured(state) && plan_.task(from).steps.has(ActionKind::Stop));
   }
 
-  void plan_wires() {
-    const std::vector<Wire>& current = index_.wires[kCurrent];
-    const std::vector<Wire>& target = index_.wires[kTarget];
+  void plan_connection() {
+    const std::vector<IndexedConnection>& current = index_.connections[kCurrent];
+    const std::vector<IndexedConnection>& target = index_.connections[kTarget];
     plan_.disconnect.resize(current.size());
     plan_.connect.assign(target.size(), true);
     for (std::size_t i = 0; i < current.size(); ++i) {
-      const Wire& wire = current[i];
-      if (!exists(index_, wire)) continue;
-      const bool kept = stays(wire);
-      plan_.disconnect[i] = !kept && !is_killed(wire.from) && !is_killed(wire.to);
-      if (kept) plan_.connect[as_index(wire.partner)] = false;
+      const IndexedConnection& connection = current[i];
+      if (!exists(index_, connection)) continue;
+      const bool kept = stays(connection);
+      plan_.disconnect[i] = !kept && !is_killed(connection.from) && !is_killed(connection.to);
+      if (kept) plan_.connect[as_index(connection.partner)] = false;
     }
   }
 
-  [[nodiscard]] bool stays(const Wire& wire) const {
-    if (wire.partner == kNone) return false;
-    const Wire& partner = index_.wires[kTarget][as_index(wire.partner)];
-    return wire.connection->policy == partner.connection->policy && keeps(wire.from, wire.from_dynamic) &&
-           keeps(wire.to, wire.to_dynamic);
+  [[nodiscard]] bool stays(const IndexedConnection& connection) const {
+    if (connection.partner == kNone) return false;
+    const IndexedConnection& partner = index_.connections[kTarget][as_index(connection.partner)];
+    return connection.connection->policy == partner.connection->policy &&
+           keeps(connection.from, connection.from_dynamic) && keeps(connection.to, connection.to_dynamic);
   }
 
-  /// Whether the task goes with its process, and its wires with it.
+  /// Whether the task and its connections end with its process.
   [[nodiscard]] bool is_killed(int number) const {
     return plan_.is_killed(index_.task(number).current().process);
   }
@@ -243,21 +244,21 @@ class Planner {
   }
 
   const Index& index_;
-  Plan plan_;
+  ChangeSet plan_;
 };
 
 }  // namespace
 
-bool exists(const Index& index, const Wire& wire) {
-  return !(wire.from_dynamic && !is_configured(index.task(wire.from).current())) &&
-         !(wire.to_dynamic && !is_configured(index.task(wire.to).current()));
+bool exists(const Index& index, const IndexedConnection& connection) {
+  return !(connection.from_dynamic && !is_configured(index.task(connection.from).current())) &&
+         !(connection.to_dynamic && !is_configured(index.task(connection.to).current()));
 }
 
 bool holds_any_component(const model::Deployment& deployment) {
   return deployment.deployer == "segue";
 }
 
-Result<Plan> make_plan(const Index& index, const Options& options) {
+Result<ChangeSet> make_plan(const Index& index, const Options& options) {
   return Planner(index, options).plan();
 }
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-/// What has to be done to each task, process and wire, before any thought of order.
+/// Decides the actions for each task, process and connection, without their order.
 namespace segue::solve::detail {
 
 /// The actions that a task needs, at most one of each kind.
@@ -39,12 +39,12 @@ enum class TaskFate : std::uint8_t {
   Kept,     ///< the same incarnation in both networks
   Added,    ///< only in the target
   Removed,  ///< only in the current network
-  Replaced  ///< the old incarnation goes, a new one of the same id comes
+  Replaced  ///< a new incarnation of the same id replaces the old one
 };
 
 struct TaskPlan {
   TaskFate fate = TaskFate::Kept;
-  bool live = false;  ///< its configuration is applied without a change of state
+  bool live = false;  ///< its configuration is applied without a state change
   Steps steps;
 };
 
@@ -63,32 +63,32 @@ inline bool has_new(TaskFate fate) {
   return fate == TaskFate::Added || fate == TaskFate::Replaced;
 }
 
-struct Plan {
+struct ChangeSet {
   Options options;
   std::vector<TaskPlan> tasks;         ///< as in Index::tasks
   std::vector<ProcessFate> processes;  ///< as in Index::processes
-  std::vector<bool> disconnect;        ///< the current network's wires
-  std::vector<bool> connect;           ///< the target's wires
+  std::vector<bool> disconnect;        ///< the current network's connections
+  std::vector<bool> connect;           ///< the target's connections
   [[nodiscard]] const TaskPlan& task(int number) const { return tasks[as_index(number)]; }
   [[nodiscard]] ProcessFate process(int number) const { return processes[as_index(number)]; }
   bool hands_over = false;  ///< some task has a HandOver step
-  /// Whether the process goes without a word to its tasks.
+  /// Whether the process is killed without stopping its tasks.
   [[nodiscard]] bool is_killed(int process) const {
     return options.force && is_undeployed(processes[as_index(process)]);
   }
 };
 
-/// Whether the current network's wire is really there: one at a dynamic port of a task that is not configured
-/// went with the port.
-bool exists(const Index& index, const Wire& wire);
+/// Whether a connection of the current network exists: at a dynamic port of a task that is not configured it
+/// does not.
+bool exists(const Index& index, const IndexedConnection& connection);
 
 /// Whether a running process of this deployer can be given any component; others hold what they were built
 /// with.
 bool holds_any_component(const model::Deployment& deployment);
 
-/// Fails (Unsupported) where a task in Fatal lives in the runtime's own process, which cannot be restarted.
-/// Hand-overs are planned where there is something to hand over and somebody who can take it, whether an
-/// order of actions allows it or not; the paper's order never does.
-Result<Plan> make_plan(const Index& index, const Options& options);
+/// Fails (Unsupported) if a task in Fatal lives in the runtime's own process, which cannot be restarted.
+/// Plans a hand-over wherever both tasks have suitable states; whether the order allows it is checked later.
+/// The paper's order never allows any.
+Result<ChangeSet> make_plan(const Index& index, const Options& options);
 
 }  // namespace segue::solve::detail

@@ -14,7 +14,7 @@ class Order {
  public:
   explicit Order(const std::vector<model::Action>& actions) : actions_(actions), seen_(actions.size()) {}
 
-  /// Of each action in turn.
+  /// Checks each action in list order.
   Result<> check(const model::Action& action) {
     for (const int id : action.after) {
       if (!has_seen(id)) {

@@ -15,7 +15,7 @@ namespace {
 
 using namespace detail;
 
-/// Both networks by place, and the scope, which only grows.
+/// Widens the scope; it only grows.
 class Scope {
  public:
   Scope(const RepairScope& scope, const model::Network& observed, const model::Network& belief,
@@ -58,7 +58,7 @@ class Scope {
     if (!process.is_runtime()) processes_.insert(process);
   }
 
-  /// Who holds each device now.
+  /// Finds the present holder of each device.
   void find_holders() {
     for (const model::Task& task : observed_.tasks) {
       if (!is_configured(task.state) && task.state != TaskState::Fatal) continue;
@@ -83,7 +83,7 @@ class Scope {
     }
   }
 
-  /// Whoever sits or holds what the task needs.
+  /// Adds tasks that occupy the task's placement or hold its devices.
   void make_room(const model::Task& task) {
     const Place place = then_.place_of(task.id);
     if (const model::Task* occupant = now_.occupant(place)) {
@@ -113,7 +113,7 @@ class Scope {
   std::unordered_set<model::DeploymentKey> processes_;
 };
 
-/// What is observed, with the scope as it is believed to be.
+/// Builds the target: the observed network with the scope replaced by its form in the belief.
 class Mixture {
  public:
   Mixture(Scope& scope, const model::Network& observed, const model::Network& belief)
@@ -182,7 +182,7 @@ class Mixture {
            has_port(connection.to, model::Direction::Input);
   }
 
-  /// A task outside of the scope may be missing, or without its dynamic ports.
+  /// Whether the port exists: a task outside of the scope may be missing or lack its dynamic ports.
   bool has_port(const model::PortRef& port, model::Direction direction) {
     if (!tasks_.contains(port.task)) return false;
     if (scope_.has(port.task)) return true;

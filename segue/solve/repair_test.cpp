@@ -18,7 +18,7 @@ using model::Transition;
 using segue::testing::NetworkPair;
 using segue::testing::random_pair;
 
-/// A few tasks and processes of both networks, and some that nobody has.
+/// A few tasks and processes of both networks, and some unknown ones.
 RepairScope random_scope(const NetworkPair& pair, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   RepairScope scope;
@@ -75,7 +75,7 @@ RC_GTEST_PROP(Repair, OfNothingIsEmpty, (std::uint64_t seed)) {
   RC_ASSERT(found.redefines.empty());
 }
 
-/// Tasks of the scope become what they shall be; all others stay what they are, whatever that is.
+/// Tasks of the scope get their desired form; all others stay as they are.
 RC_GTEST_PROP(Repair, MendsTheScopeAndNothingElse, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
   const RepairScope asked = random_scope(pair, seed + 1);
@@ -128,7 +128,7 @@ RC_GTEST_PROP(Repair, WidensOnce, (std::uint64_t seed)) {
   RC_ASSERT(widened(scope, pair.current, pair.target, pair.catalog) == scope);
 }
 
-TEST(Repair, LeavesAnErrorThatNobodyAskedAbout) {
+TEST(Repair, LeavesErrorsOutsideOfTheScope) {
   Network observed;
   for (const char* id : {"a", "b"}) {
     model::Task task;

@@ -13,13 +13,13 @@ namespace {
 /// tasks can be as long as a network.
 class Components {
  public:
-  Components(int nodes, const std::vector<Edge>& edges)
+  Components(int nodes, const std::vector<OrderEdge>& edges)
       : before_(nodes, edges), entered_(as_index(nodes), kNone), low_(as_index(nodes)) {
     found_.nodes.reserve(as_index(nodes));
     found_.group_of.assign(as_index(nodes), kNone);
   }
 
-  Sequence find() {
+  GroupedOrder find() {
     for (int node = 0; as_index(node) < entered_.size(); ++node) {
       if (entered_[as_index(node)] == kNone) explore(node);
     }
@@ -83,24 +83,24 @@ class Components {
   std::vector<int> low_;
   std::vector<int> open_;  ///< entered, of no group yet
   std::vector<Visit> visits_;
-  Sequence found_;
+  GroupedOrder found_;
   int clock_ = 0;
   int groups_ = 0;
 };
 
 }  // namespace
 
-Predecessors::Predecessors(int nodes, const std::vector<Edge>& edges)
+Predecessors::Predecessors(int nodes, const std::vector<OrderEdge>& edges)
     : starts_(static_cast<std::size_t>(nodes) + 2), before_(edges.size()) {
-  for (const Edge& edge : edges)
+  for (const OrderEdge& edge : edges)
     ++starts_[as_index(edge.after) + 2];
   for (std::size_t i = 2; i < starts_.size(); ++i)
     starts_[i] += starts_[i - 1];
-  for (const Edge& edge : edges)
+  for (const OrderEdge& edge : edges)
     before_[as_index(starts_[as_index(edge.after) + 1]++)] = edge.before;
 }
 
-Sequence sequence(int nodes, const std::vector<Edge>& edges) {
+GroupedOrder sequence(int nodes, const std::vector<OrderEdge>& edges) {
   return Components(nodes, edges).find();
 }
 

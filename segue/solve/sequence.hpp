@@ -8,19 +8,19 @@
 namespace segue::solve::detail {
 
 /// `before` must come before `after`.
-struct Edge {
+struct OrderEdge {
   int before;
   int after;
 };
 
-/// For every node the nodes before it, in one block of memory.
+/// The predecessors of every node, in one block of memory.
 class Predecessors {
  public:
-  Predecessors(int nodes, const std::vector<Edge>& edges);
+  Predecessors(int nodes, const std::vector<OrderEdge>& edges);
   [[nodiscard]] const int* begin(int node) const { return before_.data() + start(node); }
   [[nodiscard]] const int* end(int node) const { return before_.data() + start(node + 1); }
   [[nodiscard]] int start(int node) const { return starts_[as_index(node)]; }
-  /// Counted over all nodes; start(node) is the first of a node's.
+  /// A predecessor by its position in the block; start(node) is the first one of `node`.
   [[nodiscard]] int at(int place) const { return before_[as_index(place)]; }
 
  private:
@@ -28,12 +28,11 @@ class Predecessors {
   std::vector<int> before_;
 };
 
-/// An order of nodes 0 .. n-1 in which each node comes after those before it. Nodes that a cycle joins are
-/// one group and follow each other by number.
-struct Sequence {
+/// A topological order of nodes 0 .. n-1. The nodes of a cycle form one group and are ordered by number.
+struct GroupedOrder {
   std::vector<int> nodes;
-  std::vector<int> group_of;  ///< per node
+  std::vector<int> group_of;  ///< by node
 };
-Sequence sequence(int nodes, const std::vector<Edge>& edges);
+GroupedOrder sequence(int nodes, const std::vector<OrderEdge>& edges);
 
 }  // namespace segue::solve::detail

@@ -2,8 +2,8 @@
 #include <segue/solve/simulation.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/solve/component_facts.hpp>
 #include <segue/solve/index.hpp>
-#include <segue/solve/live.hpp>
 #include <segue/solve/plan.hpp>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ Result<Simulation> Simulation::create(const model::Network& current, const model
     if (auto done = simulation.deploy(*index->process(process).current()); !done) return done.error();
   }
   simulation.tasks_.reserve(index->tasks.size());
-  for (const TaskEntry& entry : index->tasks) {
+  for (const IndexedTask& entry : index->tasks) {
     const auto& incarnation = entry.current();
     const int number = simulation.add_task(*incarnation.task, incarnation.process, incarnation.name);
     simulation.task(number).state = incarnation.task->state;
@@ -40,9 +40,10 @@ Result<Simulation> Simulation::create(const model::Network& current, const model
     for (const std::string& device : simulation.devices_of(number))
       simulation.holders_[device] = number;
   }
-  simulation.wires_.reserve(index->wires[kCurrent].size());
-  for (const auto& wire : index->wires[kCurrent]) {
-    if (exists(*index, wire)) simulation.add_wire(*wire.connection, wire.from, wire.to);
+  simulation.connections_.reserve(index->connections[kCurrent].size());
+  for (const auto& connection : index->connections[kCurrent]) {
+    if (exists(*index, connection))
+      simulation.add_connection(*connection.connection, connection.from, connection.to);
   }
   return simulation;
 }
@@ -100,8 +101,8 @@ Result<> Simulation::change_state(const model::Action& action) {
   }
   if (action.kind == ActionKind::Cleanup && from({Stopped})) return leave_configured(number);
   if (action.kind == ActionKind::Configure && from({PreOperational})) return claim_devices(number);
-  return refuse(state_of(*action.task(), before) + ", from which no " + std::string(to_string(action.kind)) +
-                " leads");
+  return refuse(state_of(*action.task(), before) + ", which does not allow " +
+                std::string(to_string(action.kind)));
 }
 
 Result<> Simulation::hand_over(const model::HandOverAction& action) const {
@@ -119,20 +120,20 @@ Result<> Simulation::hand_over(const model::HandOverAction& action) const {
   return {};
 }
 
-/// Dynamic ports go, and their wires with them.
+/// Removes the connections of dynamic ports, which vanish.
 Result<> Simulation::leave_configured(int number) {
   task(number).state = TaskState::PreOperational;
   release_devices(number);
   const ComponentFacts& component = task(number).component;
   if (!component.dynamic) return {};
-  for (int wire = task(number).first_wire; wire != kNone; wire = next_wire(wire, number)) {
-    const Wire& gone = wires_[as_index(wire)];
-    const model::Connection& connection = *gone.connection;
-    if (!gone.exists) continue;
+  for (int i = task(number).first_connection; i != kNone; i = next_connection(i, number)) {
+    const StoredConnection& stored = connections_[as_index(i)];
+    const model::Connection& connection = *stored.connection;
+    if (!stored.exists) continue;
     const bool from =
-        gone.from == number && is_dynamic(component, connection.from.port, model::Direction::Output);
-    const bool to = gone.to == number && is_dynamic(component, connection.to.port, model::Direction::Input);
-    if (from || to) drop_wire(wire);
+        stored.from == number && is_dynamic(component, connection.from.port, model::Direction::Output);
+    const bool to = stored.to == number && is_dynamic(component, connection.to.port, model::Direction::Input);
+    if (from || to) drop_connection(i);
   }
   return {};
 }
@@ -165,26 +166,26 @@ Result<> Simulation::connect(const model::Connection& connection) {
   if (lacks(to, connection.to.port, model::Direction::Input)) {
     return refuse("port " + quote(to_string(connection.to)) + " exists only when its task is configured");
   }
-  for (const int number : wires_between(connection)) {
-    const Wire& wire = wires_[as_index(number)];
-    if (wire.from == from || wire.to == to) {
-      return refuse("the two ports are connected already: " + quote(to_string(*wire.connection)));
+  for (const int number : connections_between(connection)) {
+    const StoredConnection& stored = connections_[as_index(number)];
+    if (stored.from == from || stored.to == to) {
+      return refuse("the two ports are connected already: " + quote(to_string(*stored.connection)));
     }
   }
-  add_wire(connection, from, to);
+  add_connection(connection, from, to);
   return {};
 }
 
 Result<> Simulation::disconnect(const model::Connection& connection) {
   int found = kNone;
-  for (const int number : wires_between(connection)) {
-    const Wire& wire = wires_[as_index(number)];
-    if (wire.connection->policy != connection.policy) continue;
-    const bool is_going = !is_newest(wire.from) || !is_newest(wire.to);
+  for (const int number : connections_between(connection)) {
+    const StoredConnection& stored = connections_[as_index(number)];
+    if (stored.connection->policy != connection.policy) continue;
+    const bool is_going = !is_newest(stored.from) || !is_newest(stored.to);
     if (found == kNone || is_going) found = number;
   }
   if (found == kNone) return refuse("there is no connection " + quote(to_string(connection)));
-  drop_wire(found);
+  drop_connection(found);
   return {};
 }
 
@@ -235,7 +236,7 @@ Result<> Simulation::apply(const model::ConfigAction& action) {
   return {};
 }
 
-/// The task stays: it must be unconfigured, unless only live properties change.
+/// The incarnation stays: it must be unconfigured, unless only live properties change.
 Result<> Simulation::apply_again(int number, const model::ConfigAction& action) {
   Instance& known = task(number);
   const bool rests = known.state == TaskState::PreOperational;
@@ -250,7 +251,7 @@ Result<> Simulation::apply_again(int number, const model::ConfigAction& action) 
   return {};
 }
 
-/// A new incarnation comes where another sits.
+/// A new incarnation replaces the occupant of its placement.
 Result<> Simulation::take_place(int occupant, int process, const model::ConfigAction& action) {
   const Instance& other = task(occupant);
   if (!is_resting(occupant)) {
@@ -266,7 +267,7 @@ Result<> Simulation::take_place(int occupant, int process, const model::ConfigAc
   return {};
 }
 
-/// The newest incarnation becomes the one that goes.
+/// The newest incarnation becomes the old one.
 Result<> Simulation::make_going(Pair& pair) {
   if (pair.newest == kNone || !task(pair.newest).exists) return {};
   if (pair.going != kNone && task(pair.going).exists && !is_resting(pair.going)) {

@@ -15,23 +15,22 @@
 
 namespace segue::solve::detail {
 
-/// A robot on paper: processes, tasks, wires, and the rules of their life cycle. A task may have two
-/// incarnations for a while: recover, stop, cleanup and disconnect concern the one that goes, the other
-/// actions the one that comes. Points into the network, the catalog and everything it is asked to do, which
-/// must outlive it.
+/// Simulates a robot: processes, tasks, connections, and the rules of their life cycle. A task may have two
+/// incarnations for a while: recover, stop, cleanup and disconnect concern the old one, all other actions the
+/// new one. Points into the network, the catalog and the executed actions, which must outlive it.
 class Simulation {
  public:
   /// Fails (InvalidArgument) where `current` contradicts itself.
   static Result<Simulation> create(const model::Network& current, const model::ComponentCatalog& catalog);
 
-  /// Does it, or says which rule forbids it (InvalidState), without a word about the action's place in the
+  /// Executes the action. Fails (InvalidState) with the violated rule; the caller adds the position in the
   /// list.
   Result<> execute(const model::Action& action);
-  /// A task leaves the network. It must be at rest, or have gone with its process.
+  /// Removes a task from the network. It must be at rest, or have ended with its process.
   Result<> remove(const model::TaskId& id);
-  /// A definition changes without an action.
+  /// Changes a definition without an action.
   Result<> redefine(const model::Task& definition);
-  /// What runs now. Fails (InvalidState) where something runs that no network could name: an old incarnation.
+  /// The present network. Fails (InvalidState) if an old incarnation is left, which no network can express.
   Result<model::Network> network() const;
 
  private:
@@ -48,14 +47,14 @@ class Simulation {
     std::string_view name;
     TaskState state = TaskState::PreOperational;
     bool exists = true;
-    int first_wire = kNone;  ///< of those that ever ended here
+    int first_connection = kNone;  ///< of those that ever ended here
   };
-  struct Wire {
+  struct StoredConnection {
     const model::Connection* connection;
     int from;
     int to;
     bool exists = true;
-    int next_of_from = kNone;  ///< the next wire of the task that it comes from
+    int next_of_from = kNone;  ///< the next connection of the task that it comes from
     int next_of_to = kNone;
   };
   /// The incarnations of one id.
@@ -63,7 +62,7 @@ class Simulation {
     int going = kNone;
     int newest = kNone;
   };
-  /// What wires are found by: the numbers of two ids, and the ports.
+  /// Key of connections: the numbers of two ids, and the ports.
   struct Ends {
     int from;
     int to;
@@ -88,8 +87,8 @@ class Simulation {
   Result<> make_going(Pair& pair);
 
   int add_task(const model::Task& definition, int process, std::string_view name);
-  void add_wire(const model::Connection& connection, int from, int to);
-  void drop_wire(int wire);
+  void add_connection(const model::Connection& connection, int from, int to);
+  void drop_connection(int connection);
   void drop_task(int task);
 
   [[nodiscard]] int find_process(const model::DeploymentKey& key) const;
@@ -97,18 +96,18 @@ class Simulation {
   [[nodiscard]] int find_newest(const model::TaskId& id) const;
   [[nodiscard]] int newest_of(const Pair& pair) const;
   [[nodiscard]] int subject_of(const model::Action& action) const;
-  /// The incarnation that the actions mean that lead out: the one that goes, or the only one.
+  /// The incarnation that recover, stop and cleanup mean: the old one, or the only one.
   [[nodiscard]] int find_going(const model::TaskId& id) const;
   [[nodiscard]] bool is_resting(int task) const;
   [[nodiscard]] bool is_newest(int task) const;
-  [[nodiscard]] bool has_wires(int task) const;
+  [[nodiscard]] bool has_connection(int task) const;
   [[nodiscard]] std::vector<std::string> devices_of(int task) const;
 
-  /// The wires that join these ports now, whichever incarnations of the tasks.
-  [[nodiscard]] std::vector<int> wires_between(const model::Connection& connection) const;
+  /// The existing connections between these ports, of any incarnations of the tasks.
+  [[nodiscard]] std::vector<int> connections_between(const model::Connection& connection) const;
 
-  [[nodiscard]] int next_wire(int wire, int task) const {
-    const Wire& known = wires_[as_index(wire)];
+  [[nodiscard]] int next_connection(int connection, int task) const {
+    const StoredConnection& known = connections_[as_index(connection)];
     return known.from == task ? known.next_of_from : known.next_of_to;
   }
   Instance& task(int number) { return tasks_[as_index(number)]; }
@@ -117,12 +116,12 @@ class Simulation {
   KnownComponents components_;
   std::vector<Process> processes_;  ///< the runtime's own first
   std::vector<Instance> tasks_;
-  std::vector<Wire> wires_;
+  std::vector<StoredConnection> connections_;
   Interner ids_;
   std::vector<Pair> pairs_;  ///< by the number of the id
   HashIndex process_numbers_;
   HashIndex occupants_;
-  HashIndex wires_by_ends_;
+  HashIndex connections_by_ends_;
   std::unordered_map<std::string, int> holders_;  ///< per device
 };
 

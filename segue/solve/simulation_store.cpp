@@ -6,14 +6,14 @@
 
 #include <utility>
 
-/// What the simulation holds, and the network made of it.
+/// The state of the simulation, and the network built from it.
 namespace segue::solve::detail {
 
 namespace {
 
 using model::ActionKind;
 
-/// What the runtime's own process would be deployed as.
+/// Stands for the deployment of the runtime's own process.
 const model::Deployment kRuntimeItself;
 
 std::size_t hash_of_place(int process, std::string_view name) {
@@ -28,7 +28,7 @@ Simulation::Simulation(const model::ComponentCatalog& catalog, Interner ids)
       pairs_(ids_.size()),
       process_numbers_(0),
       occupants_(ids_.size()),
-      wires_by_ends_(ids_.size()) {
+      connections_by_ends_(ids_.size()) {
   processes_.push_back({&kRuntimeItself, true, {}});
 }
 
@@ -43,17 +43,17 @@ int Simulation::add_task(const model::Task& definition, int process, std::string
   return number;
 }
 
-void Simulation::add_wire(const model::Connection& connection, int from, int to) {
-  const int number = static_cast<int>(wires_.size());
-  wires_.push_back({&connection, from, to});
-  Wire& wire = wires_.back();
-  wire.next_of_from = std::exchange(task(from).first_wire, number);
-  if (to != from) wire.next_of_to = std::exchange(task(to).first_wire, number);
-  wires_by_ends_.insert(Ends{task(from).id, task(to).id, &connection}.hash(), number);
+void Simulation::add_connection(const model::Connection& connection, int from, int to) {
+  const int number = static_cast<int>(connections_.size());
+  connections_.push_back({&connection, from, to});
+  StoredConnection& stored = connections_.back();
+  stored.next_of_from = std::exchange(task(from).first_connection, number);
+  if (to != from) stored.next_of_to = std::exchange(task(to).first_connection, number);
+  connections_by_ends_.insert(Ends{task(from).id, task(to).id, &connection}.hash(), number);
 }
 
-void Simulation::drop_wire(int wire) {
-  wires_[as_index(wire)].exists = false;
+void Simulation::drop_connection(int connection) {
+  connections_[as_index(connection)].exists = false;
 }
 
 void Simulation::drop_task(int number) {
@@ -61,8 +61,8 @@ void Simulation::drop_task(int number) {
   if (!gone.exists) return;
   gone.exists = false;
   release_devices(number);
-  for (int wire = gone.first_wire; wire != kNone; wire = next_wire(wire, number))
-    drop_wire(wire);
+  for (int i = gone.first_connection; i != kNone; i = next_connection(i, number))
+    drop_connection(i);
 }
 
 void Simulation::release_devices(int number) {
@@ -119,15 +119,15 @@ std::size_t Simulation::Ends::hash() const {
   return model::combine_hashes(tasks, ports);
 }
 
-std::vector<int> Simulation::wires_between(const model::Connection& connection) const {
+std::vector<int> Simulation::connections_between(const model::Connection& connection) const {
   const Ends ends{ids_.find(connection.from.task.str()), ids_.find(connection.to.task.str()), &connection};
   std::vector<int> found;
   if (ends.from == kNone || ends.to == kNone) return found;
-  wires_by_ends_.each(ends.hash(), [&](int number) {
-    const Wire& wire = wires_[as_index(number)];
-    const bool same = wire.exists && task(wire.from).id == ends.from && task(wire.to).id == ends.to &&
-                      wire.connection->from.port == connection.from.port &&
-                      wire.connection->to.port == connection.to.port;
+  connections_by_ends_.each(ends.hash(), [&](int number) {
+    const StoredConnection& stored = connections_[as_index(number)];
+    const bool same = stored.exists && task(stored.from).id == ends.from && task(stored.to).id == ends.to &&
+                      stored.connection->from.port == connection.from.port &&
+                      stored.connection->to.port == connection.to.port;
     if (same) found.push_back(number);
   });
   return found;
@@ -137,15 +137,15 @@ bool Simulation::is_newest(int number) const {
   return newest_of(pairs_[as_index(task(number).id)]) == number;
 }
 
-bool Simulation::has_wires(int number) const {
-  for (int wire = task(number).first_wire; wire != kNone; wire = next_wire(wire, number)) {
-    if (wires_[as_index(wire)].exists) return true;
+bool Simulation::has_connection(int number) const {
+  for (int i = task(number).first_connection; i != kNone; i = next_connection(i, number)) {
+    if (connections_[as_index(i)].exists) return true;
   }
   return false;
 }
 
 bool Simulation::is_resting(int number) const {
-  return task(number).state == TaskState::PreOperational && !has_wires(number);
+  return task(number).state == TaskState::PreOperational && !has_connection(number);
 }
 
 std::vector<std::string> Simulation::devices_of(int number) const {
@@ -163,7 +163,8 @@ Result<> Simulation::remove(const model::TaskId& id) {
   if (!is_resting(number)) {
     return fail(ErrorCode::InvalidState,
                 "task " + quote(id.str()) + " is to leave, but is in state " +
-                    std::string(to_string(task(number).state)) + (has_wires(number) ? " and connected" : ""),
+                    std::string(to_string(task(number).state)) +
+                    (has_connection(number) ? " and connected" : ""),
                 id.str());
   }
   drop_task(number);
@@ -185,7 +186,7 @@ Result<> Simulation::redefine(const model::Task& definition) {
 Result<model::Network> Simulation::network() const {
   model::Network network;
   network.tasks.reserve(tasks_.size());
-  network.connections.reserve(wires_.size());
+  network.connections.reserve(connections_.size());
   std::vector<std::vector<model::Placement>> placements(processes_.size());
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     const Instance& found = tasks_[i];
@@ -198,7 +199,7 @@ Result<model::Network> Simulation::network() const {
     } else if (!is_resting(number)) {
       return fail(ErrorCode::InvalidState,
                   "the old incarnation of task " + quote(found.definition->id.str()) + " is left in state " +
-                      std::string(to_string(found.state)) + (has_wires(number) ? " and connected" : ""),
+                      std::string(to_string(found.state)) + (has_connection(number) ? " and connected" : ""),
                   found.definition->id.str());
     }
   }
@@ -207,8 +208,8 @@ Result<model::Network> Simulation::network() const {
     network.deployments.push_back(*processes_[i].deployment);
     network.deployments.back().tasks = std::move(placements[i]);
   }
-  for (const Wire& wire : wires_) {
-    if (wire.exists) network.connections.push_back(*wire.connection);
+  for (const StoredConnection& connection : connections_) {
+    if (connection.exists) network.connections.push_back(*connection.connection);
   }
   return network;
 }

@@ -12,24 +12,25 @@ namespace segue::solve {
 
 struct Options {
   model::Order order = model::Order::Seamless;
-  /// Whether whoever executes can have two incarnations of a task that moves to another process. If not, the
-  /// new one waits until the old one is gone: in commit.
+  /// Whether the host can hold two incarnations of a task that moves to another process. If not, the new one
+  /// is created in the commit phase, after the old one has been removed.
   bool side_by_side = true;
-  /// Processes that go are killed (DeploymentAction::kill) before all else, and nothing is done in them or to
-  /// connections with them. Not graceful: their tasks cannot tidy up. For what hangs.
+  /// Removed processes are killed (DeploymentAction::kill) before all other actions, without any action on
+  /// their tasks and connections. Not graceful: their tasks cannot clean up. For processes that hang.
   bool force = false;
 };
 
-/// The minimal transition (under graceful semantics, but for `force`) from what runs (`current`: a network
-/// whose tasks may be in any state) to `target` (tasks PreOperational, Stopped or Running, or in the error
-/// that they are in now: it stays). Both must have passed validation of structure; components that `catalog`
-/// lacks count as having static ports and no live properties. Fails (Unsupported) where no transition exists:
-/// a task in Fatal inside the runtime's own process, or one whose error is to stay where it cannot.
+/// The minimal transition from `current`, whose tasks may be in any state, to `target`, whose tasks are
+/// PreOperational, Stopped or Running, or keep the error that they are in. Minimal under graceful semantics,
+/// unless with `force`. Both networks must have passed validation of structure; unknown components are
+/// assumed to have static ports and no live properties. Fails (Unsupported) if there is no transition: for a
+/// task in Fatal in the runtime's own process, or a target that keeps an error which the transition has to
+/// end.
 Result<model::Transition> diff(const model::Network& current, const model::Network& target,
                                const model::ComponentCatalog& catalog, const Options& options = {});
 
-/// The network that results when `transition` is executed on `current`: every action is checked against the
-/// life cycle, in list order; the first that is not allowed is the error (its id is the subject).
+/// The network that results from executing `transition` on `current`. Checks every action against the life
+/// cycle, in list order; the first one that is not allowed is the error, with its id as subject.
 Result<model::Network> predict(const model::Network& current, const model::Transition& transition,
                                const model::ComponentCatalog& catalog);
 

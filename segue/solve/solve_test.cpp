@@ -16,23 +16,23 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 Task task(const char* id, TaskState state = TaskState::Running, const char* component = "demo::C") {
-  Task made;
-  made.id = TaskId(id);
-  made.component = model::ComponentName(component);
-  made.state = state;
-  return made;
+  Task created;
+  created.id = TaskId(id);
+  created.component = model::ComponentName(component);
+  created.state = state;
+  return created;
 }
 
-model::Connection wire(const char* from, const char* to) {
+model::Connection connection(const char* from, const char* to) {
   return {{TaskId(from), "out"}, {TaskId(to), "in"}, {}, {}};
 }
 
 model::Deployment process(const char* name, std::vector<const char*> tasks) {
-  model::Deployment made;
-  made.process = model::ProcessName(name);
+  model::Deployment created;
+  created.process = model::ProcessName(name);
   for (const char* id : tasks)
-    made.tasks.push_back({TaskId(id), id});
-  return made;
+    created.tasks.push_back({TaskId(id), id});
+  return created;
 }
 
 std::vector<std::string> labels(const model::Transition& transition) {
@@ -44,20 +44,20 @@ std::vector<std::string> labels(const model::Transition& transition) {
 
 Error error_of(const Network& current, const Network& target, const model::ComponentCatalog& catalog = {}) {
   const auto found = diff(current, target, catalog);
-  EXPECT_FALSE(found) << "a transition where none should be";
+  EXPECT_FALSE(found) << "there should be no transition";
   return found ? Error{} : found.error();
 }
 
 TEST(Diff, FindsNothingBetweenEqualNetworks) {
   Network network;
   network.tasks = {task("a"), task("b", TaskState::Stopped)};
-  network.connections = {wire("a", "b")};
+  network.connections = {connection("a", "b")};
   const auto found = diff(network, network, {});
   ASSERT_TRUE(found);
   EXPECT_TRUE(found->actions.empty());
 }
 
-TEST(Diff, TellsFromAndTo) {
+TEST(Diff, NamesBothNetworks) {
   Network a;
   a.name = model::NetworkName("a");
   Network b;
@@ -72,7 +72,7 @@ TEST(Diff, TellsFromAndTo) {
 TEST(Diff, OrdersACycleAsDeclared) {
   Network target;
   target.tasks = {task("c"), task("a"), task("b")};
-  target.connections = {wire("a", "b"), wire("b", "c"), wire("c", "a")};
+  target.connections = {connection("a", "b"), connection("b", "c"), connection("c", "a")};
   const auto found = diff(Network{}, target, {}, {model::Order::Paper});
   ASSERT_TRUE(found);
   const auto all = labels(*found);
@@ -108,7 +108,7 @@ TEST(Diff, RefusesAnErrorAsTarget) {
   EXPECT_THAT(error.message, HasSubstr("exception"));
 }
 
-TEST(Diff, RefusesATaskThatIsThereTwice) {
+TEST(Diff, RefusesADuplicateTask) {
   Network target;
   target.tasks = {task("a"), task("a")};
   EXPECT_THAT(error_of({}, target).message, HasSubstr("two tasks 'a'"));
@@ -121,7 +121,7 @@ TEST(Diff, RefusesATaskInTwoDeployments) {
   EXPECT_THAT(error_of({}, target).message, HasSubstr("two deployments"));
 }
 
-TEST(Diff, RefusesAProcessThatIsThereTwice) {
+TEST(Diff, RefusesADuplicateProcess) {
   Network target;
   target.deployments = {process("p", {}), process("p", {})};
   EXPECT_THAT(error_of({}, target).message, HasSubstr("deployed twice"));
@@ -136,7 +136,7 @@ TEST(Diff, RefusesAProcessWithoutName) {
 TEST(Diff, RefusesAConnectionToNowhere) {
   Network target;
   target.tasks = {task("a")};
-  target.connections = {wire("a", "nowhere")};
+  target.connections = {connection("a", "nowhere")};
   const Error error = error_of({}, target);
   EXPECT_EQ(error.subject, "nowhere");
   EXPECT_EQ(error.code, ErrorCode::InvalidArgument);
@@ -145,7 +145,7 @@ TEST(Diff, RefusesAConnectionToNowhere) {
 TEST(Diff, RefusesTwoConnectionsBetweenTheSamePorts) {
   Network target;
   target.tasks = {task("a"), task("b")};
-  target.connections = {wire("a", "b"), wire("a", "b")};
+  target.connections = {connection("a", "b"), connection("a", "b")};
   target.connections.back().policy.kind = BufferKind::Buffer;
   EXPECT_THAT(error_of({}, target).message, HasSubstr("same ports"));
   Network current = target;
@@ -153,7 +153,7 @@ TEST(Diff, RefusesTwoConnectionsBetweenTheSamePorts) {
   EXPECT_THAT(error_of(current, target).message, HasSubstr("same ports"));
 }
 
-TEST(Diff, RefusesTwoTasksInOnePlace) {
+TEST(Diff, RefusesTwoTasksOnOnePlacement) {
   Network target;
   target.tasks = {task("a"), task("b")};
   target.deployments = {process("p", {"a", "b"})};
@@ -161,24 +161,24 @@ TEST(Diff, RefusesTwoTasksInOnePlace) {
   EXPECT_THAT(error_of({}, target).message, HasSubstr("same name 'a'"));
 }
 
-TEST(Diff, RefusesAWireOnAPortThatWillNotExist) {
+TEST(Diff, RefusesAConnectionAtAPortThatWillNotExist) {
   const auto catalog = segue::testing::PairGenerator::catalog();
   Network target;
   target.tasks = {task("a"), task("b", TaskState::PreOperational, "demo::C1")};
-  target.connections = {wire("a", "b")};
+  target.connections = {connection("a", "b")};
   EXPECT_TRUE(diff({}, target, catalog));
   target.connections[0].to.port = "dyn_x";
   EXPECT_THAT(error_of({}, target, catalog).message, HasSubstr("exists only while"));
 }
 
-// What predict() must refuse: one transition per rule, wrong in one place.
+// One transition per rule that predict() must refuse, wrong in one place.
 
 class PredictTest : public ::testing::Test {
  protected:
   PredictTest() {
     current_.tasks = {task("a"), task("b", TaskState::Stopped), task("c", TaskState::PreOperational)};
     current_.deployments = {process("p", {"b"})};
-    current_.connections = {wire("a", "b")};
+    current_.connections = {connection("a", "b")};
   }
 
   void add(ActionKind kind, const char* id) { add(kind, model::TaskAction{TaskId(id)}); }
@@ -224,7 +224,7 @@ TEST_F(PredictTest, RefusesWhatTheLifeCycleForbids) {
                                                                                 {ActionKind::Cleanup, "c"}}) {
     transition_.actions.clear();
     add(kind, id);
-    EXPECT_THAT(refusal(), HasSubstr("from which no")) << to_string(kind) << " " << id;
+    EXPECT_THAT(refusal(), HasSubstr("which does not allow")) << to_string(kind) << " " << id;
   }
 }
 
@@ -233,20 +233,20 @@ TEST_F(PredictTest, RefusesTasksThatDoNotExist) {
   EXPECT_THAT(refusal(), HasSubstr("no task 'x'"));
 }
 
-TEST_F(PredictTest, RefusesToConnectTwiceAndToDisconnectWhatIsNot) {
-  add(ActionKind::Connect, model::ConnectionAction{wire("a", "b")});
+TEST_F(PredictTest, RefusesToConnectTwiceAndToDisconnectNothing) {
+  add(ActionKind::Connect, model::ConnectionAction{connection("a", "b")});
   EXPECT_THAT(refusal(), HasSubstr("connected already"));
   transition_.actions.clear();
-  add(ActionKind::Disconnect, model::ConnectionAction{wire("b", "a")});
+  add(ActionKind::Disconnect, model::ConnectionAction{connection("b", "a")});
   EXPECT_THAT(refusal(), HasSubstr("no connection"));
 }
 
-TEST_F(PredictTest, RefusesToUndeployAtWork) {
+TEST_F(PredictTest, RefusesToUndeployARunningTask) {
   add(ActionKind::Undeploy, model::DeploymentAction{process("p", {})});
   EXPECT_THAT(refusal(), HasSubstr("clean it up before its process goes"));
 }
 
-TEST_F(PredictTest, DropsTasksAndWiresOfAProcessThatGoes) {
+TEST_F(PredictTest, RemovesTasksAndConnectionsOfAnUndeployedProcess) {
   add(ActionKind::Cleanup, "b");
   add(ActionKind::Undeploy, model::DeploymentAction{process("p", {})});
   const auto found = predict(current_, transition_, catalog_);
@@ -267,7 +267,7 @@ TEST_F(PredictTest, RefusesProcessesThatRunOrDoNotRun) {
   EXPECT_THAT(refusal(), HasSubstr("does not run"));
 }
 
-TEST_F(PredictTest, RefusesANewConfigurationAtWork) {
+TEST_F(PredictTest, RefusesANewConfigurationOfARunningTask) {
   Task changed = task("a");
   changed.config_names = {"other"};
   add(ActionKind::ApplyConfig, model::ConfigAction{changed, {}, "a"});
@@ -281,7 +281,7 @@ TEST_F(PredictTest, RefusesAHeldDevice) {
   EXPECT_THAT(refusal(), HasSubstr("still held by task 'a'"));
 }
 
-TEST_F(PredictTest, LosesWiresWithDynamicPorts) {
+TEST_F(PredictTest, RemovesConnectionsOfDynamicPorts) {
   current_.tasks[1].component = model::ComponentName("demo::C1");
   current_.connections[0].to.port = "dyn_x";
   add(ActionKind::Cleanup, "b");
@@ -292,30 +292,30 @@ TEST_F(PredictTest, LosesWiresWithDynamicPorts) {
   EXPECT_THAT(refusal(), HasSubstr("exists only when"));
 }
 
-TEST_F(PredictTest, RefusesToRemoveWhatWorks) {
+TEST_F(PredictTest, RefusesToRemoveARunningTask) {
   transition_.removes = {TaskId("b")};
   EXPECT_THAT(refusal(), HasSubstr("is to leave, but is in state stopped and connected"));
 }
 
-TEST_F(PredictTest, RefusesToLeaveAnOldIncarnationAtWork) {
+TEST_F(PredictTest, RefusesToLeaveAnOldIncarnationRunning) {
   add(ActionKind::ApplyConfig, model::ConfigAction{task("b"), {}, "b"});
   EXPECT_THAT(refusal(), HasSubstr("old incarnation of task 'b' is left in state stopped"));
 }
 
-TEST_F(PredictTest, RefusesToWaitForWhatComesLater) {
+TEST_F(PredictTest, RefusesToWaitForLaterActions) {
   add(ActionKind::Stop, "a");
   transition_.actions[0].after = {2};
   EXPECT_THAT(refusal(), HasSubstr("waits for action 2"));
 }
 
-TEST_F(PredictTest, RefusesAnIdTwice) {
+TEST_F(PredictTest, RefusesADuplicateId) {
   add(ActionKind::Stop, "a");
   add(ActionKind::Start, "a");
   transition_.actions[1].id = 1;
   EXPECT_THAT(refusal(), HasSubstr("same id"));
 }
 
-TEST_F(PredictTest, ReadsAnActionWithoutSubjectAsAMistake) {
+TEST_F(PredictTest, RefusesAnActionWithoutSubject) {
   add(ActionKind::Connect, "a");
   const auto found = predict(current_, transition_, catalog_);
   ASSERT_FALSE(found);

@@ -31,7 +31,7 @@ Transition solve(const NetworkPair& pair, Order order) {
   return solve(pair, Options{order});
 }
 
-/// Whatever can be asked of the solver.
+/// All options of the solver.
 std::vector<Options> all_options() {
   std::vector<Options> all;
   for (const Order order : {Order::Seamless, Order::Paper}) {
@@ -43,7 +43,7 @@ std::vector<Options> all_options() {
   return all;
 }
 
-/// As if executed: every wish came true.
+/// The network after the execution: the target.
 void check_prediction(const NetworkPair& pair, const Options& options) {
   const Transition transition = solve(pair, options);
   const auto found = predict(pair.current, transition, pair.catalog);
@@ -70,7 +70,7 @@ RC_GTEST_PROP(TransitionProperties, AreEmptyBetweenEqualNetworks, (std::uint64_t
   }
 }
 
-/// Hand-overs are left out: they are not always possible, and never needed to reach the target.
+/// Hand-overs are ignored: they are not always possible, and never needed to reach the target.
 std::multiset<std::string> labels(const Transition& transition) {
   std::multiset<std::string> found;
   for (const Action& action : transition.actions) {
@@ -108,7 +108,7 @@ RC_GTEST_PROP(TransitionProperties, FollowThePaperOneByOne, (std::uint64_t seed)
   }
 }
 
-/// One of the orders that `after` allows.
+/// A random order that `after` allows.
 std::vector<const Action*> linearise(const Transition& transition, std::mt19937_64& random) {
   std::vector<const Action*> left;
   std::vector<const Action*> order;
@@ -153,7 +153,8 @@ RC_GTEST_PROP(TransitionProperties, BreakNoRuleInAnyOrderTheyAllow, (std::uint64
   }
 }
 
-/// Who continues a task that goes and shares nothing with it, and whether something keeps its state from it.
+/// Whether a task can take over the state of a removed one: they share nothing, and no constraint prevents
+/// it.
 RC_GTEST_PROP(TransitionProperties, HandOverWhatTasksRemember, (std::uint64_t seed)) {
   segue::testing::PairShape shape;
   shape.devices = false;
@@ -180,7 +181,7 @@ RC_GTEST_PROP(TransitionProperties, HandOverWhatTasksRemember, (std::uint64_t se
   }
 }
 
-/// Force leaves out what tidies up, and nothing else.
+/// Force leaves out graceful actions, and nothing else.
 RC_GTEST_PROP(TransitionProperties, DoNothingInProcessesThatTheyKill, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
   const Transition graceful = solve(pair, Order::Seamless);
@@ -191,9 +192,9 @@ RC_GTEST_PROP(TransitionProperties, DoNothingInProcessesThatTheyKill, (std::uint
   std::vector<std::string> left_out;
   std::set_difference(more.begin(), more.end(), less.begin(), less.end(), std::back_inserter(left_out));
   for (const std::string& label : left_out) {
-    const bool tidies = label.starts_with("stop ") || label.starts_with("cleanup ") ||
-                        label.starts_with("recover ") || label.starts_with("disconnect ");
-    RC_ASSERT(tidies);
+    const bool is_graceful = label.starts_with("stop ") || label.starts_with("cleanup ") ||
+                             label.starts_with("recover ") || label.starts_with("disconnect ");
+    RC_ASSERT(is_graceful);
   }
   for (const Action& action : forced.actions) {
     if (action.kind == ActionKind::Undeploy) RC_ASSERT(std::get<model::DeploymentAction>(action.what).kill);
@@ -203,7 +204,7 @@ RC_GTEST_PROP(TransitionProperties, DoNothingInProcessesThatTheyKill, (std::uint
   }
 }
 
-/// Tasks from which `to` can be reached along wires between members.
+/// Tasks from which `to` can be reached along connections between members.
 bool reaches(const std::multimap<std::string, std::string>& flow, const std::string& from,
              const std::string& to) {
   std::set<std::string> seen;
@@ -221,7 +222,7 @@ bool reaches(const std::multimap<std::string, std::string>& flow, const std::str
   return false;
 }
 
-/// Places of actions of a kind in the list, by task.
+/// Positions of the actions of a kind in the list, by task.
 std::map<std::string, std::size_t> places(const std::vector<const Action*>& order, ActionKind kind) {
   std::map<std::string, std::size_t> found;
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -242,7 +243,7 @@ std::multimap<std::string, std::string> flow_between(const std::vector<model::Co
 }
 
 RC_GTEST_PROP(TransitionProperties, StopProducersFirstAndStartThemLast, (std::uint64_t seed)) {
-  // Without errors all wires of the current network are there.
+  // Without errors all connections of the current network are there.
   segue::testing::PairShape shape;
   shape.errors = false;
   NetworkPair pair = random_pair(seed, shape);
@@ -262,7 +263,7 @@ RC_GTEST_PROP(TransitionProperties, StopProducersFirstAndStartThemLast, (std::ui
   }
 }
 
-/// What prepare may not do: touch what runs.
+/// Prepare must not touch the running network.
 RC_GTEST_PROP(TransitionProperties, LeaveTheOldNetworkAloneInPrepare, (std::uint64_t seed)) {
   const NetworkPair pair = random_pair(seed);
   const Transition transition = solve(pair, Options{Order::Seamless, true, seed % 2 == 0});
@@ -281,8 +282,8 @@ RC_GTEST_PROP(TransitionProperties, LeaveTheOldNetworkAloneInPrepare, (std::uint
   }
 }
 
-/// In retire the new network runs already: tasks of the target are in their states, and whatever they read
-/// from others is as they have it.
+/// In retire the new network runs already: tasks of the target are in their states, and all their inputs are
+/// connected.
 RC_GTEST_PROP(TransitionProperties, OnlyTidyUpInRetire, (std::uint64_t seed)) {
   const Transition transition = solve(random_pair(seed), Order::Seamless);
   for (const Action& action : transition.actions) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "disturbed_transition.hpp"
 
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 
 #include <atomic>
 
@@ -10,7 +10,7 @@ namespace segue::testing {
 using runtime::Outcome;
 
 void DisturbedTransition::before_every_action(const std::string& what, const Disturb& disturb,
-                                              const Mend& mend, Duration action_deadline) {
+                                              const Restore& restore, Duration action_deadline) {
   std::size_t actions = 1;
   for (std::size_t i = 0; i < actions; ++i) {
     SCOPED_TRACE(what + " before action " + std::to_string(i));
@@ -26,7 +26,7 @@ void DisturbedTransition::before_every_action(const std::string& what, const Dis
     const auto result = try_switch(two_, action_deadline);
     life_->asking().ask(nullptr);
     expect_no_secret_mixture(result);
-    if (mend) mend();
+    if (restore) restore();
     recover_to(two_);
   }
   EXPECT_GT(actions, 10U);
@@ -37,10 +37,10 @@ void DisturbedTransition::expect_no_secret_mixture(const runtime::SwitchResult& 
   const bool done = result.outcome == Outcome::Done;
   const bool restored = result.undo && result.undo->restored;
   const auto& claimed = done ? two_ : one_;
-  // What could not be retired, and what is left of an attempt, stands beside.
+  // Parts that could not be retired and leftovers of an attempt are additional.
   const bool may_have_more = result.leftover || restored;
   const bool runs =
-      may_have_more ? runtime::detail::has_all_of(observed, claimed) : equivalent(observed, claimed);
+      may_have_more ? runtime::detail::includes(observed, claimed) : equivalent(observed, claimed);
   if ((done || restored) && runs) return;
   const bool told =
       !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;

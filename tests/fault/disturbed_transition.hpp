@@ -17,11 +17,11 @@ inline constexpr const char* kFlow =
     "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n"
     "  - {from: relay.out, to: sink.in, policy: buffer, size: 100}\n";
 
-/// A transition before each of whose actions in turn something happens to the robot.
+/// A transition that is repeated with a disturbance of the robot before each of its actions in turn.
 class DisturbedTransition : public DeployedRobotTest {
  protected:
-  /// The second network keeps the chain, reconfigures the relay, moves `extra` to another process and lays
-  /// more connections.
+  /// The second network keeps the chain, reconfigures the relay, moves `extra` to another process and adds
+  /// connections.
   const model::Network one_ = network("one", std::string(kRelay) + "  extra: {component: \"fault::Relay\"}\n",
                                       std::string(kWork) + "  old: {tasks: [extra]}\n",
                                       std::string(kFlow) + "  - beater.out -> extra.in\n");
@@ -33,14 +33,14 @@ class DisturbedTransition : public DeployedRobotTest {
               std::string(kFlow) + "  - beater.out -> extra.in\n  - extra.out -> sink.in\n");
 
   using Disturb = std::function<void(std::size_t action)>;
-  using Mend = std::function<void()>;
-  /// Goes from one to two, again and again, and disturbs it before the first action, the second ... Then it
-  /// is mended, and the robot must get to the second network.
-  void before_every_action(const std::string& what, const Disturb& disturb, const Mend& mend = {},
+  using Restore = std::function<void()>;
+  /// Switches from one to two repeatedly, with a disturbance before the first action, then the second ...
+  /// After `restore` the robot must reach the second network.
+  void before_every_action(const std::string& what, const Disturb& disturb, const Restore& restore = {},
                            Duration action_deadline = std::chrono::seconds(60));
 
  private:
-  /// The one, or the other, or the runtime says that it is neither.
+  /// Checks that the robot runs one of the two networks, or the runtime reports that it runs neither.
   void expect_no_secret_mixture(const runtime::SwitchResult& result);
 };
 

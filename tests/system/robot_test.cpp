@@ -220,7 +220,7 @@ TEST_F(RunningRobot, TheSameRobotTwiceIsRefused) {
   start();
   const auto second = segue({"run", "rover/robot.yaml"});
   EXPECT_EQ(second.status, 1);
-  EXPECT_TRUE(contains(second.errors, "a runtime has this robot already")) << second.errors;
+  EXPECT_TRUE(contains(second.errors, "another runtime controls this robot")) << second.errors;
   EXPECT_EQ(segue({"status"}).status, 0);
 }
 

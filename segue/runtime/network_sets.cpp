@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 
 #include <algorithm>
 #include <map>
@@ -26,7 +26,7 @@ std::map<model::DeploymentKey, std::size_t> places_of(const model::Network& netw
   return places;
 }
 
-/// Whatever makes a connection what it is.
+/// Equal for equal connections: both ports and the policy.
 std::string identity(const model::Connection& connection) {
   return to_string(connection);
 }
@@ -51,7 +51,7 @@ void add_placements(model::Deployment& deployment, const model::Deployment& othe
 
 }  // namespace
 
-model::Network together(model::Network first, const model::Network& second) {
+model::Network unite(model::Network first, const model::Network& second) {
   const auto ids = ids_of(first);
   for (const auto& task : second.tasks) {
     if (!ids.contains(task.id)) {
@@ -76,7 +76,7 @@ model::Network together(model::Network first, const model::Network& second) {
   return first;
 }
 
-model::Network without(const model::Network& all, const model::Network& part) {
+model::Network subtract(const model::Network& all, const model::Network& part) {
   model::Network rest;
   const auto ids = ids_of(part);
   std::set<model::TaskId> left;
@@ -104,9 +104,9 @@ model::Network without(const model::Network& all, const model::Network& part) {
   return rest;
 }
 
-bool has_all_of(const model::Network& all, const model::Network& part) {
-  // Together they are `all` again, unless something is missing or differs.
-  model::Network both = together(part, all);
+bool includes(const model::Network& all, const model::Network& part) {
+  // The union equals `all` unless `part` has something that `all` lacks or has in another form.
+  model::Network both = unite(part, all);
   both.name = all.name;
   return equivalent(both, all);
 }

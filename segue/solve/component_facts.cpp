@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/solve/live.hpp>
+#include <segue/solve/component_facts.hpp>
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@ namespace segue::solve::detail {
 
 namespace {
 
-/// Every entry of `a` that `b` lacks or has otherwise is a live property.
+/// Whether every entry of `a` that is missing or different in `b` is a live property.
 bool only_live_beyond(const type::ValueMap& a, const type::Value& b, const model::ComponentModel& model) {
   return std::all_of(a.begin(), a.end(), [&](const type::ValueMap::Entry& entry) {
     const type::Value* other = b.find(entry.first);

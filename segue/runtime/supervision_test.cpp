@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the runtime does by itself: repairs, look-ahead, tidying up.
+// Repairs, look-ahead and removal of leftovers, which the runtime does without a request.
+#include <segue/runtime/supervision.hpp>
 #include <segue/runtime/test_support.hpp>
-#include <segue/runtime/watch.hpp>
 
 #include <gmock/gmock.h>
 
@@ -13,55 +13,56 @@ namespace segue::runtime {
 namespace {
 
 using namespace std::chrono_literals;
-using detail::Ailment;
-using detail::Watch;
+using detail::DetectedFault;
+using detail::RepairScheduler;
 using model::FailurePolicy;
 using testing::network_of;
 using testing::why;
 
-Ailment ailment(const char* task, FailurePolicy policy, bool needs_process = false) {
-  return {model::TaskId(task), policy, "is ill", needs_process};
+DetectedFault fault(const char* task, FailurePolicy policy, bool needs_process = false) {
+  return {model::TaskId(task), policy, "is faulty", needs_process};
 }
 
-TEST(WatchTest, waits_longer_each_time_and_gives_up) {
-  Watch watch({.max = 3, .backoff = 100ms});
+TEST(RepairSchedulerTest, waits_longer_each_time_and_gives_up) {
+  RepairScheduler repairs({.max = 3, .backoff = 100ms});
   const TimePoint start = RealClock::instance().now();
-  const std::vector ill{ailment("a", FailurePolicy::Restart)};
-  EXPECT_TRUE(watch.judge(ill, start).empty()) << "the first attempt waits, too";
-  EXPECT_EQ(watch.next(), start + 100ms);
+  const std::vector faults{fault("a", FailurePolicy::Restart)};
+  EXPECT_TRUE(repairs.decide(faults, start).empty()) << "the first attempt waits as well";
+  EXPECT_EQ(repairs.next(), start + 100ms);
   for (const auto at : {100ms, 300ms, 700ms}) {
-    EXPECT_TRUE(watch.judge(ill, start + at - 1ms).empty());
-    EXPECT_EQ(watch.judge(ill, start + at).repair.size(), 1U);
+    EXPECT_TRUE(repairs.decide(faults, start + at - 1ms).empty());
+    EXPECT_EQ(repairs.decide(faults, start + at).repair.size(), 1U);
   }
-  const auto last = watch.judge(ill, start + 1500ms);
+  const auto last = repairs.decide(faults, start + 1500ms);
   EXPECT_EQ(last.given_up.size(), 1U);
-  EXPECT_EQ(watch.attempts(ill.front()), 3);
-  EXPECT_TRUE(watch.judge(ill, start + 1h).empty() || !watch.judge(ill, start + 1h).repair.empty());
-  EXPECT_FALSE(watch.next() && *watch.next() < start + 1500ms);
+  EXPECT_EQ(repairs.attempts(faults.front()), 3);
+  EXPECT_TRUE(repairs.decide(faults, start + 1h).empty() ||
+              !repairs.decide(faults, start + 1h).repair.empty());
+  EXPECT_FALSE(repairs.next() && *repairs.next() < start + 1500ms);
 }
 
-TEST(WatchTest, starts_anew_for_what_was_well_for_long) {
-  Watch watch({.max = 1, .backoff = 1ms});
+TEST(RepairSchedulerTest, forgets_attempts_after_a_long_time_without_fault) {
+  RepairScheduler repairs({.max = 1, .backoff = 1ms});
   const TimePoint start = RealClock::instance().now();
-  const std::vector ill{ailment("a", FailurePolicy::Restart)};
-  watch.judge(ill, start);
-  EXPECT_EQ(watch.judge(ill, start + 1s).repair.size(), 1U);
-  EXPECT_EQ(watch.judge(ill, start + 2s).given_up.size(), 1U);
-  EXPECT_TRUE(watch.judge({}, start + 3s).empty());
-  EXPECT_TRUE(watch.judge(ill, start + 4s).empty()) << "still given up";
-  EXPECT_TRUE(watch.judge({}, start + 30s).empty());
-  watch.judge(ill, start + 31s);
-  EXPECT_EQ(watch.judge(ill, start + 32s).repair.size(), 1U);
+  const std::vector faults{fault("a", FailurePolicy::Restart)};
+  repairs.decide(faults, start);
+  EXPECT_EQ(repairs.decide(faults, start + 1s).repair.size(), 1U);
+  EXPECT_EQ(repairs.decide(faults, start + 2s).given_up.size(), 1U);
+  EXPECT_TRUE(repairs.decide({}, start + 3s).empty());
+  EXPECT_TRUE(repairs.decide(faults, start + 4s).empty()) << "still given up";
+  EXPECT_TRUE(repairs.decide({}, start + 30s).empty());
+  repairs.decide(faults, start + 31s);
+  EXPECT_EQ(repairs.decide(faults, start + 32s).repair.size(), 1U);
 }
 
-TEST(WatchTest, each_policy_does_what_it_says) {
-  Watch watch({.max = 3, .backoff = 0ms});
+TEST(RepairSchedulerTest, follows_the_failure_policy) {
+  RepairScheduler repairs({.max = 3, .backoff = 0ms});
   const TimePoint start = RealClock::instance().now();
-  EXPECT_TRUE(watch.judge({ailment("a", FailurePolicy::Report)}, start).empty());
-  EXPECT_TRUE(watch.judge({ailment("b", FailurePolicy::Fallback)}, start).fallback);
-  EXPECT_EQ(watch.judge({ailment("c", FailurePolicy::Recover)}, start).repair.size(), 1U);
-  EXPECT_EQ(watch.judge({ailment("d", FailurePolicy::Recover, true)}, start).given_up.size(), 1U);
-  EXPECT_EQ(watch.judge({ailment("e", FailurePolicy::Restart, true)}, start).repair.size(), 1U);
+  EXPECT_TRUE(repairs.decide({fault("a", FailurePolicy::Report)}, start).empty());
+  EXPECT_TRUE(repairs.decide({fault("b", FailurePolicy::Fallback)}, start).fallback);
+  EXPECT_EQ(repairs.decide({fault("c", FailurePolicy::Recover)}, start).repair.size(), 1U);
+  EXPECT_EQ(repairs.decide({fault("d", FailurePolicy::Recover, true)}, start).given_up.size(), 1U);
+  EXPECT_EQ(repairs.decide({fault("e", FailurePolicy::Restart, true)}, start).repair.size(), 1U);
 }
 
 constexpr const char* kWatched = R"(
@@ -77,13 +78,13 @@ connections:
   - b.out -> c.in
 )";
 
-TEST(Ailments, are_tasks_processes_and_lost_connections) {
+TEST(Faults, are_tasks_processes_and_lost_connections) {
   const auto wanted = network_of(kWatched);
-  EXPECT_THAT(detail::ailments(wanted, wanted, FailurePolicy::Report), ::testing::IsEmpty());
+  EXPECT_THAT(detail::find_faults(wanted, wanted, FailurePolicy::Report), ::testing::IsEmpty());
   auto ill = wanted;
   ill.find_task(model::TaskId("a"))->state = TaskState::Fatal;
   ill.connections.pop_back();
-  auto found = detail::ailments(wanted, ill, FailurePolicy::Fallback);
+  auto found = detail::find_faults(wanted, ill, FailurePolicy::Fallback);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].name(), "task 'a'");
   EXPECT_TRUE(found[0].needs_process);
@@ -94,8 +95,8 @@ TEST(Ailments, are_tasks_processes_and_lost_connections) {
   gone.deployments.clear();
   std::erase_if(gone.tasks, [](const auto& task) { return task.id == model::TaskId("b"); });
   gone.connections.clear();
-  found = detail::ailments(wanted, gone, FailurePolicy::Report);
-  ASSERT_EQ(found.size(), 1U) << "the process, not what was in it";
+  found = detail::find_faults(wanted, gone, FailurePolicy::Report);
+  ASSERT_EQ(found.size(), 1U) << "the process instead of its tasks";
   EXPECT_EQ(found[0].name(), "process 'localhost/p'");
   EXPECT_EQ(found[0].policy, FailurePolicy::Recover);
 }
@@ -129,25 +130,25 @@ model::Network failing(const char* policy) {
                     policy + ", properties: {stand_in: {rate: 1000, fail: [update]}}}\n");
 }
 
-TEST(Care, repairs_a_task_as_often_as_its_policy_permits) {
+TEST(Supervision, repairs_a_task_as_often_as_its_policy_permits) {
   testing::StandInRobot robot(quick(3));
   ASSERT_EQ(robot.runtime.switch_to(failing("recover")).outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::GivenUp) == 1; }));
   EXPECT_EQ(count(robot.runtime, EventKind::Repair), 3U);
   EXPECT_EQ(robot.runtime.history().size(), 4U);
   EXPECT_EQ(robot.runtime.history().back().cause, Cause::Repair);
-  EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and says that it does not run";
+  EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and the drift is reported";
 }
 
-TEST(Care, reports_where_it_is_to_report) {
+TEST(Supervision, only_reports_with_policy_report) {
   testing::StandInRobot robot(quick(3));
   ASSERT_EQ(robot.runtime.switch_to(failing("report")).outcome, Outcome::Done);
   EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::Difference) > 0; }));
-  EXPECT_EQ(count(robot.runtime, EventKind::Difference), 1U) << "once, as long as it lasts";
+  EXPECT_EQ(count(robot.runtime, EventKind::Difference), 1U) << "reported once for as long as it lasts";
   EXPECT_EQ(robot.runtime.history().size(), 1U);
 }
 
-TEST(Care, falls_back) {
+TEST(Supervision, falls_back) {
   testing::StandInRobot robot(quick(3));
   const auto safe = network_of("network: safe\ntasks: {brake: {component: a::Brake}}\n");
   ASSERT_FALSE(robot.runtime.add_controller(safe).has_errors());
@@ -205,7 +206,7 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
   EXPECT_EQ(ready[0].prepared, 3U);
   EXPECT_EQ(runtime_.belief().name, drive_.name);
   EXPECT_THAT(differences(drive_, runtime_.belief()), ::testing::IsEmpty());
-  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << "what stands beside is wanted there";
+  EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << "standby tasks are no drift";
   EXPECT_EQ(robot_.host.observe().tasks.size(), 4U);
 
   const auto docked = runtime_.switch_to(dock_.name);
@@ -221,10 +222,10 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
 
   prepare({});
   EXPECT_TRUE(eventually([&] { return differences(drive_, robot_.host.observe()).empty(); }))
-      << "nothing is kept any more";
+      << "standby has ended";
 }
 
-TEST_F(LookAheadTest, the_budget_and_unknown_names_are_told) {
+TEST_F(LookAheadTest, reports_an_exceeded_budget_and_unknown_names) {
   testing::StandInRobot robot(
       RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}, .journal = {}});
   for (const auto& network : {drive_, dock_}) {
@@ -257,19 +258,19 @@ TEST_F(LookAheadTest, as_many_processes_of_a_controller_are_prepared_as_the_budg
   ASSERT_EQ(ready.size(), 1U);
   EXPECT_FALSE(ready[0].ready);
   EXPECT_EQ(ready[0].prepared, 2U) << "base, which runs, and camera";
-  EXPECT_THAT(ready[0].reason, ::testing::HasSubstr("1 of its 2 processes are beyond the budget"));
+  EXPECT_THAT(ready[0].reason, ::testing::HasSubstr("1 of its 2 processes exceed the budget"));
   EXPECT_NE(robot.host.observe().find_task(model::TaskId("camera")), nullptr);
   EXPECT_EQ(robot.host.observe().find_task(model::TaskId("servo")), nullptr);
   const auto docked = robot.runtime.switch_to(wide.name);
   ASSERT_EQ(docked.outcome, Outcome::Done) << why(docked);
   for (const auto& record : docked.actions) {
-    const bool made_again =
+    const bool created_again =
         record.action.kind == model::ActionKind::Configure && record.action.task()->str() == "camera";
-    EXPECT_FALSE(made_again) << "it was ready";
+    EXPECT_FALSE(created_again) << "it was ready";
   }
 }
 
-TEST_F(LookAheadTest, a_failure_in_preparing_disturbs_nobody) {
+TEST_F(LookAheadTest, a_failed_preparation_leaves_the_running_controller_alone) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   robot_.asking.ask([](const model::Action& action) -> Result<void> {
     const bool fails = action.kind == model::ActionKind::Configure;
@@ -285,7 +286,7 @@ TEST_F(LookAheadTest, a_failure_in_preparing_disturbs_nobody) {
   EXPECT_EQ(runtime_.switch_to(dock_.name).outcome, Outcome::Done);
 }
 
-TEST_F(LookAheadTest, what_a_superseded_request_prepared_is_tidied_up) {
+TEST_F(LookAheadTest, removes_the_leftovers_of_a_superseded_request) {
   ASSERT_EQ(runtime_.switch_to(drive_.name).outcome, Outcome::Done);
   std::promise<void> entered;
   std::promise<void> go;

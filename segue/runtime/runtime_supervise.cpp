@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/runtime/beside.hpp>
+#include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <unistd.h>
@@ -11,17 +11,17 @@
 
 namespace segue::runtime {
 
-using detail::Ailment;
+using detail::DetectedFault;
 using detail::Observation;
-using detail::Plan;
-using detail::shown;
+using detail::quoted_name;
+using detail::SwitchPlan;
 
 namespace {
 
-/// For each action of what nobody waits for.
+/// Deadline of each action of a transition that was not requested.
 constexpr Duration kActionDeadline = std::chrono::seconds(30);
 
-/// What a process holds in memory at the moment, in bytes; 0: it is not there.
+/// Resident memory of a process in bytes; 0 if there is no such process.
 std::uint64_t resident(int pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
   std::uint64_t size = 0;
@@ -41,28 +41,28 @@ detail::MemoryOf memory_of(const host::TaskHost& host) {
   };
 }
 
-solve::RepairScope scope_of(const std::vector<Ailment>& ailing) {
+solve::RepairScope scope_of(const std::vector<DetectedFault>& faults) {
   solve::RepairScope scope;
-  for (const auto& ailment : ailing) {
-    if (const auto* task = std::get_if<model::TaskId>(&ailment.subject)) {
+  for (const auto& fault : faults) {
+    if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
       scope.tasks.push_back(*task);
     } else {
-      scope.processes.push_back(std::get<model::DeploymentKey>(ailment.subject));
+      scope.processes.push_back(std::get<model::DeploymentKey>(fault.subject));
     }
   }
   return scope;
 }
 
-std::string names_of(const std::vector<Ailment>& ailing) {
+std::string names_of(const std::vector<DetectedFault>& faults) {
   std::vector<std::string> names;
-  for (const auto& ailment : ailing) {
-    names.push_back(ailment.name() + " " + ailment.symptom);
+  for (const auto& fault : faults) {
+    names.push_back(fault.name() + " " + fault.symptom);
   }
   return listed(names);
 }
 
-/// Nobody asked for it.
-SwitchResult unasked(Cause cause, const model::NetworkName& from, const model::NetworkName& to) {
+/// The result of a transition that was not requested, before it is executed.
+SwitchResult unrequested_result(Cause cause, const model::NetworkName& from, const model::NetworkName& to) {
   SwitchResult result;
   result.cause = cause;
   result.who = "runtime";
@@ -74,9 +74,9 @@ SwitchResult unasked(Cause cause, const model::NetworkName& from, const model::N
 
 }  // namespace
 
-TimePoint Runtime::Implementation::next_care() const {
-  TimePoint next = next_look;
-  for (const auto* one : {&watch, &tidying}) {
+TimePoint Runtime::Implementation::next_supervision() const {
+  TimePoint next = next_observation;
+  for (const auto* one : {&repairs, &leftover_repairs}) {
     if (const auto due = one->next()) {
       next = std::min(next, *due);
     }
@@ -84,20 +84,20 @@ TimePoint Runtime::Implementation::next_care() const {
   return next;
 }
 
-void Runtime::Implementation::care() {
-  const Observation seen = belief.look();
-  next_look = RealClock::instance().now() + options.policies.watch;
-  if (belief.is_given()) {
+void Runtime::Implementation::supervise() {
+  const Observation seen = belief.observe();
+  next_observation = RealClock::instance().now() + options.policies.watch;
+  if (belief.is_assumed()) {
     return;
   }
   const auto held = belief.held();
-  if (!belief.renew(detail::split(seen.network, held.controller, held.wanted), seen)) {
-    note_news();  // somebody said meanwhile what is to be believed
+  if (!belief.refresh(detail::split_observation(seen.network, held.controller, held.wanted), seen)) {
+    wake_worker();  // the belief was replaced meanwhile: supervise again with a new snapshot
     return;
   }
   note_differences(seen.network);
-  repair(seen);
-  tidy(seen);
+  handle_faults(seen);
+  collect_leftovers(seen);
   bool due = false;
   {
     const std::lock_guard lock(mutex);
@@ -108,31 +108,31 @@ void Runtime::Implementation::care() {
   }
 }
 
-void Runtime::Implementation::repair(const Observation& seen) {
+void Runtime::Implementation::handle_faults(const Observation& seen) {
   const auto held = belief.held();
   if (!held.wanted) {
     return;
   }
-  const auto ailing = detail::ailments(*held.wanted, seen.network, options.policies.on_failure);
-  const auto verdict = watch.judge(ailing, RealClock::instance().now());
-  tell_given_up(verdict.given_up);
-  if (verdict.fallback) {
+  const auto faults = detail::find_faults(*held.wanted, seen.network, options.policies.on_failure);
+  const auto decision = repairs.decide(faults, RealClock::instance().now());
+  report_given_up(decision.given_up);
+  if (decision.fallback) {
     fall_back(seen);
-  } else if (!verdict.repair.empty()) {
-    log.add(EventKind::Repair, held.controller.name.str(), names_of(verdict.repair));
-    for (const auto& ailment : verdict.repair) {
-      journal.differs(ailment.name(), ailment.name() + " " + ailment.symptom, "repaired");
+  } else if (!decision.repair.empty()) {
+    log.add(EventKind::Repair, held.controller.name.str(), names_of(decision.repair));
+    for (const auto& fault : decision.repair) {
+      journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
     }
-    mend(Cause::Repair, seen, scope_of(verdict.repair));
+    repair(Cause::Repair, seen, scope_of(decision.repair));
   }
 }
 
-void Runtime::Implementation::tell_given_up(const std::vector<Ailment>& ailing) {
-  for (const auto& ailment : ailing) {
-    const int attempts = watch.attempts(ailment);
-    journal.differs(ailment.name(), ailment.name() + " " + ailment.symptom, "given up");
-    log.add(EventKind::GivenUp, ailment.name(),
-            ailment.symptom +
+void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& faults) {
+  for (const auto& fault : faults) {
+    const int attempts = repairs.attempts(fault);
+    journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "given up");
+    log.add(EventKind::GivenUp, fault.name(),
+            fault.symptom +
                 (attempts == 0 ? ", and only a new process would help, which its policy 'recover' excludes"
                                : " still, after " + std::to_string(attempts) + " attempts") +
                 "; the next request tries again");
@@ -143,7 +143,7 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
   const auto held = belief.held();
   const auto fallback = options.fallback ? known(*options.fallback) : std::nullopt;
   if (!fallback || fallback->name == held.controller.name) {
-    return;  // its differences are told
+    return;  // its differences have been reported
   }
   const auto plan = detail::plan_network(seen.network, *fallback, {}, host, catalog,
                                          detail::solve_options(host, model::Order::Seamless, false));
@@ -151,35 +151,35 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
     log.add(EventKind::TransitionFailed, fallback->name.str(), to_string(plan.error().error));
     return;
   }
-  by_itself([&](RuntimeState) {
-    SwitchResult result = unasked(Cause::Fallback, held.controller.name, fallback->name);
+  run_if_idle([&](RuntimeState) {
+    SwitchResult result = unrequested_result(Cause::Fallback, held.controller.name, fallback->name);
     carry_out(seen.network, *plan, kActionDeadline, result);
     remember(result);
     return result.outcome == Outcome::Failed ? RuntimeState::Failed : RuntimeState::Idle;
   });
 }
 
-/// What stands beside and nobody wants there: what could not be retired, what a superseded request prepared.
-void Runtime::Implementation::tidy(const Observation& seen) {
-  const model::Network left = detail::without(belief.held().beside, warm);
-  std::vector<Ailment> ailing;
+/// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
+void Runtime::Implementation::collect_leftovers(const Observation& seen) {
+  const model::Network left = detail::subtract(belief.held().extra, standby);
+  std::vector<DetectedFault> faults;
   for (const auto& task : left.tasks) {
-    ailing.push_back({task.id, model::FailurePolicy::Restart, "was left over", false});
+    faults.push_back({task.id, model::FailurePolicy::Restart, "was left over", false});
   }
   for (const auto& deployment : left.deployments) {
-    ailing.push_back({deployment.key(), model::FailurePolicy::Restart, "was left over", true});
+    faults.push_back({deployment.key(), model::FailurePolicy::Restart, "was left over", true});
   }
-  const auto verdict = tidying.judge(ailing, RealClock::instance().now());
-  if (!verdict.repair.empty()) {
-    mend(Cause::Tidy, seen, scope_of(verdict.repair));
+  const auto decision = leftover_repairs.decide(faults, RealClock::instance().now());
+  if (!decision.repair.empty()) {
+    repair(Cause::Collect, seen, scope_of(decision.repair));
   }
 }
 
-void Runtime::Implementation::mend(Cause cause, const Observation& seen, const solve::RepairScope& scope) {
+void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope) {
   const auto held = belief.held();
-  Plan plan;
+  SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
-  plan.target = detail::together(plan.controller, warm);
+  plan.target = detail::unite(plan.controller, standby);
   auto transition = solve::repair(seen.network, plan.target, catalog,
                                   detail::solve_options(host, model::Order::Seamless, false), scope);
   if (!transition) {
@@ -190,18 +190,18 @@ void Runtime::Implementation::mend(Cause cause, const Observation& seen, const s
     return;
   }
   plan.transition = std::move(*transition);
-  by_itself([&](RuntimeState before) {
-    SwitchResult result = unasked(cause, held.controller.name, plan.controller.name);
+  run_if_idle([&](RuntimeState before) {
+    SwitchResult result = unrequested_result(cause, held.controller.name, plan.controller.name);
     carry_out(seen.network, plan, kActionDeadline, result);
     remember(result);
     return before;
   });
 }
 
-std::vector<detail::Wish> Runtime::Implementation::known_wishes() const {
+std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_requests() const {
   const std::lock_guard lock(mutex);
-  std::vector<detail::Wish> all;
-  for (const auto& wanted : wishes) {
+  std::vector<detail::PrepareRequest> all;
+  for (const auto& wanted : requests_to_prepare) {
     const auto found = controllers.find(wanted);
     all.push_back({wanted, found == controllers.end() ? std::nullopt : std::optional(found->second)});
   }
@@ -209,7 +209,7 @@ std::vector<detail::Wish> Runtime::Implementation::known_wishes() const {
 }
 
 detail::LookAheadPlan Runtime::Implementation::plan_ahead(const model::Network& controller) const {
-  const auto all = known_wishes();
+  const auto all = known_prepare_requests();
   if (all.empty()) {
     return {};
   }
@@ -218,22 +218,22 @@ detail::LookAheadPlan Runtime::Implementation::plan_ahead(const model::Network& 
 
 void Runtime::Implementation::look_ahead() {
   const auto held = belief.held();
-  Plan plan;
+  SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
   auto ahead = plan_ahead(plan.controller);
-  plan.target = detail::together(plan.controller, ahead.beside);
+  plan.target = detail::unite(plan.controller, ahead.standby);
   const Observation seen = belief.starting_point();
   auto transition = solve::diff(seen.network, plan.target, catalog,
                                 detail::solve_options(host, model::Order::Seamless, false));
-  // Nothing that runs is touched for the sake of what may come.
+  // Look-ahead must not touch the running controller: no action of the commit phase is allowed.
   const bool harmless = transition && std::none_of(transition->actions.begin(), transition->actions.end(),
                                                    [](const model::Action& action) {
                                                      return action.phase == model::Phase::Commit;
                                                    });
   if (harmless && !transition->actions.empty()) {
     plan.transition = std::move(*transition);
-    by_itself([&](RuntimeState before) {
-      SwitchResult result = unasked(Cause::LookAhead, held.controller.name, plan.controller.name);
+    run_if_idle([&](RuntimeState before) {
+      SwitchResult result = unrequested_result(Cause::LookAhead, held.controller.name, plan.controller.name);
       carry_out(seen.network, plan, kActionDeadline, result);
       for (auto& one : ahead.readiness) {
         if (result.outcome != Outcome::Done) {
@@ -247,24 +247,24 @@ void Runtime::Implementation::look_ahead() {
     });
   } else if (!harmless) {
     for (auto& one : ahead.readiness) {
-      one = {one.controller, false, 0, one.tasks, "what runs is not as it should be"};
+      one = {one.controller, false, 0, one.tasks, "the running network has drifted from its controller"};
     }
   }
-  answer_wish(std::move(ahead.readiness));
+  answer_prepare(std::move(ahead.readiness));
 }
 
-std::future<std::vector<Readiness>> Runtime::Implementation::wish(std::vector<model::NetworkName> wanted) {
+std::future<std::vector<Readiness>> Runtime::Implementation::prepare(std::vector<model::NetworkName> wanted) {
   std::optional<std::promise<std::vector<Readiness>>> older;
   std::future<std::vector<Readiness>> future;
   std::vector<Readiness> last;
   {
     const std::lock_guard lock(mutex);
-    older.swap(wish_waiting);
-    wishes = std::move(wanted);
-    wish_waiting.emplace();
-    future = wish_waiting->get_future();
+    older.swap(prepare_waiting);
+    requests_to_prepare = std::move(wanted);
+    prepare_waiting.emplace();
+    future = prepare_waiting->get_future();
     look_ahead_due = true;
-    news = true;
+    wake_requested = true;
     last = readiness;
   }
   wake.notify_all();
@@ -274,12 +274,12 @@ std::future<std::vector<Readiness>> Runtime::Implementation::wish(std::vector<mo
   return future;
 }
 
-void Runtime::Implementation::answer_wish(std::vector<Readiness> answer) {
+void Runtime::Implementation::answer_prepare(std::vector<Readiness> answer) {
   std::optional<std::promise<std::vector<Readiness>>> asked;
   {
     const std::lock_guard lock(mutex);
     readiness = answer;
-    asked.swap(wish_waiting);
+    asked.swap(prepare_waiting);
   }
   for (const auto& one : answer) {
     log.add(EventKind::Prepared, one.controller.str(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/watch.hpp>
+#include <segue/runtime/supervision.hpp>
 
 #include <segue/base/text.hpp>
 
@@ -12,13 +12,13 @@ namespace {
 
 using model::FailurePolicy;
 
-/// A subject that has been well for this long, or for many back-offs, starts anew.
-constexpr Duration kWell = std::chrono::seconds(10);
+/// A subject without a fault for this long, and for twice its back-off, starts again at its first attempt.
+constexpr Duration kRecoveredAfter = std::chrono::seconds(10);
 constexpr Duration kLongestBackoff = std::chrono::minutes(5);
 
-class Examination {
+class FaultFinder {
  public:
-  Examination(const model::Network& wanted, const model::Network& observed, FailurePolicy otherwise)
+  FaultFinder(const model::Network& wanted, const model::Network& observed, FailurePolicy otherwise)
       : wanted_(wanted), observed_(observed), otherwise_(otherwise) {
     for (const auto& deployment : wanted.deployments) {
       for (const auto& placement : deployment.tasks) {
@@ -33,19 +33,19 @@ class Examination {
     }
   }
 
-  std::vector<Ailment> take() {
+  std::vector<DetectedFault> take() {
     for (const auto& deployment : wanted_.deployments) {
-      look_at(deployment);
+      check(deployment);
     }
     for (const auto& task : wanted_.tasks) {
-      look_at(task);
+      check(task);
     }
-    look_at_connections();
+    check_connections();
     return std::move(found_);
   }
 
  private:
-  void look_at(const model::Deployment& deployment) {
+  void check(const model::Deployment& deployment) {
     const auto found = processes_.find(deployment.key());
     if (found != processes_.end() && found->second->same_process(deployment)) {
       return;
@@ -58,7 +58,7 @@ class Examination {
     }
   }
 
-  void look_at(const model::Task& task) {
+  void check(const model::Task& task) {
     if (covered_.contains(task.id)) {
       return;
     }
@@ -71,8 +71,8 @@ class Examination {
     }
   }
 
-  /// A missing connection is its reader's ailment, unless an end of it ails anyway.
-  void look_at_connections() {
+  /// A missing connection counts as a fault of its reader, unless one of its two tasks has a fault already.
+  void check_connections() {
     std::set<std::string> there;
     for (const auto& connection : observed_.connections) {
       there.insert(to_string(connection));
@@ -104,24 +104,24 @@ class Examination {
   std::map<model::TaskId, const model::Task*> tasks_;
   std::map<model::DeploymentKey, const model::Deployment*> processes_;
   std::set<model::TaskId> covered_;
-  std::vector<Ailment> found_;
+  std::vector<DetectedFault> found_;
 };
 
 }  // namespace
 
-std::string Ailment::name() const {
+std::string DetectedFault::name() const {
   if (const auto* task = std::get_if<model::TaskId>(&subject)) {
     return "task " + quote(task->str());
   }
   return "process " + quote(to_string(std::get<model::DeploymentKey>(subject)));
 }
 
-std::vector<Ailment> ailments(const model::Network& wanted, const model::Network& observed,
-                              model::FailurePolicy otherwise) {
-  return Examination(wanted, observed, otherwise).take();
+std::vector<DetectedFault> find_faults(const model::Network& wanted, const model::Network& observed,
+                                       model::FailurePolicy otherwise) {
+  return FaultFinder(wanted, observed, otherwise).take();
 }
 
-Duration Watch::backoff(int attempts) const {
+Duration RepairScheduler::backoff(int attempts) const {
   Duration wait = restart_.backoff;
   for (int i = 0; i < attempts && wait < kLongestBackoff; ++i) {
     wait *= 2;
@@ -129,15 +129,15 @@ Duration Watch::backoff(int attempts) const {
   return std::min(wait, kLongestBackoff);
 }
 
-void Watch::close_healed(TimePoint now) {
+void RepairScheduler::forget_recovered(TimePoint now) {
   std::erase_if(cases_, [&](const auto& entry) {
     const Case& one = entry.second;
-    return now - one.last_seen > std::max(kWell, backoff(one.attempts) * 2);
+    return now - one.last_seen > std::max(kRecoveredAfter, backoff(one.attempts) * 2);
   });
 }
 
-void Watch::consider(const Ailment& ailment, TimePoint now, Verdict& verdict) {
-  const auto [entry, is_new] = cases_.try_emplace(ailment.name());
+void RepairScheduler::consider(const DetectedFault& fault, TimePoint now, Decision& decision) {
+  const auto [entry, is_new] = cases_.try_emplace(fault.name());
   Case& one = entry->second;
   one.last_seen = now;
   if (is_new) {
@@ -146,31 +146,31 @@ void Watch::consider(const Ailment& ailment, TimePoint now, Verdict& verdict) {
   if (one.given_up) {
     return;
   }
-  const bool hopeless = ailment.policy == FailurePolicy::Recover && ailment.needs_process;
+  const bool hopeless = fault.policy == FailurePolicy::Recover && fault.needs_process;
   if (hopeless || one.attempts >= restart_.max) {
     one.given_up = true;
-    verdict.given_up.push_back(ailment);
+    decision.given_up.push_back(fault);
   } else if (now >= one.next) {
     ++one.attempts;
     one.next = now + backoff(one.attempts);
-    verdict.repair.push_back(ailment);
+    decision.repair.push_back(fault);
   }
 }
 
-Watch::Verdict Watch::judge(const std::vector<Ailment>& ailing, TimePoint now) {
-  Verdict verdict;
-  close_healed(now);
-  for (const auto& ailment : ailing) {
-    if (ailment.policy == FailurePolicy::Fallback) {
-      verdict.fallback = true;
-    } else if (ailment.policy != FailurePolicy::Report) {
-      consider(ailment, now, verdict);
+RepairScheduler::Decision RepairScheduler::decide(const std::vector<DetectedFault>& faults, TimePoint now) {
+  Decision decision;
+  forget_recovered(now);
+  for (const auto& fault : faults) {
+    if (fault.policy == FailurePolicy::Fallback) {
+      decision.fallback = true;
+    } else if (fault.policy != FailurePolicy::Report) {
+      consider(fault, now, decision);
     }
   }
-  return verdict;
+  return decision;
 }
 
-std::optional<TimePoint> Watch::next() const {
+std::optional<TimePoint> RepairScheduler::next() const {
   std::optional<TimePoint> first;
   for (const auto& [name, one] : cases_) {
     if (!one.given_up && (!first || one.next < *first)) {
@@ -180,8 +180,8 @@ std::optional<TimePoint> Watch::next() const {
   return first;
 }
 
-int Watch::attempts(const Ailment& ailment) const {
-  const auto found = cases_.find(ailment.name());
+int RepairScheduler::attempts(const DetectedFault& fault) const {
+  const auto found = cases_.find(fault.name());
   return found == cases_.end() ? 0 : found->second.attempts;
 }
 

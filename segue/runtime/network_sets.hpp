@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/network.hpp>
+
+/// Set operations on networks. A robot runs the union of its controller, standby tasks of other controllers
+/// and leftovers of earlier ones. Linear in the size of the networks.
+namespace segue::runtime::detail {
+
+/// Union: all of `first`, plus those parts of `second` that it lacks. Tasks are compared by id, processes by
+/// key (the placements of both are merged), connections by value. Keeps the name of `first`.
+model::Network unite(model::Network first, const model::Network& second);
+
+/// Difference: the parts of `all` that are not in `part`, compared as in unite(). A process that is in both
+/// is kept only with the placements of remaining tasks. The result has no name.
+model::Network subtract(const model::Network& all, const model::Network& part);
+
+/// Whether every part of `part` is in `all`, with equal definition and state.
+bool includes(const model::Network& all, const model::Network& part);
+
+}  // namespace segue::runtime::detail

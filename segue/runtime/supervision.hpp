@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/model/network.hpp>
+#include <segue/model/robot.hpp>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// Detects failed parts of the running controller and decides when to repair them. Pure: no threads, no host.
+namespace segue::runtime::detail {
+
+/// A task or process that is not in the state that the controller requires.
+struct DetectedFault {
+  std::variant<model::TaskId, model::DeploymentKey> subject;
+  model::FailurePolicy policy = model::FailurePolicy::Report;
+  std::string symptom;         ///< "is in exception"
+  bool needs_process = false;  ///< only a new process can repair it
+
+  [[nodiscard]] std::string name() const;  ///< "task 'slam'"
+};
+
+/// Tasks and processes of `wanted` that are missing in `observed` or in another state, and the readers of
+/// missing connections. Each task is listed once; a missing process is listed instead of its tasks.
+/// Properties are not compared, since users may set them. `otherwise` is the policy where the network names
+/// none.
+std::vector<DetectedFault> find_faults(const model::Network& wanted, const model::Network& observed,
+                                       model::FailurePolicy otherwise);
+
+/// Schedules repair attempts with exponential back-off and a limit on their number. Not thread safe.
+class RepairScheduler {
+ public:
+  explicit RepairScheduler(model::RestartPolicy restart) : restart_(restart) {}
+
+  struct Decision {
+    std::vector<DetectedFault> repair;    ///< to be repaired now
+    std::vector<DetectedFault> given_up;  ///< first time that no attempt is left
+    bool fallback = false;                ///< to be switched to now
+    [[nodiscard]] bool empty() const { return repair.empty() && given_up.empty() && !fallback; }
+  };
+  /// Takes all present faults. Each one that is returned in `repair` counts as an attempt.
+  Decision decide(const std::vector<DetectedFault>& faults, TimePoint now);
+  /// When the next attempt is due; nothing if none is pending.
+  [[nodiscard]] std::optional<TimePoint> next() const;
+  /// The number of repair attempts for the fault's subject.
+  [[nodiscard]] int attempts(const DetectedFault& fault) const;
+  /// Forgets all attempts, for another controller.
+  void reset() { cases_.clear(); }
+
+ private:
+  struct Case {
+    int attempts = 0;
+    TimePoint next;
+    TimePoint last_seen;
+    bool given_up = false;
+  };
+
+  void forget_recovered(TimePoint now);
+  void consider(const DetectedFault& fault, TimePoint now, Decision& decision);
+  [[nodiscard]] Duration backoff(int attempts) const;
+
+  const model::RestartPolicy restart_;
+  std::map<std::string, Case> cases_;  ///< by name
+};
+
+}  // namespace segue::runtime::detail
