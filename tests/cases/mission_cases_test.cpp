@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-/// Runs tests/cases/mission/check/*.yaml; README.md there tells the format. A new case needs no C++.
+/// Runs tests/cases/mission/check/*.yaml; README.md there describes the format. A new case needs no C++.
 namespace segue::mission {
 namespace {
 

@@ -20,7 +20,7 @@
 #include <utility>
 
 /// Runs tests/cases/mission/run/*.yaml in virtual time, as they are written and concurrently; README.md there
-/// tells the format. A new case needs no C++.
+/// describes the format. A new case needs no C++.
 namespace segue::mission {
 namespace {
 
@@ -33,12 +33,12 @@ std::string json(const Value& value) {
   return type::to_json(value, -1);
 }
 
-/// An execution of a case: its run, and what its callbacks have noted.
+/// An execution of a case: its run, and the notes of its callbacks.
 class Trial {
  public:
   explicit Trial(const Value& test) : test_(test) { add_callbacks(); }
 
-  /// Writes a journal, or goes on with one that was cut.
+  /// Writes a journal, or resumes from one that was cut.
   void keep_journal(std::filesystem::path file, bool resume) {
     journal_ = std::move(file);
     resume_ = resume;
@@ -161,7 +161,7 @@ class Trial {
 
   void compare(const Value& expect) {
     for (const auto& [key, wanted] : expect.as_map()) {
-      // What was done before is not done again, nor does it take time.
+      // Completed actions are not repeated and take no time.
       if (resume_ && (key == "notes" || key == "warnings" || key == "end")) continue;
       const Value found = part(key, wanted);
       EXPECT_TRUE(found == wanted) << key << ":\n  found  " << json(found) << "\n  wanted " << json(wanted);
@@ -193,7 +193,7 @@ class Trial {
 
   static Value listed(const World::Facts& facts) { return Value::List(facts.begin(), facts.end()); }
 
-  /// Actions in the order in which they began, "path" or "path: outcome" where that is not the first.
+  /// Actions in the order in which they began, "path", or "path: outcome" unless that is the first outcome.
   Value trace() {
     Value::List list;
     const auto& items = engine_->history().items();
@@ -250,7 +250,7 @@ class Trial {
     runners_.add("polite", std::make_shared<Deaf>(1));
   }
 
-  /// Goes on until it is preempted: then it ends with its first outcome, or does not hear.
+  /// Runs until it is preempted; then it ends with its first outcome, or ignores the preemption.
   class Deaf final : public ActionRunner {
    public:
     explicit Deaf(int ears) : ears_(ears) {}
@@ -281,7 +281,7 @@ class Trial {
   bool resume_ = false;
 };
 
-/// What has ended has begun once, unless it was under way at a cut.
+/// Each ended action began once, unless it was in progress at a cut.
 void expect_nothing_done_twice(const std::string& journal) {
   std::map<std::pair<std::string, std::uint64_t>, bool> ended;
   std::size_t begin = 0;
@@ -316,7 +316,7 @@ TEST_P(MissionRunCase, goesSoConcurrently) {
   Trial(*root).execute_concurrently();
 }
 
-/// Runs that were broken off after any line of their journal, or within it, go on to the same end.
+/// Runs that were cut off after any line of their journal, or within one, resume to the same end.
 TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
   const auto text = read_file(GetParam());
   const auto test = type::parse_yaml(*text);

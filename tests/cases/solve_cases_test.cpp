@@ -12,8 +12,8 @@
 #include <map>
 #include <set>
 
-/// Runs tests/cases/solve/*.yaml and the Artemis tables; README.md there tells the format. A new case needs
-/// no C++.
+/// Runs tests/cases/solve/*.yaml and the Artemis tables; README.md there describes the format. A new case
+/// needs no C++.
 namespace segue::solve {
 namespace {
 
@@ -212,7 +212,7 @@ void check_expectation(const Case& test, const Transition& paper, const Transiti
   }
 }
 
-/// Whatever a case expects: the target is reached, by the prediction and on the strict machine.
+/// For every case: the target is reached, both by prediction and on the strict machine.
 void check_result(const Case& test, const Transition& transition) {
   const auto result = predict(test.current, transition, test.catalog);
   ASSERT_TRUE(result) << to_string(result.error());
@@ -295,7 +295,7 @@ TEST_P(Artemis, HasTheCountsOfTable7) {
   }
 }
 
-/// "stop" and its subjects, sorted; as the file has them.
+/// "stop" and its subjects, sorted, in the form of the file.
 std::map<std::string, std::multiset<std::string>> by_kind(const Transition& transition) {
   std::map<std::string, std::multiset<std::string>> found;
   for (const Action& action : transition.actions) {

@@ -12,13 +12,13 @@
 #include <filesystem>
 #include <set>
 
-/// Runs tests/cases/validate/*.yaml; README.md there tells the format. A new case needs no C++.
+/// Runs tests/cases/validate/*.yaml; README.md there describes the format. A new case needs no C++.
 namespace segue::model {
 namespace {
 
 using type::Value;
 
-/// The documents of a case, which stand in for files of these names.
+/// The documents of a case by file name.
 constexpr std::array<std::string_view, 4> kDocuments = {"components", "network", "robot", "transition"};
 
 struct Case {
@@ -29,7 +29,7 @@ struct Case {
   }
 };
 
-/// All that reading and validating the documents reports.
+/// All diagnostics of reading and validating the documents.
 Diagnostics examine(const Case& test) {
   Diagnostics found;
   ComponentCatalog catalog;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deployment processes outlive their runtime, and the next one takes them over.
+// Deployment processes outlive their runtime and are adopted by the next one.
 #include <fstream>
 #include <iterator>
 
@@ -27,7 +27,7 @@ class Adoption : public DeployedRobotTest {
   const model::Network plain_ = network("plain");
 };
 
-TEST_F(Adoption, finds_everything_as_it_was_and_disturbs_nothing) {
+TEST_F(Adoption, finds_everything_unchanged_and_disturbs_nothing) {
   const auto working = network("working", "  relay: {component: \"fault::Relay\", properties: {gain: 3}}\n",
                                "  work: {tasks: [relay], cpu: [0]}\n",
                                "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n");
@@ -51,7 +51,7 @@ TEST_F(Adoption, finds_everything_as_it_was_and_disturbs_nothing) {
   expect_undisturbed("witness");
 }
 
-TEST_F(Adoption, goes_on_over_many_lives_without_growing) {
+TEST_F(Adoption, does_not_grow_over_many_restarts) {
   switch_to(plain_);
   life_.reset();
   begin_life();
@@ -80,7 +80,7 @@ TEST_F(Adoption, replaces_a_process_of_another_version) {
   life_.reset();
   kill("eye");
   start_other_version("eye");
-  // It is found once it has written who it is.
+  // It can be found once it has written its identity.
   ASSERT_TRUE(eventually([&] {
     std::ifstream record(folder_ / "segue" / "patient" / "eye.sock.lock");
     const std::string text{std::istreambuf_iterator<char>(record), {}};

@@ -120,7 +120,8 @@ void DeployedRobotTest::recover_to(const model::Network& target) {
 void DeployedRobotTest::kill(const std::string& deployment) {
   const pid_t pid = pid_of(deployment);
   ASSERT_GT(pid, 0) << "there is no process " << deployment;
-  // Its memory goes before its locks and sockets, its first thread before the others: only its end counts.
+  // Memory is released before locks and sockets, and the first thread ends before the others: wait for the
+  // end of the process.
   const Descriptor process(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
   ASSERT_TRUE(process.valid());
   ::kill(pid, SIGKILL);

@@ -21,11 +21,11 @@
 #include "processes.hpp"
 #include "robot_checks.hpp"
 
-/// A robot of which this program is the runtime, with real deployment processes. What a test through the
-/// command line cannot do: stop between two actions, and short deadlines.
+/// A robot with its runtime in this program and real deployment processes. Unlike tests through the command
+/// line it can interrupt between two actions and use short deadlines.
 namespace segue::testing {
 
-/// One life of a runtime: all that ends with it.
+/// A runtime and everything that ends with it.
 class RobotLife {
  public:
   RobotLife(const process::Launch& launch, std::unique_ptr<process::ProcessService> processes,
@@ -33,7 +33,7 @@ class RobotLife {
 
   runtime::Runtime& runtime() { return *runtime_; }
   host::TaskHost& host() { return *host_; }
-  /// Between the runtime and the tasks: asked before every action.
+  /// Between the runtime and the tasks: called before every action.
   AskingHost& asking() { return *asking_; }
   /// The tasks of the runtime's own process.
   deploy::DeploymentService& own() { return *own_; }
@@ -50,19 +50,19 @@ class RobotLife {
 };
 
 /// Every network of a test has a chain that no switch touches: `beater` in process `heart` beats into
-/// `watcher` in process `eye` and into `witness` in the runtime's own process. Whoever is disturbed shows it:
-/// watchers count gaps, restarts and torn samples.
+/// `watcher` in process `eye` and into `witness` in the runtime's own process. Disturbances
+/// are visible: watchers count gaps, restarts and torn samples.
 class DeployedRobotTest : public ::testing::Test {
  protected:
   void SetUp() override;
-  /// Whatever happened: no process of the robot, nor its socket, may be left.
+  /// Checks that no process and no socket of the robot is left.
   void TearDown() override;
 
   /// The chain and more, in YAML ("  task: {...}" lines).
   static model::Network network(const std::string& name, const std::string& tasks = {},
                                 const std::string& deployments = {}, const std::string& connections = {});
 
-  /// Who starts and ends the processes of a life.
+  /// The process service of a runtime.
   virtual std::unique_ptr<process::ProcessService> make_processes();
   void begin_life() { life_ = std::make_unique<RobotLife>(launch_, make_processes(), options_); }
   runtime::Runtime& runtime() { return life_->runtime(); }
@@ -71,7 +71,8 @@ class DeployedRobotTest : public ::testing::Test {
   runtime::SwitchResult try_switch(const model::Network& target,
                                    Duration action_deadline = std::chrono::seconds(60));
   void switch_to(const model::Network& target);
-  /// Switches until the robot is as it should be; a process that died a moment ago may fail the first.
+  /// Switches until the robot is in the wanted state; the first attempt may fail because of a process that
+  /// has just died.
   void recover_to(const model::Network& target);
 
   [[nodiscard]] std::map<std::string, pid_t> deployments() const { return deployments_of(folder_); }
@@ -82,7 +83,7 @@ class DeployedRobotTest : public ::testing::Test {
   void kill(const std::string& deployment);
 
   Sight sight(const std::string& watcher = "watcher");
-  /// Waits for new beats; then checks that nothing has ever been wrong.
+  /// Waits for new beats, then checks that the chain was never disturbed.
   void expect_undisturbed(const std::string& watcher = "watcher");
   /// Waits for an event of which subject or message have `words`.
   void expect_event(runtime::EventKind kind, const std::string& words);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A component that does in one of its hooks what it should not: it throws, hangs, stops its process, ends it,
-// or takes all memory.
+// A component with a faulty hook, which throws, hangs, stops or ends its process, or exhausts its memory.
 #include "deployed_robot.hpp"
 
 namespace segue::testing {
@@ -59,7 +58,7 @@ TEST_P(Hang, costs_its_process_and_nothing_else) {
     EXPECT_TRUE(equivalent(host().observe(), plain_));
   }
   const pid_t hanging = pid_of("bad");
-  // A process that is seen not to answer is replaced at once; a hook is given its time first.
+  // A process that does not answer is replaced at once; a hook is given its deadline first.
   if (at_the_begin) {
     expect_event(EventKind::ActionFailed, "bad");
   } else {
@@ -87,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(All, Hang,
 /// Exceptions and refusals: the process stays.
 class Failure : public FaultyComponent {};
 
-TEST_P(Failure, is_told_and_the_process_stays) {
+TEST_P(Failure, is_reported_and_the_process_stays) {
   switch_to(healthy_);
   const pid_t pid = pid_of("bad");
   const std::string hook = GetParam().hook;
@@ -148,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(All, Crash,
 
 class Exhaustion : public FaultyComponent {};
 
-TEST_P(Exhaustion, of_memory_hurts_nobody_else) {
+TEST_P(Exhaustion, of_memory_affects_no_other_process) {
   switch_to(plain_);
   const std::string hook = GetParam().hook;
   const auto there = try_switch(with(hook, GetParam().how));

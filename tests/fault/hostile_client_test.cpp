@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clients on the socket of a real deployment process that mean harm.
+// Hostile clients on the socket of a real deployment process.
 #include <segue/base/descriptor.hpp>
 
 #include <poll.h>
@@ -29,7 +29,7 @@ class HostileClient : public DeployedRobotTest {
     EXPECT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     return client;
   }
-  /// Sends until all is taken, or the process closes or takes no more for a second.
+  /// Sends until everything is accepted, or the process closes or accepts nothing for a second.
   static std::size_t send(const Descriptor& client, std::string_view bytes) {
     std::size_t total = 0;
     while (total < bytes.size()) {

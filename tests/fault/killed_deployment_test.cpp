@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGKILL of a deployment process: while nothing happens, with samples in flight, and before every action of
-// a transition in turn.
+// SIGKILL of a deployment process: while idle, with samples in flight, and before every action of a
+// transition in turn.
 #include <csignal>
 
 #include "disturbed_transition.hpp"
@@ -13,7 +13,7 @@ using runtime::Outcome;
 
 using KilledDeployment = DeployedRobotTest;
 
-TEST_F(KilledDeployment, is_told_and_replaced_by_the_next_switch_while_others_go_on) {
+TEST_F(KilledDeployment, is_reported_and_replaced_by_the_next_switch_while_others_continue) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   const auto before = deployments();
@@ -48,7 +48,7 @@ TEST_F(KilledDeployment, leaves_its_peers_whole_with_samples_in_flight) {
   }
 }
 
-TEST_F(KilledDeployment, gives_back_what_it_held) {
+TEST_F(KilledDeployment, releases_its_resources) {
   const auto working = network("working", kRelay, kWork, kFlow);
   switch_to(working);
   kill("work");
@@ -92,17 +92,17 @@ TEST_F(KilledDuringTransition, of_a_task_that_is_reconfigured) {
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_is_to_go) {
+TEST_F(KilledDuringTransition, that_is_removed) {
   kill_before_every_action("old");
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_has_just_come) {
+TEST_F(KilledDuringTransition, that_has_just_been_deployed) {
   kill_before_every_action("fresh");
   expect_undisturbed();
 }
 
-TEST_F(KilledDuringTransition, that_the_transition_connects_only) {
+TEST_F(KilledDuringTransition, that_the_transition_only_connects) {
   kill_before_every_action("heart");
   EXPECT_EQ(sight().torn, 0U);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many random switches among the four controllers of the Artemis rover, with stand-ins in real processes:
-// after each there is exactly what the controller names, and at the end nothing has become more.
+// after each exactly the controller exists, and at the end no resource has grown.
 #include <segue/model/files.hpp>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ int number_of_switches() {
   return wanted == nullptr ? kSwitches : std::atoi(wanted);
 }
 
-/// Where an endpoint of a connection lies.
+/// The process of an endpoint of a connection.
 using Place = std::tuple<link::Incarnation, std::uint64_t, std::uint64_t>;
 
 class Leaks : public DeployedRobotTest {
@@ -49,7 +49,7 @@ class Leaks : public DeployedRobotTest {
     return names;
   }
 
-  /// How many connections have their ends in two processes.
+  /// The number of connections between two processes.
   static std::size_t crossings(const model::Network& network) {
     std::map<model::TaskId, std::string> homes;
     for (const auto& deployment : network.deployments) {
@@ -62,7 +62,7 @@ class Leaks : public DeployedRobotTest {
         }));
   }
 
-  /// Just the processes, tasks, connections and endpoints that the network names.
+  /// Expects exactly the processes, tasks, connections and endpoints of the network.
   void expect_just(const model::Network& network) {
     std::set<std::string> running;
     for (const auto& [name, pid] : deployments())
@@ -86,7 +86,7 @@ class Leaks : public DeployedRobotTest {
     EXPECT_EQ(in_memory, 2 * crossings(network));
   }
 
-  /// Of all deployment processes and of the runtime's own.
+  /// Resources of all deployment processes and of the runtime's own.
   std::vector<deploy::Snapshot> snapshots() {
     std::vector<deploy::Snapshot> all;
     auto own = life_->own().snapshot();

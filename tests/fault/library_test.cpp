@@ -13,13 +13,13 @@ using ::testing::IsEmpty;
 
 class UnloadableLibrary : public DeployedRobotTest {
  protected:
-  /// From now on processes load this library, too.
+  /// Makes new processes load this library as well.
   void install(const std::string& library) {
     life_.reset();
     launch_.libraries.push_back(library);
     begin_life();
   }
-  /// The next process cannot start, says why, and leaves nothing; what ran before goes on.
+  /// The next process fails to start, reports why, and leaves nothing; the old network keeps running.
   void expect_refused(const std::string& words) {
     const auto more =
         network("more", "  extra: {component: \"fault::Relay\"}\n", "  late: {tasks: [extra]}\n");

@@ -9,19 +9,19 @@
 
 #include "sight.hpp"
 
-/// What every test of a disturbed robot waits for and checks, however it runs the robot.
+/// Waits and checks for all tests of disturbed robots.
 namespace segue::testing {
 
-/// Whether it becomes true; waits long.
+/// Waits, with a long time limit, until a condition becomes true.
 [[nodiscard]] bool eventually(const std::function<bool()>& condition);
 
-/// The deployment process of that name, of the robot whose runtime folder that is; -1 where there is none.
+/// The deployment process of that name, of the robot whose runtime folder that is; -1 if there is none.
 [[nodiscard]] pid_t pid_of(const std::filesystem::path& runtime_folder, const std::string& deployment);
 
-/// Waits until `look` sees new beats; then checks that nothing has ever been wrong.
+/// Waits until `look` sees new beats, then checks that the chain was never disturbed.
 void expect_undisturbed(const std::string& watcher, const std::function<Sight()>& look);
 
-/// No process of a robot with that runtime folder is left (what is, is killed), nor any socket.
+/// Checks that no process of a robot with that runtime folder is left, nor any socket. Kills remaining ones.
 void expect_nothing_left(const std::filesystem::path& runtime_folder);
 
 }  // namespace segue::testing

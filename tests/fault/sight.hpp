@@ -7,7 +7,7 @@
 
 namespace segue::testing {
 
-/// What a watcher has seen (fault::Report).
+/// The observations of a watcher (fault::Report).
 struct Sight {
   std::uint64_t beats = 0;
   std::uint64_t words = 0;
@@ -26,8 +26,8 @@ struct Sight {
 };
 
 /// Every network of a fault test has a chain that no switch touches: `beater` in process `heart` beats into
-/// `watcher` in process `eye` and into `witness` in the runtime's own process. Whoever is disturbed shows it:
-/// watchers count gaps, restarts and torn samples. In YAML:
+/// `watcher` in process `eye` and into `witness` in the runtime's own process. Disturbances are
+/// visible: watchers count gaps, restarts and torn samples. In YAML:
 inline constexpr const char* kChainTasks =
     "  beater: {component: \"fault::Beater\"}\n"
     "  watcher: {component: \"fault::Watcher\"}\n"
@@ -35,7 +35,7 @@ inline constexpr const char* kChainTasks =
 inline constexpr const char* kChainDeployments =
     "  heart: {tasks: [beater]}\n"
     "  eye: {tasks: [watcher]}\n";
-/// Room for twenty seconds, so that a computer that is merely busy disturbs nobody.
+/// Buffers for twenty seconds, so that no sample is lost on a busy computer.
 inline constexpr const char* kChainConnections =
     "  - {from: beater.out, to: watcher.in, policy: buffer, size: 4000}\n"
     "  - {from: beater.words, to: watcher.words, policy: buffer, size: 4000}\n"

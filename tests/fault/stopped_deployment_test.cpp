@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A deployment process is stopped altogether (SIGSTOP) before every action of a transition in turn: whoever
-// waits for it gives up, and it is replaced.
+// A deployment process is stopped (SIGSTOP) before every action of a transition in turn: calls to it time
+// out, and it is replaced.
 #include <array>
 #include <csignal>
 #include <cstdlib>
@@ -18,8 +18,8 @@ class StoppedDuringTransition : public DisturbedTransition {
   }
 };
 
-/// One that the transition changes, one that it ends, one that it starts, in turn. Each stop costs its
-/// seconds of patience: before every other action, and before all only where somebody has the time.
+/// Stops in turn a process that the transition changes, one that it ends and one that it starts. Each stop
+/// costs seconds of waiting, so by default it happens before every other action only.
 constexpr std::array kVictims = {"work", "old", "fresh"};
 
 TEST_F(StoppedDuringTransition, one_of_its_processes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Through the real command line: the runtime and the process server die, the robot goes on.
+// Through the real command line: the robot survives the death of the runtime and of the process server.
 #include "fault_test.hpp"
 
 namespace segue::testing {
@@ -15,7 +15,7 @@ class SurvivingRobot : public FaultTest {
     write_network("working", "  relay: {component: \"fault::Relay\"}\n", "  work: {tasks: [relay]}\n",
                   "  - {from: beater.out, to: relay.in, policy: buffer, size: 100}\n");
   }
-  /// Tasks and their processes, but for those that live in the runtime itself.
+  /// Tasks and their processes, without those of the runtime's own process.
   std::string status_of_deployments() {
     std::string text;
     const auto status = json({"status"});
@@ -72,7 +72,7 @@ TEST_F(SurvivingRobot, its_runtime_is_killed_in_a_switch) {
   }
 }
 
-TEST_F(SurvivingRobot, a_killed_deployment_is_told_and_replaced) {
+TEST_F(SurvivingRobot, a_killed_deployment_is_reported_and_replaced) {
   start("working");
   const auto before = deployments();
   for (const char* victim : {"work", "heart", "eye"}) {
@@ -108,7 +108,7 @@ TEST_F(SurvivingRobot, its_process_server_is_killed) {
   EXPECT_EQ(next.wait().status, 0);
 }
 
-TEST_F(SurvivingRobot, stops_in_order_and_leaves_nothing) {
+TEST_F(SurvivingRobot, stops_cleanly_and_leaves_nothing) {
   start("working");
   EXPECT_EQ(stop().status, 0);
   EXPECT_TRUE(deployments().empty());

@@ -14,7 +14,7 @@
 
 namespace segue::testing {
 
-/// A host that asks before every action: to fail it, or to hold it up.
+/// A host that calls the test before every action, to let it fail or to block it.
 class AskingHost final : public ForwardingHost {
  public:
   using Ask = std::function<Result<void>(const model::Action& action)>;
@@ -24,13 +24,13 @@ class AskingHost final : public ForwardingHost {
     const std::lock_guard lock(mutex_);
     ask_ = std::move(ask);
   }
-  /// Asked after every action that succeeded: it took effect, whatever is answered.
+  /// Called after every successful action, which has taken effect whatever the call returns.
   void ask_after(Ask ask) {
     const std::lock_guard lock(mutex_);
     ask_after_ = std::move(ask);
   }
 
-  /// Called when the host is to get ready for a target.
+  /// Called by get_ready().
   void when_getting_ready(std::function<void(const model::Network&)> tell) {
     const std::lock_guard lock(mutex_);
     getting_ready_ = std::move(tell);
@@ -90,7 +90,7 @@ class AskingHost final : public ForwardingHost {
     }
     return seen;
   }
-  /// Tells of `event` when the next look at the tasks has been taken and before it is answered.
+  /// Reports `event` after the next snapshot has been taken and before it is returned.
   void tell_after_look(host::TaskEvent event) {
     const std::lock_guard lock(mutex_);
     after_look_ = std::move(event);

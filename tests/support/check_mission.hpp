@@ -5,7 +5,7 @@
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
 
-/// Whether a mission that ran by itself did what it does as written: for tests only.
+/// Checks that a mission run concurrently is equivalent to the run as written. For tests only.
 namespace segue::convert {
 
 class MissionCheck {
@@ -22,7 +22,7 @@ class MissionCheck {
     return {};
   }
 
-  /// Whether it took longer than one action after the other, or "".
+  /// Reports if it took longer than the actions in sequence, else "".
   std::string slower() {
     if (failed() && !strict_) return {};  // what acts behind a failing action takes time
     Duration limit{};
@@ -34,13 +34,13 @@ class MissionCheck {
     return {};
   }
 
-  /// Likewise than the run as written, whose barriers heed no resources.
+  /// Reports if it took longer than the run as written, whose barriers ignore resources.
   std::string slower_than_written() {
     if ((failed() && !strict_) || ran_.makespan <= written_.makespan) return {};
     return fmt::format("took {} s instead of {} s", seconds(ran_.makespan), seconds(written_.makespan));
   }
 
-  /// After a stop: what is wrong with what was left, or "".
+  /// After a stop: an error in the remaining state, or "".
   std::string difference_after_stop() {
     for (const auto check : {&MissionCheck::preempted, &MissionCheck::begun, &MissionCheck::log}) {
       if (std::string text = (this->*check)(); !text.empty()) return text;
@@ -60,7 +60,7 @@ class MissionCheck {
                        a.error);
   }
 
-  /// Where it fails, what comes later may have come about already, but for strict runs.
+  /// After a failure, effects of later nodes may exist already, except in strict runs.
   std::string world() {
     if (failed() && !strict_) return {};
     if (ran_.world != written_.world)
@@ -133,8 +133,8 @@ class MissionCheck {
     return {};
   }
 
-  /// Who comes after another because of facts, or since one of them may touch anything, begins when that is
-  /// done: so there is no cycle of conflicts.
+  /// A node ordered after another by facts, or because one of them may touch anything, begins after its end,
+  /// so there is no cycle of conflicts.
   std::string conflicts() {
     const cdtn::TaskNetwork& network = run_.plan().network();
     const cdtn::Order order = cdtn::derive_order(network);
@@ -161,7 +161,7 @@ class MissionCheck {
     return {};
   }
 
-  /// What was made and used up is what the actions that ended as expected declare.
+  /// Created and consumed units are those that the actions with the expected outcome declare.
   std::string units() {
     if (failed()) return {};
     const cdtn::TaskNetwork& network = run_.plan().network();
@@ -188,7 +188,7 @@ class MissionCheck {
     return "outcome " + ran_.result.outcome_name + " after a stop";
   }
 
-  /// What has been done is what would have been done as written, and nothing begins later than the stop.
+  /// The executed actions are those of the run as written, and none begins after the stop.
   std::string begun() {
     std::map<std::string, std::size_t> seen;
     std::string text;
@@ -210,7 +210,7 @@ class MissionCheck {
     return text;
   }
 
-  /// Whether all of that path that stand before it in the plan have ended or were skipped.
+  /// Whether all nodes of that path that precede it in the plan have ended or were skipped.
   [[nodiscard]] bool all_before_are_known(cdtn::NodeId node) const {
     for (std::uint32_t i = 0; i < index(node); ++i) {
       const auto status = run_.network_result().nodes[i].status;

@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-/// Whether a concurrent run is equivalent to the sequential one, judged from results and log alone: for tests
-/// only.
+/// Checks from results and log that a concurrent run is equivalent to the sequential one. For tests only.
 namespace segue::cdtn {
 
 class RunCheck {
@@ -29,10 +28,10 @@ class RunCheck {
     return {};
   }
 
-  /// Whether it took longer than one node after the other, or "". Requires that each node takes the same time
-  /// in both, that who is cancelled ends at once, and that program order says who comes first. Not
-  /// where it failed unless strict: what acts behind a node that fails takes time that it takes nobody
-  /// before.
+  /// Reports if it took longer than the nodes in sequence, else "". Requires that each node takes the same
+  /// time in both runs, that cancelled nodes end at once, and that priorities follow program order. A failed
+  /// run is only checked if strict: nodes behind the failing one take time that the sequential run does not
+  /// need.
   std::string slower() {
     if (lacking() || (sequential_.failed && !strict_) || concurrent_.makespan <= sequential_.makespan)
       return {};
@@ -42,7 +41,7 @@ class RunCheck {
   }
 
  private:
-  /// It cannot go on for want of a resource, which the engine tells when nothing else can go on either.
+  /// The run lacks units of a resource, which the engine reports once nothing else can proceed.
   [[nodiscard]] bool lacking() const {
     return sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
   }
@@ -81,7 +80,7 @@ class RunCheck {
     return {};
   }
 
-  /// After a failure, later nodes may have acted already; not where irreversible ones waited.
+  /// After a failure, later nodes may have acted already, except behind irreversible ones.
   std::string world() {
     if (sequential_.failed && (!strict_ || lacking())) return {};
     if (!(sequential_.world == concurrent_.world)) {
@@ -92,7 +91,7 @@ class RunCheck {
     return {};
   }
 
-  /// Units of resources whose number does not change, at every moment.
+  /// At every moment, resources of a constant number of units are not overused.
   std::string grants() {
     std::vector<std::uint32_t> used(network_.resources.size(), 0);
     for (const LogEntry& entry : concurrent_.log) {
@@ -111,7 +110,7 @@ class RunCheck {
     return {};
   }
 
-  /// From the first start to the last end of its members nobody else has a lock's units.
+  /// From the first start to the last end of its members no other node has units of a lock.
   std::string groups() {
     std::map<std::uint32_t, std::pair<TimePoint, TimePoint>> held;
     for_each_claim([&](NodeId node, const Claim& claim) {
@@ -153,7 +152,7 @@ class RunCheck {
     return text;
   }
 
-  /// Nothing behind a failed node starts any more.
+  /// No node behind a failed one starts.
   std::string failure() {
     if (!concurrent_.failed) return {};
     bool failed = false;

@@ -9,7 +9,7 @@
 
 namespace segue::testing {
 
-/// A process that has ended, but stays there as long as this object.
+/// A process that has ended but is not reaped (a zombie) for the lifetime of this object.
 class EndingProcess {
  public:
   EndingProcess() : pid_(::fork()) {

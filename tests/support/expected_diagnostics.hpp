@@ -9,11 +9,11 @@
 #include <string>
 #include <string_view>
 
-/// Diagnostics as text cases expect them: a list of "6:5 error unknown-task: did you mean 'b'", where what
-/// follows the first ": " must be part of the message, and may be left out.
+/// Expected diagnostics of text cases: a list of "6:5 error unknown-task: did you mean 'b'". The part after
+/// the first ": " must be contained in the message, and is optional.
 namespace segue::testing {
 
-/// "6:5 error unknown-task", with the file's name first where it is not the case's `own`.
+/// "6:5 error unknown-task", preceded by the file's name unless that is `own`.
 inline std::string head(const Diagnostic& diagnostic, std::string_view own) {
   const SourceLocation& where = diagnostic.where;
   const bool plain = where.file.empty() || (where.file == own && where.line > 0);
@@ -29,7 +29,7 @@ inline bool fits(const Diagnostic& diagnostic, const std::string& expected, std:
          diagnostic.message.find(expected.substr(colon + 2)) != std::string::npos;
 }
 
-/// As they would stand in a case.
+/// The diagnostics in the form of a case.
 inline std::string all(const Diagnostics& diagnostics, std::string_view own) {
   std::string text;
   for (const Diagnostic& item : diagnostics.items())
@@ -37,7 +37,7 @@ inline std::string all(const Diagnostics& diagnostics, std::string_view own) {
   return text;
 }
 
-/// Exactly these, in this order.
+/// Expects exactly these, in this order.
 inline void expect_diagnostics(const Diagnostics& found, const type::Value* expect,
                                std::string_view own = {}) {
   ASSERT_TRUE(expect != nullptr && expect->is_list()) << "a case needs a list 'expect'";

@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-/// Services that answer with what they were asked or told to answer, so that tests see what travelled.
+/// Services that echo their arguments or return preset results, so that tests see what was transferred.
 namespace segue::control {
 
 inline Descriptor memory_with(std::string_view text) {
@@ -42,7 +42,7 @@ inline std::size_t open_descriptors() {
   return count;
 }
 
-/// Waits for something that another thread brings about.
+/// Waits for a condition that another thread fulfils.
 template <class Condition>
 bool eventually(Condition condition) {
   const TimePoint limit = soon() + kLong;
@@ -57,7 +57,7 @@ inline model::Action action_of(model::ActionKind kind, const std::string& task) 
   return {1, kind, model::TaskAction{model::TaskId(task)}, model::Phase::Commit, {}};
 }
 
-/// For fields that calls write: a socket orders threads, but no sanitizer knows. Locked as long as it lives.
+/// Lock for fields that calls write: the socket orders the threads, but the sanitizer does not know that.
 template <class Fake>
 class Seen {
  public:
@@ -71,12 +71,12 @@ class Seen {
 
 class FakeDeployment final : public deploy::DeploymentService {
  public:
-  Gate entered;  ///< a call that waits has begun
-  Gate release;  ///< ends calls that wait
+  Gate entered;  ///< a blocking call has begun
+  Gate release;  ///< releases blocking calls
   std::atomic<int> open_readers{0};
   std::atomic<int> listeners_set{0};
 
-  // What is answered, and what was asked last; set before, read after the call.
+  // Preset results and last arguments; set before and read after the call.
   deploy::DeploymentInfo who{};
   deploy::Snapshot now{};
   model::Network expected{};
@@ -104,7 +104,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     expected = network;
     return {};
   }
-  /// A stop of "wait" waits, one of "bad" fails; a batch with one of "throws" throws.
+  /// A stop of "wait" blocks, one of "bad" fails; a batch with one of "throws" throws.
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  host::Completion completed) override {
     note(deadline);
@@ -156,7 +156,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   Result<type::Value> call(const model::TaskId&, std::string_view operation, const type::Value& arguments,
                            TimePoint deadline) override {
     if (operation == "echo") return arguments;
-    // A hook that never returns does not care for deadlines.
+    // A hook that never returns ignores deadlines.
     if (auto done = wait(operation == "hang" ? deadline + kLong : deadline); !done) return done.error();
     return type::Value("released");
   }

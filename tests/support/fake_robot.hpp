@@ -22,7 +22,7 @@ inline TimePoint soon() {
   return RealClock::instance().now() + kLong;
 }
 
-/// Opens once; tests wait for it with a limit instead of sleeping.
+/// Opens once; tests wait for it with a time limit.
 class Gate {
  public:
   void open() {
@@ -42,11 +42,11 @@ class Gate {
   bool open_ = false;
 };
 
-/// Answers with what it was asked, so that tests see what travelled.
+/// Echoes its arguments, so that tests see what was transferred.
 class FakeRobot final : public RobotService {
  public:
-  Gate entered;  ///< a call that waits has begun
-  Gate release;  ///< ends calls that wait
+  Gate entered;  ///< a blocking call has begun
+  Gate release;  ///< releases blocking calls
   std::atomic<int> open_streams{0};
   std::atomic<bool> asked_to_end{false};
 

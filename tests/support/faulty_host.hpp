@@ -19,17 +19,17 @@
 
 namespace segue::testing {
 
-/// What may happen at an action.
+/// The kinds of fault at an action.
 enum class Fault {
-  Refused,     ///< it is not done, once
-  Doubted,     ///< it is done and reported as failed, once
-  Persistent,  ///< whatever is tried with it fails, on the way back too
-  Slow,        ///< it does not answer by its deadline, and is done when somebody looks
-  Late,        ///< the same, but who looks first still sees its task hang
-  Lost,        ///< as Late, but it turns out that nothing was done
-  Hangs,       ///< it never answers; a task that hangs is Fatal until its process goes
-  Dies,        ///< its process dies at it
-  DiesAgain,   ///< its process dies whenever it is tried
+  Refused,     ///< the action fails without effect, once
+  Doubted,     ///< the action takes effect but is reported as failed, once
+  Persistent,  ///< the action fails at every attempt, also when undoing
+  Slow,        ///< exceeds its deadline, and has taken effect at the next snapshot
+  Late,        ///< as Slow, but the first snapshot still shows its task as hanging
+  Lost,        ///< as Late, but the action has no effect
+  Hangs,       ///< never returns; a hanging task is Fatal until its process ends
+  Dies,        ///< its process dies
+  DiesAgain,   ///< its process dies at every attempt
   ServerDies   ///< from then on no process can be started or ended
 };
 inline constexpr std::array kFaults = {Fault::Refused,   Fault::Doubted,   Fault::Persistent, Fault::Slow,
@@ -38,13 +38,13 @@ inline constexpr std::array kFaults = {Fault::Refused,   Fault::Doubted,   Fault
 inline constexpr std::array<std::string_view, kFaults.size()> kFaultNames = {
     "refused", "doubted", "persistent", "slow", "late", "lost", "hangs", "dies", "dies again", "server dies"};
 
-/// A host at one of whose actions something happens. Processes are those of the network, wherever the tasks
-/// of `inner` really live; it answers as the host of deployed tasks does.
+/// A host that injects a fault at one action. Simulates the processes of the network, although all tasks live
+/// in `inner`, and behaves like the host of deployed tasks.
 class FaultyHost final : public ForwardingHost {
  public:
   using ForwardingHost::ForwardingHost;
 
-  /// Once, at the action of this label (always, where the fault says so).
+  /// Injects the fault at the action of this label, once or at every attempt, according to the fault.
   void arm(Fault fault, std::string label) {
     const std::lock_guard lock(mutex_);
     fault_ = fault;
@@ -53,7 +53,7 @@ class FaultyHost final : public ForwardingHost {
     place_.reset();
     passed_.clear();
   }
-  /// All is well again: hooks have returned, processes can be started.
+  /// Ends the fault: hooks have returned, and processes can be started.
   void heal() {
     const std::lock_guard lock(mutex_);
     fault_.reset();
@@ -64,12 +64,12 @@ class FaultyHost final : public ForwardingHost {
     const std::lock_guard lock(mutex_);
     return struck_;
   }
-  /// The process where it happened.
+  /// The process of the fault.
   [[nodiscard]] std::optional<model::DeploymentKey> place() const {
     const std::lock_guard lock(mutex_);
     return place_;
   }
-  /// What got through to the tasks since arm().
+  /// The actions that reached the tasks since arm().
   [[nodiscard]] std::vector<model::Action> passed() const {
     const std::lock_guard lock(mutex_);
     return passed_;
@@ -138,7 +138,7 @@ class FaultyHost final : public ForwardingHost {
   struct Hanging {
     model::Action action;
     std::optional<model::DeploymentKey> process;
-    int looks = 0;  ///< how many see it hang
+    int looks = 0;  ///< number of snapshots that show it hanging
     bool is_done = false;
   };
   struct Meeting {
@@ -155,7 +155,7 @@ class FaultyHost final : public ForwardingHost {
     return std::holds_alternative<model::DeploymentAction>(action.what);
   }
 
-  /// What becomes of an action; may change it.
+  /// Decides about an action; may change it.
   Meeting meet(model::Action& action) {
     const auto place = place_of(action);
     Fault fault{};
@@ -223,14 +223,14 @@ class FaultyHost final : public ForwardingHost {
     if (!fault_ || action.label() != label_) return false;
     return !struck_ || *fault_ == Fault::Persistent || *fault_ == Fault::DiesAgain;
   }
-  /// By another action of its task that hangs.
+  /// Whether another action of the same task hangs.
   bool is_held_up(const model::Action& action) const {
     const auto* id = action.task();
     return id != nullptr && std::any_of(hanging_.begin(), hanging_.end(), [&](const Hanging& one) {
              return one.action.task() != nullptr && *one.action.task() == *id;
            });
   }
-  /// With its process goes whatever hangs there.
+  /// Hanging actions end with their process.
   void end_hanging(model::Action& undeploy) {
     auto& what = std::get<model::DeploymentAction>(undeploy.what);
     const auto ended =
@@ -238,7 +238,7 @@ class FaultyHost final : public ForwardingHost {
     what.kill = what.kill || ended > 0;
   }
 
-  /// Where an action happens: the process of its task, of a connection's reader, or else of its writer.
+  /// The process of an action: that of its task, of the connection's reader, or else of its writer.
   [[nodiscard]] std::optional<model::DeploymentKey> place_of(const model::Action& action) const {
     if (const auto* process = std::get_if<model::DeploymentAction>(&action.what)) {
       return process->deployment.key();

@@ -11,8 +11,8 @@
 
 namespace segue::testing {
 
-/// Another host under one's hands: passes everything on, for tests to override what they disturb. One action
-/// is a batch of one.
+/// Forwards everything to another host; tests override the functions that they disturb. Executes each action
+/// as a batch of one.
 class ForwardingHost : public host::TaskHost {
  public:
   explicit ForwardingHost(host::TaskHost& inner) : inner_(inner) {}

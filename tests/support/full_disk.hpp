@@ -7,8 +7,7 @@
 
 namespace segue::testing {
 
-/// No file of this process, or of those that it starts meanwhile, grows beyond so many bytes: what a full
-/// disk looks like from here.
+/// Simulates a full disk: limits the size of the files that this process and its new children write.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {

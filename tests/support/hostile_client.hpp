@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-/// Clients that mean harm, for tests only.
+/// Hostile clients, for tests only.
 namespace segue::control {
 
 /// A client that does not speak the protocol.
@@ -32,7 +32,7 @@ class Raw {
   explicit Raw(const std::filesystem::path& socket)
       : descriptor_(detail::connect_socket(socket, kLong).value()) {}
 
-  /// How much the server takes before it closes or stops reading for `patience`.
+  /// The number of bytes that the server accepts before it closes or stops reading for `patience`.
   std::size_t send(std::string_view bytes, Duration patience = kLong) {
     std::size_t total = 0;
     while (total < bytes.size()) {
@@ -46,7 +46,7 @@ class Raw {
     return total;
   }
 
-  /// One byte with so many descriptors.
+  /// Sends one byte together with descriptors.
   void send_descriptors(const std::vector<int>& descriptors) {
     char byte = 0;
     iovec piece{&byte, 1};
@@ -64,7 +64,7 @@ class Raw {
     EXPECT_EQ(::sendmsg(descriptor_.get(), &message, MSG_NOSIGNAL), 1);
   }
 
-  /// Whether the server closes in time; what it says before is dropped.
+  /// Whether the server closes in time; discards its data until then.
   bool is_closed() {
     char buffer[4096];
     for (;;) {
@@ -100,7 +100,7 @@ inline std::string bootstrap_message(std::uint32_t question) {
   return {reinterpret_cast<const char*>(bytes.begin()), bytes.size()};
 }
 
-/// That many of them: endless data that makes sense.
+/// That many requests: endless valid data.
 inline std::string flood_of(std::uint32_t questions) {
   std::string flood;
   for (std::uint32_t question = 0; question < questions; ++question)
@@ -108,7 +108,7 @@ inline std::string flood_of(std::uint32_t questions) {
   return flood;
 }
 
-/// What random bytes come to: clients that send them are turned away, and `others_are_well` holds after each.
+/// Sends random bytes: such clients are rejected, and `others_are_well` holds after each.
 inline void send_garbage(const std::filesystem::path& socket, const std::function<bool()>& others_are_well) {
   std::mt19937 random(7);
   for (int round = 0; round < 20; ++round) {
@@ -122,7 +122,7 @@ inline void send_garbage(const std::filesystem::path& socket, const std::functio
   }
 }
 
-/// A client that speaks the protocol, but as it likes. Lives in an event loop of its own.
+/// A client that speaks the protocol but violates its rules. Has an event loop of its own.
 class Speaker {
  public:
   explicit Speaker(const std::filesystem::path& socket)
@@ -134,7 +134,7 @@ class Speaker {
   }
   ~Speaker() { vanish(); }
 
-  /// The error of a hello, or an empty one.
+  /// The error of a greeting, or an empty one.
   Error hello(std::uint32_t version, const char* wants) {
     return ask([this, version, wants](capnp::Capability::Client) {
       auto request = client_->bootstrap().castAs<wire::Gate>().helloRequest();
@@ -148,7 +148,7 @@ class Speaker {
     });
   }
 
-  /// What `call` (a kj::Promise<Error>(service)) resolves to; Unavailable where it breaks.
+  /// The result of `call` (a kj::Promise<Error>(service)); Unavailable if the connection breaks.
   Error ask(const std::function<kj::Promise<Error>(capnp::Capability::Client)>& call) {
     auto done = std::make_shared<std::promise<Error>>();
     auto answer = done->get_future();
@@ -170,7 +170,7 @@ class Speaker {
     });
   }
 
-  /// As a killed process: the socket closes without a word.
+  /// Closes the socket without a message, as a killed process does.
   void vanish() {
     loop_.run([this](kj::AsyncIoContext&) {
       ::shutdown(descriptor_.get(), SHUT_RDWR);

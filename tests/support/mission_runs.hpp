@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-/// Missions run by both engines, with actions whose answers depend on nothing but what they read: for tests
+/// Runs missions with both engines and with actions whose results depend only on their inputs. For tests
 /// only.
 namespace segue::convert {
 
@@ -27,10 +27,10 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
   return hash ^ (hash >> 29);
 }
 
-/// Ends as its state and inputs say: with any outcome, an abort, an exception or something worse, after up to
-/// four seconds. Where it shares, it also reads and writes a global variable for each resource that it has
-/// for itself, or one for all if it may touch anything: whoever comes too early or too late answers
-/// otherwise.
+/// Ends as its state and inputs determine, with any outcome, an abort, an exception or an invalid result,
+/// after up to four seconds. If shared, it also reads and writes a global variable for each resource that it
+/// holds exclusively, or a common one if it may touch anything, so that its result depends on the order of
+/// execution.
 class Answers final : public mission::ActionRunner {
  public:
   enum class Kind : std::uint8_t { Mix, Shared, Later };
@@ -75,7 +75,7 @@ class Answers final : public mission::ActionRunner {
     return number;
   }
 
-  /// What it alone may use while it runs, in program order.
+  /// The resources that it holds exclusively while it runs, in program order.
   static std::vector<std::string> own(const mission::Action& action) {
     if (action.resources.empty() && action.effects.empty() && action.preconditions.empty()) return {"all"};
     for (const mission::ResourceUse& use : action.resources) {
@@ -96,7 +96,7 @@ inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
   return made;
 }
 
-/// What became of a mission. The ends of actions by their paths, in program order.
+/// The result of a mission, with the outcomes of actions by their paths, in program order.
 struct Ran {
   mission::MissionResult result;
   std::vector<std::string> world;
@@ -127,8 +127,7 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
   return ran;
 }
 
-/// A run by itself, in virtual time, with all that is left of it. `stop_at`: it is stopped when that many
-/// callbacks have begun.
+/// A concurrent run in virtual time, with its final state. It is stopped once `stop_at` callbacks have begun.
 class ConcurrentRun {
  public:
   ConcurrentRun(const std::shared_ptr<const mission::Program>& program, RunOptions options,
@@ -154,7 +153,7 @@ class ConcurrentRun {
   [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
   [[nodiscard]] std::uint64_t begun() const { return begun_; }
 
-  /// When it was stopped: as the last execution of the node began that asked for it.
+  /// When it was stopped: the begin of the last execution of the node that requested it.
   [[nodiscard]] TimePoint stopped() const {
     TimePoint when = TimePoint::max();
     for (const cdtn::LogEntry& entry : network_result().log) {
@@ -166,7 +165,7 @@ class ConcurrentRun {
     return when;
   }
 
-  /// Whether what goes on at that path is not told, since it runs as written.
+  /// Whether events at that path are not reported, since it runs as written.
   [[nodiscard]] bool in_routine(const std::string& path) const {
     for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
       const PlannedNode& node = plan()[cdtn::NodeId{i}];

@@ -7,8 +7,8 @@
 #include <array>
 #include <string>
 
-/// Actions and transitions with every feature that files and messages know, for tests only. They need not
-/// make sense as a whole.
+/// Random actions and transitions with every feature of files and messages, for tests only. They need not be
+/// consistent.
 namespace segue::testing {
 
 inline NetworkShape everything() {

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
-/// Random missions as files: for tests only.
+/// Random mission files, for tests only.
 namespace segue::convert {
 
-/// A mission file out of a number: branches, loops, hierarchies within hierarchies, barriers and preemptive
-/// containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts, and all
-/// operations on resources. Callbacks: `mix`; `shared`, which may use what the action declares to touch, or
-/// anything where it declares nothing; and `later`, which ends from elsewhere.
+/// A mission file generated from a seed: branches, loops, hierarchies within hierarchies, barriers and
+/// preemptive containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts,
+/// and all operations on resources. Callbacks: `mix`; `shared`, which may use what the action declares to
+/// touch, or anything if it declares nothing; and `later`, which another thread ends.
 class RandomMission {
  public:
   explicit RandomMission(std::uint64_t seed) : random_(seed) {}
@@ -30,8 +30,8 @@ class RandomMission {
   }
 
  private:
-  /// Where a state stands. Side by side with others it has a fact of its own, since what one of them does to
-  /// a fact of another is a race, which either run may decide otherwise.
+  /// The position of a state. States in concurrent branches have facts of their own, since changing a fact of
+  /// another branch is a race that the two runs may decide differently.
   struct Where {
     std::string fact;
     [[nodiscard]] bool beside() const { return !fact.empty(); }
@@ -67,7 +67,7 @@ class RandomMission {
     return uses.empty() ? "" : fmt::format("    resources: [{}]\n", fmt::join(uses, ", "));
   }
 
-  /// How often a loop goes on is simulated, so that it ends.
+  /// Loop conditions are simulated, so that loops end.
   std::string runs(bool back, bool shared) {
     if (back) {
       const std::string first = chance(30) ? "no, no" : chance(30) ? "no, ok, no" : "no";
@@ -98,7 +98,7 @@ class RandomMission {
     return name;
   }
 
-  /// A state behind the i-th, or out.
+  /// A state after the i-th, or the end of the container.
   std::string target(std::size_t i, std::size_t size) {
     if (i < size) return fmt::format("s{}", i);
     return chance(70) ? "return done" : "return other";

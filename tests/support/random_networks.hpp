@@ -15,15 +15,15 @@
 #include <utility>
 #include <vector>
 
-/// Networks for property tests: valid in structure, with every feature that files know. All functions depend
-/// on nothing but the generator they are given, so a seed reproduces a case:
-/// `RC_GTEST_PROP(..., (std::uint64_t seed)) { std::mt19937_64 random(seed); auto n = random_network(random);
+/// Random networks for property tests, structurally valid and with every feature of files. All functions
+/// depend only on the given generator, so a seed reproduces a case: `RC_GTEST_PROP(..., (std::uint64_t seed))
+/// { std::mt19937_64 random(seed); auto n = random_network(random);
 /// }`
 namespace segue::testing {
 
 using Random = std::mt19937_64;
 
-/// What a random network may contain.
+/// Limits and features of a random network.
 struct NetworkShape {
   int tasks = 8;              ///< how many tasks, at most
   int processes = 3;          ///< how many deployments, at most; some tasks stay in the runtime's process
@@ -215,7 +215,7 @@ inline void place_tasks(Random& random, const NetworkShape& shape, model::Networ
   }
 }
 
-/// Between tasks of the network, no two with the same ends.
+/// Connections between tasks of the network, no two of the same ports.
 inline void add_connections(Random& random, const NetworkShape& shape, model::Network& network) {
   if (network.tasks.empty()) return;
   std::unordered_set<std::string> taken;
@@ -246,8 +246,8 @@ inline model::Network random_network(Random& random, const NetworkShape& shape =
   return network;
 }
 
-/// Another network that shares much with `network`: some tasks gone, new or changed, some moved, some wires
-/// and processes different.
+/// A variation of `network`: some tasks removed, added, changed or moved, some connections and processes
+/// different.
 inline model::Network random_variation(Random& random, model::Network network,
                                        const NetworkShape& shape = {}) {
   network.name = model::NetworkName(network.name.str() + "_varied");

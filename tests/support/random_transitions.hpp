@@ -11,16 +11,16 @@
 #include <utility>
 #include <vector>
 
-/// Pairs of networks that give the solver work: what runs, in any state, and what shall run. Both share names
-/// on purpose: ids change components and processes, places change hands, devices change holders. Whatever
-/// comes out is valid; a seed reproduces it.
+/// Pairs of networks for the solver: the running one, in any state, and the target. They share names on
+/// purpose: ids change components and processes, placements change tasks, devices change holders. All results
+/// are valid, and a seed reproduces them.
 namespace segue::testing {
 
 struct PairShape {
   int tasks = 7;
   int processes = 3;
   int connections = 9;
-  bool errors = true;           ///< what runs may be in error
+  bool errors = true;           ///< running tasks may be in error
   bool devices = true;          ///< exclusive ones
   bool odd_names = true;        ///< names in processes that are not ids
   bool foreign = true;          ///< processes of another deployer
@@ -141,7 +141,7 @@ class PairGenerator {
     return devices;
   }
 
-  /// Of those who would hold the same device only the first is configured.
+  /// Of the tasks that claim the same device only the first is configured.
   static void settle_devices(model::Network& network, const model::ComponentCatalog& catalog) {
     std::set<std::string> held;
     for (model::Task& task : network.tasks) {
@@ -162,7 +162,7 @@ class PairGenerator {
     return model != nullptr && model->has_dynamic_ports() && is_configured(task.state);
   }
 
-  /// Adds wires up to the number wanted; drops those that the tasks no longer allow.
+  /// Adds connections up to the wanted number; removes those that the tasks no longer allow.
   void wire(model::Network& network, const model::ComponentCatalog& catalog) {
     std::set<std::pair<model::PortRef, model::PortRef>> taken;
     std::erase_if(network.connections,
@@ -255,7 +255,7 @@ class PairGenerator {
     }
   }
 
-  /// Errors, but no fatal one in the runtime's own process: nothing leads out of that.
+  /// Adds errors, but none that is fatal in the runtime's own process, since there is no transition from it.
   void disturb(NetworkPair& pair) {
     std::set<model::TaskId> deployed;
     for (const auto& process : pair.current.deployments) {

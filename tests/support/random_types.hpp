@@ -16,7 +16,7 @@
 /// rapidcheck generators of data types and of values that fit them, for tests only.
 namespace segue::type {
 
-/// A complete type and all its parts, which it owns.
+/// A complete type, which owns all its parts.
 struct RandomType {
   std::vector<std::unique_ptr<Type>> parts;
   const Type* type = nullptr;
@@ -136,8 +136,8 @@ inline rc::Gen<RandomType> random_type(int levels = 4) {
   });
 }
 
-/// A value that has every field. An optional within an optional is null or whole: the one between cannot be
-/// told from the outer one.
+/// A value with every field. An optional within an optional is null or complete, since an empty inner one
+/// looks like an empty outer one.
 inline Value random_value_for(const Type& type) {
   switch (type.kind) {
     case TypeKind::Numeric:

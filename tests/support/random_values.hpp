@@ -13,7 +13,7 @@
 /// rapidcheck generators of dynamic values, for tests only.
 namespace segue::type {
 
-/// Text that is valid UTF-8 and likes what trips writers: quotes, breaks, blanks, numbers, YAML's indicators.
+/// Valid UTF-8 text that is difficult to write: quotes, line breaks, blanks, numbers, indicators of YAML.
 inline rc::Gen<std::string> random_text() {
   static const std::vector<std::string> kPieces = {"a",
                                                    "b",

@@ -7,11 +7,11 @@
 #include <iterator>
 #include <string>
 
-/// What thread sanitizer finds in the processes that a test starts. By itself it would tell it in logs that
-/// go with the test.
+/// Collects the reports of thread sanitizer from the processes that a test starts, which otherwise go to logs
+/// that are removed with the test.
 namespace segue::testing {
 
-/// From now on the reports of processes that are started go into that folder.
+/// Processes started from now on write their reports to that folder.
 inline void collect_sanitizer_reports(const std::filesystem::path& folder) {
   const char* set = std::getenv("TSAN_OPTIONS");
   std::string options = set == nullptr ? "" : set;
@@ -20,7 +20,7 @@ inline void collect_sanitizer_reports(const std::filesystem::path& folder) {
   ::setenv("TSAN_OPTIONS", options.c_str(), 1);
 }
 
-/// All of them; empty where there is none.
+/// All reports; empty if there is none.
 inline std::string sanitizer_reports(const std::filesystem::path& folder) {
   std::string reports;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {

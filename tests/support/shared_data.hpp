@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-/// Data that is not part of Segue: experiments of papers, competition plans. It lies beside the source tree,
-/// or where SEGUE_SHARED_DATA says; tests that need it skip where it is absent.
+/// Data that is not part of Segue: experiments of papers, competition plans. It is found beside the source
+/// tree or in SEGUE_SHARED_DATA; tests that need it are skipped if it is absent.
 namespace segue {
 
 inline std::filesystem::path shared_data(const std::string& part) {

@@ -12,9 +12,9 @@
 #include <unordered_map>
 #include <vector>
 
-/// How many actions the shortest graceful transition takes, found by trying all of them (A* with a bound that
-/// never overestimates, so nothing shorter is missed). Knows the rules of the life cycle but no plan. For
-/// small networks: up to 6 places of tasks, 3 processes, 8 wires.
+/// Finds the length of the shortest graceful transition by exhaustive search (A* with an admissible
+/// heuristic). Knows the rules of the life cycle only. For small networks: up to 6 placements, 3 processes, 8
+/// connections.
 namespace segue::testing {
 
 class ShortestTransition {
@@ -37,7 +37,7 @@ class ShortestTransition {
       add_wire(target, connection).then = true;
   }
 
-  /// The number of actions, or -1 where no sequence reaches the target.
+  /// The number of actions, or -1 if no sequence reaches the target.
   int length() {
     using Entry = std::pair<int, Key>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -123,7 +123,7 @@ class ShortestTransition {
     return static_cast<std::size_t>(&slot_of(network, *network.find_task(id)) - slots_.data());
   }
 
-  /// A wire of both networks is one wire where its ends may stay what they are.
+  /// A connection of both networks is the same one if its tasks may stay as they are.
   Wire& add_wire(const model::Network& network, const model::Connection& connection) {
     const std::size_t from = slot_number(network, connection.from.task);
     const std::size_t to = slot_number(network, connection.to.task);
@@ -217,7 +217,7 @@ class ShortestTransition {
     return state;
   }
 
-  /// Actions that are surely needed: each counted for one subject.
+  /// A lower bound: actions that are certainly needed, each counted for one subject.
   [[nodiscard]] int bound(const State& state) const {
     int needed = 0;
     for (std::size_t i = 0; i < wires_.size(); ++i)
@@ -247,7 +247,7 @@ class ShortestTransition {
     return (occupancy.occupant == kOld ? 1 : 0) + (occupancy.state == slots_[i].then->state ? 0 : 1);
   }
 
-  /// bound() is zero where wires, processes and wanted tasks are right; this looks at what is left over.
+  /// bound() is zero if connections, processes and wanted tasks are right; this checks for leftovers.
   [[nodiscard]] bool is_target(const State& state) const {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const Occupancy& occupancy = state.slots[i];

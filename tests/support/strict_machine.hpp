@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-/// A second opinion on transitions: a robot that is stricter than any real one and knows nothing of the
-/// solver. It breaks at the first action that is not graceful: cleaning up under a wire that would be lost,
-/// undeploying a process with wires or with tasks at work, starting a task twice or with an old
-/// configuration, two holders of a device, two wires between the same ports; and, if told so, a task in two
-/// processes. Slow and simple on purpose.
+/// An independent check of transitions: a simulated robot that is stricter than any real one and shares no
+/// code with the solver. It refuses the first action that is not graceful: cleaning up while a connection
+/// would be lost, undeploying a process with connections or running tasks, starting a task twice or with an
+/// old configuration, two holders of a device, two connections between the same ports; and, as an option, a
+/// task in two processes. Slow and simple on purpose.
 namespace segue::testing {
 
 class StrictMachine {
@@ -37,7 +37,7 @@ class StrictMachine {
     }
   }
 
-  /// Empty, or the rule that the action breaks.
+  /// The rule that the action violates, or empty.
   std::string execute(const model::Action& action) {
     using model::ActionKind;
     switch (action.kind) {
@@ -60,7 +60,7 @@ class StrictMachine {
     }
   }
 
-  /// Empty, or how what runs differs from the target.
+  /// The first difference between the running network and the target, or empty.
   std::string finish(const model::Transition& transition, const model::Network& target) {
     for (const auto& task : transition.redefines) {
       Body& body = at(newest(task.id.str()));
