@@ -49,18 +49,15 @@ int apply(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_apply(CLI::App& app, Context& context) {
+void add_apply(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "apply", "predict: the network that results from a transition",
-               "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue apply explore.yaml t.yaml",
-               [options, &context] { return apply(*options, context); });
-  verb->add_option("NETWORK", options->network, "a network or CND file; '-' is the empty network")
-      ->required()
-      ->type_name("");
-  verb->add_option("TRANSITION", options->transition, "a transition file")->required()->type_name("");
-  verb->add_option("-o,--output", options->output, "write the network to a file")->type_name("FILE");
-  add_model_options(*verb, options->sources);
+  Verb& verb = add_verb(app, context, "apply", "predict: the network that results from a transition",
+                        "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue apply explore.yaml t.yaml",
+                        [options, &context] { return apply(*options, context); });
+  verb.option("NETWORK", options->network, "a network or CND file; '-' is the empty network").required();
+  verb.option("TRANSITION", options->transition, "a transition file").required();
+  verb.option("-o,--output FILE", options->output, "write the network to a file");
+  add_model_options(verb, options->sources);
 }
 
 }  // namespace segue::cli

@@ -222,9 +222,9 @@ int run(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, Context& context) {
+void add_bench(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "bench", "how fast controllers are switched on this computer, as CSV and SVG",
       "  segue bench --quick               # some seconds, to see that everything works\n"
       "  segue bench --out results\n\n"
@@ -236,12 +236,10 @@ void add_bench(CLI::App& app, Context& context) {
       "with\n"
       "a process for each task. Close other programs first. Ctrl-C ends it in order, no process stays.",
       [options, &context] { return run(*options, context); });
-  verb->add_option("--out", options->folder, "the folder to write to (segue-bench)")->type_name("DIR");
-  verb->add_option("--repeat", options->repeat, "how often each is measured (5)")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1000}).description(""));
-  add_order_option(*verb, options->order);
-  verb->add_flag("--quick", options->quick, "short chains, twice");
+  verb.option("--out DIR", options->folder, "the folder to write to (segue-bench)");
+  verb.option("--repeat N", options->repeat, "how often each is measured (5)").between(1, 1000);
+  add_order_option(verb, options->order);
+  verb.flag("--quick", options->quick, "short chains, twice");
 }
 
 }  // namespace segue::cli

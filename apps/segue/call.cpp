@@ -71,21 +71,20 @@ int call(control::RobotService& robot, const Options& options, const Context& co
 
 }  // namespace
 
-void add_call(CLI::App& app, Context& context) {
+void add_call(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "call", "call an operation of a task",
-                            "  segue call odometry.reset\n  segue call joystick.push forward=0.5 turn=0\n"
-                            "  segue call seeker.set_goal '{x: 1.0, y: 2.0}'",
-                            [options, &context] {
-                              return with_robot(context, [&](control::RobotService& robot) {
-                                return call(robot, *options, context);
-                              });
-                            });
-  verb->add_option("TASK.OPERATION", options->operation, "the operation")->required()->type_name("");
-  verb->add_option("ARGUMENT", options->arguments, "arguments as name=value, or values in order (YAML)")
-      ->type_name("");
-  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the result (default 10s)");
-  add_robot_option(*verb, context);
+  Verb& verb = add_verb(app, context, "call", "call an operation of a task",
+                        "  segue call odometry.reset\n  segue call joystick.push forward=0.5 turn=0\n"
+                        "  segue call seeker.set_goal '{x: 1.0, y: 2.0}'",
+                        [options, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return call(robot, *options, context);
+                          });
+                        });
+  verb.option("TASK.OPERATION", options->operation, "the operation").required();
+  verb.option("ARGUMENT", options->arguments, "arguments as name=value, or values in order (YAML)");
+  verb.option("--timeout DURATION", options->timeout, "how long to wait for the result (default 10s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

@@ -178,20 +178,16 @@ int check(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_check(CLI::App& app, Context& context) {
+void add_check(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
+  Verb& verb =
       add_verb(app, context, "check", "validate networks, robots, missions, transitions and component models",
                "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
                [options, &context] { return check(*options, context); });
-  verb->add_option("FILE", options->files, "files of any kind; a robot file brings all that it names")
-      ->required()
-      ->type_name("");
-  verb->add_flag("--structure", options->structure,
-                 "only names and references, not components, ports and types");
-  verb->add_option("--libraries", options->libraries, "folders with the state machines that missions use")
-      ->type_name("DIR");
-  add_model_options(*verb, options->sources);
+  verb.option("FILE", options->files, "files of any kind; a robot file brings all that it names").required();
+  verb.flag("--structure", options->structure, "only names and references, not components, ports and types");
+  verb.option("--libraries DIR", options->libraries, "folders with the state machines that missions use");
+  add_model_options(verb, options->sources);
 }
 
 }  // namespace segue::cli

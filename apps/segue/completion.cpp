@@ -20,25 +20,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kNames = 
                                                                                   {"set", "properties"},
                                                                                   {"call", "operations"}}};
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); });
+std::string option_words(const Verb& verb) {
+  return fmt::format("{}", fmt::join(verb.option_names(), " "));
 }
 
-std::string option_words(const CLI::App& verb) {
+std::string verb_words(const Verb& verb) {
   std::string words;
-  for (const CLI::Option* option : verb.get_options()) {
-    for (const std::string& name : option->get_snames())
-      words += " -" + name;
-    for (const std::string& name : option->get_lnames())
-      words += " --" + name;
-  }
-  return words.empty() ? words : words.substr(1);
-}
-
-std::string verb_words(const CLI::App& app) {
-  std::string words;
-  for (const CLI::App* verb : verbs_of(app))
-    words += (words.empty() ? "" : " ") + verb->get_name();
+  for (const Verb* inner : verb.verbs())
+    words += (words.empty() ? "" : " ") + inner->name();
   return words;
 }
 
@@ -49,12 +38,11 @@ std::string names_of(std::string_view verb) {
   return {};
 }
 
-std::string bash_script(const CLI::App& app) {
+std::string bash_script(const Verb& app) {
   std::string cases;
-  for (const CLI::App* verb : verbs_of(app)) {
-    cases +=
-        fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->get_name(), verb_words(*verb),
-                    verbs_of(*verb).empty() ? "" : " ", option_words(*verb) + names_of(verb->get_name()));
+  for (const Verb* verb : app.verbs()) {
+    cases += fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->name(), verb_words(*verb),
+                         verb->verbs().empty() ? "" : " ", option_words(*verb) + names_of(verb->name()));
   }
   return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
 _segue() {{
@@ -80,13 +68,13 @@ std::string single_quoted(std::string text) {
   return '\'' + result + '\'';
 }
 
-std::string zsh_script(const CLI::App& app) {
+std::string zsh_script(const Verb& app) {
   std::string verbs;
   std::string cases;
-  for (const CLI::App* verb : verbs_of(app)) {
-    verbs += "    " + single_quoted(verb->get_name() + ':' + verb->get_description()) + '\n';
-    cases += fmt::format("    {}) words_of_verb=({} {}{}) ;;\n", verb->get_name(), verb_words(*verb),
-                         option_words(*verb), names_of(verb->get_name()));
+  for (const Verb* verb : app.verbs()) {
+    verbs += "    " + single_quoted(verb->name() + ':' + verb->description()) + '\n';
+    cases += fmt::format("    {}) words_of_verb=({} {}{}) ;;\n", verb->name(), verb_words(*verb),
+                         option_words(*verb), names_of(verb->name()));
   }
   return fmt::format(R"(#compdef segue
 # zsh completion for segue; load it with: source <(segue completion zsh)
@@ -145,23 +133,20 @@ int complete_names(const std::string& kind) {
 
 }  // namespace
 
-void add_completion(CLI::App& app, Context& context) {
+void add_completion(Verb& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
-  CLI::App* verb =
+  Verb& verb =
       add_verb(app, context, "completion", "completion for a shell",
                "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, shell] {
                  print(*shell == "bash" ? bash_script(app) : zsh_script(app));
                  return static_cast<int>(kDone);
                });
-  verb->add_option("SHELL", *shell, "bash or zsh")
-      ->required()
-      ->type_name("")
-      ->check(CLI::IsMember({"bash", "zsh"}).description(""));
+  verb.option("SHELL", *shell, "bash or zsh").required().one_of({"bash", "zsh"});
 
   const auto kind = std::make_shared<std::string>();
-  CLI::App* names = app.add_subcommand("complete-names", "for shells")->group("");
-  names->add_option("kind", *kind)->required();
-  names->callback([&context, kind] { context.action = [kind] { return complete_names(*kind); }; });
+  Verb& names = app.add_verb("complete-names", "for shells").hide();
+  names.option("kind", *kind, "").required();
+  names.on_given([&context, kind] { context.action = [kind] { return complete_names(*kind); }; });
 }
 
 }  // namespace segue::cli

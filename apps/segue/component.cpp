@@ -130,27 +130,24 @@ int export_models(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_component(CLI::App& app, Context& context) {
+void add_component(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "component", "component libraries and models",
-                            "  segue component list\n  segue component show demo::Drive", nullptr);
-  verb->require_subcommand(1);
-  CLI::App* lister =
-      add_verb(*verb, context, "list", "all components that are known", "  segue component list",
-               [options, &context] { return list(*options, context); });
-  add_model_options(*lister, options->sources);
-  CLI::App* shower =
-      add_verb(*verb, context, "show", "one component's interface", "  segue component show demo::Drive",
+  Verb& verb = add_verb(app, context, "component", "component libraries and models",
+                        "  segue component list\n  segue component show demo::Drive", nullptr);
+  verb.require_verb();
+  Verb& lister = add_verb(verb, context, "list", "all components that are known", "  segue component list",
+                          [options, &context] { return list(*options, context); });
+  add_model_options(lister, options->sources);
+  Verb& shower =
+      add_verb(verb, context, "show", "one component's interface", "  segue component show demo::Drive",
                [options, &context] { return show(*options, context); });
-  shower->add_option("COMPONENT", options->name, "the component")->required()->type_name("");
-  add_model_options(*shower, options->sources);
-  CLI::App* exporter =
-      add_verb(*verb, context, "export", "the component models of a library, as a file for tools",
-               "  segue component export segue_components_demo -o demo.components.yaml",
-               [options, &context] { return export_models(*options, context); });
-  exporter->add_option("LIBRARY", options->name, "a library's name")->required()->type_name("");
-  exporter->add_option("-o,--output", options->output, "a file instead of standard output")
-      ->type_name("FILE");
+  shower.option("COMPONENT", options->name, "the component").required();
+  add_model_options(shower, options->sources);
+  Verb& exporter = add_verb(verb, context, "export", "the component models of a library, as a file for tools",
+                            "  segue component export segue_components_demo -o demo.components.yaml",
+                            [options, &context] { return export_models(*options, context); });
+  exporter.option("LIBRARY", options->name, "a library's name").required();
+  exporter.option("-o,--output FILE", options->output, "a file instead of standard output");
 }
 
 }  // namespace segue::cli

@@ -84,35 +84,31 @@ int diff(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_diff(CLI::App& app, Context& context) {
+void add_diff(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
+  Verb& verb =
       add_verb(app, context, "diff", "the transition that turns one network into another",
                "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff - controllers/explore.yaml      # from the empty network\n"
                "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff a.yaml b.yaml --svg > switch.svg",
                [options, &context] { return diff(*options, context); });
-  verb->add_option("CURRENT", options->current, "a network or CND file; '-' is the empty network")
-      ->required()
-      ->type_name("");
-  verb->add_option("TARGET", options->target, "likewise")->required()->type_name("");
-  add_order_option(*verb, options->order);
-  verb->add_flag("--force", options->force, "kill the processes that go, and do nothing else in them");
-  auto* dot = verb->add_flag("--dot", options->dot, "the partial order as a graph for Graphviz");
-  verb->add_flag("--svg", options->svg, "a picture: what happens when, and what decides how long it takes")
-      ->excludes(dot);
-  verb->add_option("-o,--output", options->output, "also write the transition to a file, for `segue apply`")
-      ->type_name("FILE");
+  verb.option("CURRENT", options->current, "a network or CND file; '-' is the empty network").required();
+  verb.option("TARGET", options->target, "likewise").required();
+  add_order_option(verb, options->order);
+  verb.flag("--force", options->force, "kill the processes that go, and do nothing else in them");
+  const Option dot = verb.flag("--dot", options->dot, "the partial order as a graph for Graphviz");
+  verb.flag("--svg", options->svg, "a picture: what happens when, and what decides how long it takes")
+      .excludes(dot);
+  verb.option("-o,--output FILE", options->output, "also write the transition to a file, for `segue apply`");
   const std::string estimate_help =
       "also how long it will take, from the durations in a robot's journal: in all, each phase, the critical "
       "path";
-  CLI::Option* estimate = verb->add_flag("--estimate", options->estimate, estimate_help);
-  verb->add_option("--robot", context.robot, "whose journal; needed where more than one robot has one")
-      ->type_name("NAME")
-      ->needs(estimate);
-  add_journal_option(*verb, options->journal)->needs(estimate);
-  add_model_options(*verb, options->sources);
+  const Option estimate = verb.flag("--estimate", options->estimate, estimate_help);
+  verb.option("--robot NAME", context.robot, "whose journal; needed where more than one robot has one")
+      .needs(estimate);
+  add_journal_option(verb, options->journal).needs(estimate);
+  add_model_options(verb, options->sources);
 }
 
 }  // namespace segue::cli

@@ -40,17 +40,17 @@ int events(control::RobotService& robot, const Options& options, const Context& 
 
 }  // namespace
 
-void add_events(CLI::App& app, Context& context) {
+void add_events(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "events", "what happened, and with --follow what happens",
-                            "  segue events\n  segue events --follow", [options, &context] {
-                              return with_robot(context, [&](control::RobotService& robot) {
-                                return events(robot, *options, context);
-                              });
-                            });
-  verb->add_flag("-f,--follow", options->follow, "go on until Ctrl-C");
-  verb->add_option("--after", options->after, "only events with a greater number")->type_name("NUMBER");
-  add_robot_option(*verb, context);
+  Verb& verb = add_verb(app, context, "events", "what happened, and with --follow what happens",
+                        "  segue events\n  segue events --follow", [options, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return events(robot, *options, context);
+                          });
+                        });
+  verb.flag("-f,--follow", options->follow, "go on until Ctrl-C");
+  verb.option("--after NUMBER", options->after, "only events with a greater number");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

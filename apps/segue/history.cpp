@@ -143,9 +143,9 @@ int history(const Options& options, Context& context) {
 
 }  // namespace
 
-void add_history(CLI::App& app, Context& context) {
+void add_history(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "history", "what was requested, and how long it took",
       "  segue history\n"
       "  segue history --all --robot artemis      # of all its lives, whether it runs or not\n\n"
@@ -153,12 +153,12 @@ void add_history(CLI::App& app, Context& context) {
       "is\n"
       "read. 'expected' is what was predicted before from the durations that were measured until then.",
       [options, &context] { return history(*options, context); });
-  add_robot_option(*verb, context);
-  verb->add_flag("--all", options->all, "everything in the robot's journal");
-  add_journal_option(*verb, options->journal);
-  verb->add_flag("--differences", options->differences,
-                 "instead, where what ran differed from what should, from the journal");
-  verb->add_option("-n,--lines", options->lines, "only the latest N")->type_name("N");
+  add_robot_option(verb, context);
+  verb.flag("--all", options->all, "everything in the robot's journal");
+  add_journal_option(verb, options->journal);
+  verb.flag("--differences", options->differences,
+            "instead, where what ran differed from what should, from the journal");
+  verb.option("-n,--lines N", options->lines, "only the latest N");
 }
 
 }  // namespace segue::cli

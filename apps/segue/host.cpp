@@ -45,14 +45,13 @@ int host(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_host(CLI::App& app, Context& context) {
+void add_host(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "host", "the process server of a computer, as a daemon",
-                            "  segue host\n  segue host --zygote segue_components_demo",
-                            [options, &context] { return host(*options, context); });
-  verb->add_option("--zygote", options->zygote,
-                   "load this component library once, so that deployments start quicker; may be repeated")
-      ->type_name("LIBRARY");
+  Verb& verb = add_verb(app, context, "host", "the process server of a computer, as a daemon",
+                        "  segue host\n  segue host --zygote segue_components_demo",
+                        [options, &context] { return host(*options, context); });
+  verb.option("--zygote LIBRARY", options->zygote,
+              "load this component library once, so that deployments start quicker; may be repeated");
 }
 
 }  // namespace segue::cli

@@ -89,17 +89,14 @@ int init(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_init(CLI::App& app, Context& context) {
+void add_init(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "init", "a small working robot to start from",
-               "  segue init my_robot && cd my_robot && segue run robot.yaml --controller explore",
-               [options, &context] { return init(*options, context); });
-  verb->add_option("DIR", options->folder, "a folder that does not exist yet, or is empty")
-      ->required()
-      ->type_name("");
-  verb->add_option("--name", options->name, "the robot's name (default: the folder's)")->type_name("NAME");
-  verb->add_flag("--library", options->library, "also a component library of your own, with one component");
+  Verb& verb = add_verb(app, context, "init", "a small working robot to start from",
+                        "  segue init my_robot && cd my_robot && segue run robot.yaml --controller explore",
+                        [options, &context] { return init(*options, context); });
+  verb.option("DIR", options->folder, "a folder that does not exist yet, or is empty").required();
+  verb.option("--name NAME", options->name, "the robot's name (default: the folder's)");
+  verb.flag("--library", options->library, "also a component library of your own, with one component");
 }
 
 }  // namespace segue::cli

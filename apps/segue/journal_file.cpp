@@ -11,9 +11,8 @@
 
 namespace segue::cli {
 
-CLI::Option* add_journal_option(CLI::App& verb, std::string& file) {
-  return verb.add_option("--journal", file, "this journal file instead of the robot's own")
-      ->type_name("FILE");
+Option add_journal_option(Verb& verb, std::string& file) {
+  return verb.option("--journal FILE", file, "this journal file instead of the robot's own");
 }
 
 std::vector<std::string> robots_with_journals() {

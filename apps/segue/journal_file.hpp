@@ -14,7 +14,7 @@
 namespace segue::cli {
 
 /// --journal FILE.
-CLI::Option* add_journal_option(CLI::App& verb, std::string& file);
+Option add_journal_option(Verb& verb, std::string& file);
 
 /// Robots of this user that have a journal where journals are kept, sorted.
 std::vector<std::string> robots_with_journals();

@@ -118,16 +118,15 @@ int show_log(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_log(CLI::App& app, Context& context) {
+void add_log(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "log", "what a deployment process printed, whether it runs or not",
-                            "  segue log drivers\n  segue log drivers --lines 200 --follow",
-                            [options, &context] { return show_log(*options, context); });
-  verb->add_option("PROCESS", options->process, "the process's name")->required()->type_name("");
-  verb->add_option("-n,--lines", options->lines, "how many lines at the end (50)")->type_name("N");
-  verb->add_flag("-f,--follow", options->follow, "go on until Ctrl-C");
-  verb->add_option("--robot", context.robot, "the robot's name; needed where several have that process")
-      ->type_name("NAME");
+  Verb& verb = add_verb(app, context, "log", "what a deployment process printed, whether it runs or not",
+                        "  segue log drivers\n  segue log drivers --lines 200 --follow",
+                        [options, &context] { return show_log(*options, context); });
+  verb.option("PROCESS", options->process, "the process's name").required();
+  verb.option("-n,--lines N", options->lines, "how many lines at the end (50)");
+  verb.flag("-f,--follow", options->follow, "go on until Ctrl-C");
+  verb.option("--robot NAME", context.robot, "the robot's name; needed where several have that process");
 }
 
 }  // namespace segue::cli

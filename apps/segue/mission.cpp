@@ -91,153 +91,138 @@ int import(const ImportOptions& source, PddlOptions pddl, const Context& context
   return kUsage;
 }
 
-void add_mode_option(CLI::App& verb, MissionOptions& options) {
-  verb.add_option("--mode", options.mode,
-                  "sequential: as it is written; concurrent: a task network's default")
-      ->type_name("MODE")
-      ->check(CLI::IsMember({"sequential", "concurrent"}).description(""));
+void add_mode_option(Verb& verb, MissionOptions& options) {
+  verb.option("--mode MODE", options.mode,
+              "sequential: as it is written; concurrent: a task network's default")
+      .one_of({"sequential", "concurrent"});
 }
 
-void add_runner(CLI::App& verb, Context& context) {
+void add_runner(Verb& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
   options->mode.clear();
-  CLI::App* runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
-                              "  segue mission run fetch.yaml\n"
-                              "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
-                              "  segue mission run fetch.json --clock virtual",
-                              [options, network, &context] { return run_plan(*options, *network, context); });
-  runner->add_option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
-      ->required()
-      ->type_name("");
-  add_mode_option(*runner, *options);
-  runner->add_option("--clock", options->clock, "real (default), or virtual: simulated actions take no time")
-      ->type_name("CLOCK")
-      ->check(CLI::IsMember({"real", "virtual"}).description(""));
-  runner->add_flag("--simulate", options->simulate, "simulate every action by what is expected of it");
-  runner->add_option("--input", options->inputs, "an input of the mission")->type_name("NAME=VALUE");
-  runner->add_option("--fact", options->facts, "a fact that holds at the beginning, or with '!' does not")
-      ->type_name("FACT");
-  runner->add_option("--start-at", options->start_at, "begin at this state, such as fetch/grasp")
-      ->type_name("PATH");
-  CLI::Option* journal =
-      runner->add_option("--journal", options->journal, "write down what is done, so that it can be resumed");
-  journal->type_name("FILE");
-  CLI::Option* resume =
-      runner->add_flag("--resume", options->resume, "go on where the run of that journal broke off");
-  resume->needs(journal);
+  Verb& runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
+                          "  segue mission run fetch.yaml\n"
+                          "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
+                          "  segue mission run fetch.json --clock virtual",
+                          [options, network, &context] { return run_plan(*options, *network, context); });
+  runner.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
+      .required();
+  add_mode_option(runner, *options);
+  runner.option("--clock CLOCK", options->clock, "real (default), or virtual: simulated actions take no time")
+      .one_of({"real", "virtual"});
+  runner.flag("--simulate", options->simulate, "simulate every action by what is expected of it");
+  runner.option("--input NAME=VALUE", options->inputs, "an input of the mission");
+  runner.option("--fact FACT", options->facts, "a fact that holds at the beginning, or with '!' does not");
+  runner.option("--start-at PATH", options->start_at, "begin at this state, such as fetch/grasp");
+  const Option journal =
+      runner.option("--journal FILE", options->journal, "write down what is done, so that it can be resumed");
+  const Option resume =
+      runner.flag("--resume", options->resume, "go on where the run of that journal broke off")
+          .needs(journal);
   runner
-      ->add_option("--under-way", options->under_way,
-                   "what becomes of actions that had begun then: again, skip or abort")
-      ->type_name("HOW")
-      ->needs(resume)
-      ->check(CLI::IsMember({"again", "skip", "abort"}).description(""));
-  runner->add_option("--python", options->python, "what executes Python scripts; default: python3")
-      ->type_name("PROGRAM");
-  add_library_option(*runner, *options);
-  add_network_options(*runner, *network);
-  add_run_files(*runner, options->files);
+      .option("--under-way HOW", options->under_way,
+              "what becomes of actions that had begun then: again, skip or abort")
+      .needs(resume)
+      .one_of({"again", "skip", "abort"});
+  runner.option("--python PROGRAM", options->python, "what executes Python scripts; default: python3");
+  add_library_option(runner, *options);
+  add_network_options(runner, *network);
+  add_run_files(runner, options->files);
 }
 
 /// In virtual time, with nothing on standard output but a drawing that has no file.
-void add_gantt(CLI::App& parent, Context& context) {
+void add_gantt(Verb& parent, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
-  CLI::App* verb = add_verb(parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
-                            "  segue mission gantt fetch.json -o fetch.svg\n"
-                            "  segue mission gantt fetch.json --mode sequential -o before.svg",
-                            [options, network, &context] {
-                              options->clock = "virtual";
-                              options->simulate = true;
-                              options->show = network->show = false;
-                              if (options->files.svg.empty()) options->files.svg = "-";
-                              return run_plan(*options, *network, context);
-                            });
+  Verb& verb = add_verb(parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
+                        "  segue mission gantt fetch.json -o fetch.svg\n"
+                        "  segue mission gantt fetch.json --mode sequential -o before.svg",
+                        [options, network, &context] {
+                          options->clock = "virtual";
+                          options->simulate = true;
+                          options->show = network->show = false;
+                          if (options->files.svg.empty()) options->files.svg = "-";
+                          return run_plan(*options, *network, context);
+                        });
   options->mode.clear();
-  verb->add_option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
-      ->required()
-      ->type_name("");
-  add_mode_option(*verb, *options);
-  verb->add_option("-o,--output", options->files.svg, "a file instead of standard output")->type_name("FILE");
-  add_page_and_trace(*verb, options->files);
-  add_library_option(*verb, *options);
-  add_network_options(*verb, *network);
+  verb.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
+      .required();
+  add_mode_option(verb, *options);
+  verb.option("-o,--output FILE", options->files.svg, "a file instead of standard output");
+  add_page_and_trace(verb, options->files);
+  add_library_option(verb, *options);
+  add_network_options(verb, *network);
 }
 
-void add_convert(CLI::App& parent, Context& context) {
+void add_convert(Verb& parent, Context& context) {
   const auto options = std::make_shared<ConvertOptions>();
-  CLI::App* verb =
+  Verb& verb =
       add_verb(parent, context, "convert", "a plan as the task network that runs concurrently, and why",
                "  segue mission convert fetch.yaml\n"
                "  segue mission convert fetch.yaml --svg -o fetch.svg\n"
                "  segue mission convert loops.yaml --assume-expected --horizon 200",
                [options, &context] { return convert_plan(*options, context); });
-  verb->add_option("FILE", options->mission.file,
-                   "a mission file, a RAFCON machine's folder or a task network")
-      ->required()
-      ->type_name("");
-  auto* dot = verb->add_flag("--dot", options->dot, "a graph for Graphviz");
-  verb->add_flag("--svg", options->svg, "a drawing: what comes after what from left to right, and why")
-      ->excludes(dot);
-  verb->add_option("-o,--output", options->output, "a file instead of standard output")->type_name("FILE");
-  verb->add_option("--horizon", options->horizon,
-                   "nodes of a mission that are planned; default: 1000, as in a run")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100'000'000}).description(""));
-  verb->add_flag("--assume-expected", options->assume_expected,
-                 "where a mission must be decided to go on, go on as is simulated or expected");
-  verb->add_option("--input", options->mission.inputs, "an input of the mission")->type_name("NAME=VALUE");
-  verb->add_option("--fact", options->mission.facts,
-                   "a fact that holds at the beginning, or with '!' does not")
-      ->type_name("FACT");
-  verb->add_option("--order", options->order,
-                   "of a task network: epoch (default) keeps the whole final world, goal only its goal")
-      ->type_name("ORDER")
-      ->check(CLI::IsMember({"epoch", "goal"}).description(""));
-  verb->add_flag("--strict", options->strict, "nothing happens behind a node that may still fail");
-  add_library_option(*verb, options->mission);
+  verb.option("FILE", options->mission.file, "a mission file, a RAFCON machine's folder or a task network")
+      .required();
+  const Option dot = verb.flag("--dot", options->dot, "a graph for Graphviz");
+  verb.flag("--svg", options->svg, "a drawing: what comes after what from left to right, and why")
+      .excludes(dot);
+  verb.option("-o,--output FILE", options->output, "a file instead of standard output");
+  verb.option("--horizon N", options->horizon,
+              "nodes of a mission that are planned; default: 1000, as in a run")
+      .between(1, 100'000'000);
+  verb.flag("--assume-expected", options->assume_expected,
+            "where a mission must be decided to go on, go on as is simulated or expected");
+  verb.option("--input NAME=VALUE", options->mission.inputs, "an input of the mission");
+  verb.option("--fact FACT", options->mission.facts,
+              "a fact that holds at the beginning, or with '!' does not");
+  verb.option("--order ORDER", options->order,
+              "of a task network: epoch (default) keeps the whole final world, goal only its goal")
+      .one_of({"epoch", "goal"});
+  verb.flag("--strict", options->strict, "nothing happens behind a node that may still fail");
+  add_library_option(verb, options->mission);
 }
 
 }  // namespace
 
-void add_library_option(CLI::App& verb, MissionOptions& options) {
-  verb.add_option("--libraries", options.libraries,
-                  "folders with the state machines that missions use; for RAFCON's machines NAME=DIR")
-      ->type_name("DIR");
+void add_library_option(Verb& verb, MissionOptions& options) {
+  verb.option("--libraries DIR", options.libraries,
+              "folders with the state machines that missions use; for RAFCON's machines NAME=DIR");
 }
 
-void add_mission(CLI::App& app, Context& context) {
-  CLI::App* verb = add_verb(
+void add_mission(Verb& app, Context& context) {
+  Verb& verb = add_verb(
       app, context, "mission", "plans as state machines",
       "  segue mission run fetch.yaml\n  segue mission import --rafcon machine -o machine.yaml", nullptr);
-  verb->require_subcommand(1);
-  add_runner(*verb, context);
+  verb.require_verb();
+  add_runner(verb, context);
 
   const auto files = std::make_shared<std::vector<std::string>>();
   const auto options = std::make_shared<MissionOptions>();
-  CLI::App* checker =
-      add_verb(*verb, context, "check", "validate missions", "  segue mission check missions/*.yaml",
+  Verb& checker =
+      add_verb(verb, context, "check", "validate missions", "  segue mission check missions/*.yaml",
                [files, options, &context] { return check(*files, *options, context); });
-  checker->add_option("FILE", *files, "mission files")->required()->type_name("");
-  add_library_option(*checker, *options);
+  checker.option("FILE", *files, "mission files").required();
+  add_library_option(checker, *options);
 
   const auto source = std::make_shared<ImportOptions>();
   const auto pddl = std::make_shared<PddlOptions>();
-  CLI::App* importer = add_verb(*verb, context, "import", "other plans as mission files and task networks",
-                                "  segue mission import --rafcon my_machine --libraries "
-                                "generic=/opt/rafcon/libraries/generic -o m.yaml",
-                                [source, pddl, &context] { return import(*source, *pddl, context); });
-  CLI::Option* rafcon =
-      importer->add_option("--rafcon", source->folder, "the folder of a RAFCON state machine");
-  rafcon->type_name("DIR");
-  importer->add_option("--pddl", pddl->files, "a domain, a problem and a sequential plan, as a task network")
-      ->expected(3)
-      ->excludes(rafcon)
-      ->type_name("DOMAIN PROBLEM PLAN");
-  importer->add_option("--libraries", source->libraries, "RAFCON's library paths")->type_name("NAME=DIR");
-  importer->add_option("-o,--output", source->output, "a file instead of standard output")->type_name("FILE");
-  add_gantt(*verb, context);
-  add_convert(*verb, context);
+  Verb& importer = add_verb(verb, context, "import", "other plans as mission files and task networks",
+                            "  segue mission import --rafcon my_machine --libraries "
+                            "generic=/opt/rafcon/libraries/generic -o m.yaml",
+                            [source, pddl, &context] { return import(*source, *pddl, context); });
+  const Option rafcon =
+      importer.option("--rafcon DIR", source->folder, "the folder of a RAFCON state machine");
+  importer
+      .option("--pddl DOMAIN PROBLEM PLAN", pddl->files,
+              "a domain, a problem and a sequential plan, as a task network")
+      .takes(3)
+      .excludes(rafcon);
+  importer.option("--libraries NAME=DIR", source->libraries, "RAFCON's library paths");
+  importer.option("-o,--output FILE", source->output, "a file instead of standard output");
+  add_gantt(verb, context);
+  add_convert(verb, context);
 }
 
 }  // namespace segue::cli

@@ -170,21 +170,17 @@ int import_pddl(const PddlOptions& options, const Context& context) {
   return written ? kDone : failed(context, written.error());
 }
 
-void add_network_options(CLI::App& verb, NetworkOptions& options) {
-  verb.add_option("--order", options.order,
-                  "of a task network: epoch (default) keeps the whole final world, goal only its goal")
-      ->type_name("ORDER")
-      ->check(CLI::IsMember({"epoch", "goal"}).description(""));
-  verb.add_option("--seed", options.seed,
-                  "vary durations of simulated nodes, the same way for the same number; 0: as expected")
-      ->type_name("N");
-  verb.add_option("--workers", options.workers, "nodes that run at the same time; 0: any number")
-      ->type_name("N");
-  verb.add_option("--world-copies", options.world_copies, "projected worlds at the same time; 0: any number")
-      ->type_name("N");
-  verb.add_option("--resource", options.resources, "that many of a resource, such as process:planner=2")
-      ->type_name("NAME=COUNT");
-  verb.add_flag("--strict", options.strict, "nothing happens behind a node that may still fail");
+void add_network_options(Verb& verb, NetworkOptions& options) {
+  verb.option("--order ORDER", options.order,
+              "of a task network: epoch (default) keeps the whole final world, goal only its goal")
+      .one_of({"epoch", "goal"});
+  verb.option("--seed N", options.seed,
+              "vary durations of simulated nodes, the same way for the same number; 0: as expected");
+  verb.option("--workers N", options.workers, "nodes that run at the same time; 0: any number");
+  verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
+  verb.option("--resource NAME=COUNT", options.resources,
+              "that many of a resource, such as process:planner=2");
+  verb.flag("--strict", options.strict, "nothing happens behind a node that may still fail");
 }
 
 }  // namespace segue::cli

@@ -26,7 +26,7 @@ struct NetworkOptions {
 };
 
 /// The options of a run that only task networks have.
-void add_network_options(CLI::App& verb, NetworkOptions& options);
+void add_network_options(Verb& verb, NetworkOptions& options);
 
 /// Whether the file is a task network rather than a mission: JSON with nodes at its top.
 bool is_task_network(const std::filesystem::path& file);

@@ -30,7 +30,7 @@ struct MissionOptions {
 };
 
 /// --libraries
-void add_library_option(CLI::App& verb, MissionOptions& options);
+void add_library_option(Verb& verb, MissionOptions& options);
 
 /// What executes its actions: Python, and simulation where that is asked for.
 mission::Runners runners_of(const MissionOptions& options);

@@ -32,13 +32,12 @@ void add_pattern(const std::filesystem::path& pattern, const SourceLocation& whe
 
 }  // namespace
 
-void add_model_options(CLI::App& verb, ModelSources& sources) {
-  verb.add_option("--models", sources.patterns,
-                  "component model files beside those of the installed libraries; may hold * and ?")
-      ->type_name("PATTERN")
-      ->allow_extra_args(false);
-  verb.add_option("--robot-file", sources.robot_file, "a robot file whose libraries and models are known too")
-      ->type_name("FILE");
+void add_model_options(Verb& verb, ModelSources& sources) {
+  verb.option("--models PATTERN", sources.patterns,
+              "component model files beside those of the installed libraries; may hold * and ?")
+      .takes_one_at_a_time();
+  verb.option("--robot-file FILE", sources.robot_file,
+              "a robot file whose libraries and models are known too");
 }
 
 void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalog, Diagnostics& diagnostics) {

@@ -21,7 +21,7 @@ struct ModelSources {
   std::vector<std::string> patterns;  ///< --models
   std::string robot_file;             ///< --robot-file
 };
-void add_model_options(CLI::App& verb, ModelSources& sources);
+void add_model_options(Verb& verb, ModelSources& sources);
 
 /// The models of all installed libraries, of the patterns, and of what the robot file names.
 model::ComponentCatalog load_catalog(const ModelSources& sources, Diagnostics& diagnostics);

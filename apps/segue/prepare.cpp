@@ -50,9 +50,9 @@ int prepare(control::RobotService& robot, const Options& options, const Context&
 
 }  // namespace
 
-void add_prepare(CLI::App& app, Context& context) {
+void add_prepare(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "prepare", "keep controllers of a running robot ready, so that a switch to them is quick",
       "  segue prepare dock explore    # the likeliest first\n  segue prepare                 # nothing any "
       "more\n\n"
@@ -63,9 +63,9 @@ void add_prepare(CLI::App& app, Context& context) {
         return with_robot(context,
                           [&](control::RobotService& robot) { return prepare(robot, *options, context); });
       });
-  verb->add_option("NAME", options->controllers, "controllers, the likeliest first")->type_name("");
-  add_duration(*verb, "--timeout", options->timeout, "how long to wait until they are ready (default 60s)");
-  add_robot_option(*verb, context);
+  verb.option("NAME", options->controllers, "controllers, the likeliest first");
+  verb.option("--timeout DURATION", options->timeout, "how long to wait until they are ready (default 60s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

@@ -86,24 +86,22 @@ int read(control::RobotService& robot, const Options& options, const Context& co
 
 }  // namespace
 
-void add_read(CLI::App& app, Context& context) {
+void add_read(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "read", "the samples of an output port",
-                            "  segue read odometry.pose\n  segue read odometry.pose --follow\n"
-                            "  segue read laser.scan --count 10 --format json",
-                            [options, &context] {
-                              return with_robot(context, [&](control::RobotService& robot) {
-                                return read(robot, *options, context);
-                              });
-                            });
-  verb->add_option("TASK.PORT", options->port, "an output port of a running task")->required()->type_name("");
-  verb->add_option("-n,--count", options->count, "how many samples (default 1)")
-      ->type_name("N")
-      ->check(CLI::PositiveNumber.description(""));
-  verb->add_flag("-f,--follow", options->follow, "until Ctrl-C");
-  add_duration(*verb, "--for", options->length, "all samples of so long");
-  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the first sample (default 5s)");
-  add_robot_option(*verb, context);
+  Verb& verb = add_verb(app, context, "read", "the samples of an output port",
+                        "  segue read odometry.pose\n  segue read odometry.pose --follow\n"
+                        "  segue read laser.scan --count 10 --format json",
+                        [options, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return read(robot, *options, context);
+                          });
+                        });
+  verb.option("TASK.PORT", options->port, "an output port of a running task").required();
+  verb.option("-n,--count N", options->count, "how many samples (default 1)").positive();
+  verb.flag("-f,--follow", options->follow, "until Ctrl-C");
+  verb.option("--for DURATION", options->length, "all samples of so long");
+  verb.option("--timeout DURATION", options->timeout, "how long to wait for the first sample (default 5s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

@@ -18,14 +18,14 @@ int reset_belief(control::RobotService& robot, const Context& context) {
 
 }  // namespace
 
-void add_reset_belief(CLI::App& app, Context& context) {
-  CLI::App* verb =
+void add_reset_belief(Verb& app, Context& context) {
+  Verb& verb =
       add_verb(app, context, "reset-belief", "believe what is observed, after the tasks were changed by hand",
                "  segue reset-belief && segue status", [&context] {
                  return with_robot(
                      context, [&](control::RobotService& robot) { return reset_belief(robot, context); });
                });
-  add_robot_option(*verb, context);
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

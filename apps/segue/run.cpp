@@ -216,9 +216,9 @@ int run(const Options& options, const Context& context) {
 
 }  // namespace
 
-void add_run(CLI::App& app, Context& context) {
+void add_run(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "run", "start a robot's runtime; Ctrl-C stops it in order",
       "  segue run robot.yaml --controller explore\n"
       "  segue run --stand-in robot.yaml     # without the components of the real robot\n\n"
@@ -227,27 +227,24 @@ void add_run(CLI::App& app, Context& context) {
       "and leaves them running. Deployments of the robot that already run are taken over: without\n"
       "`--controller` they just go on. With `--format json` every event is a line of JSON.",
       [options, &context] { return run(*options, context); });
-  verb->add_option("ROBOT", options->file, "the robot file")->required()->type_name("");
-  verb->add_option("--controller", options->controller, "request this controller at once")->type_name("NAME");
-  verb->add_flag("--stand-in", options->stand_in, "a stand-in for every component that is not installed");
-  verb->add_option("--stand-ins", options->stand_ins,
-                   "a file that says how stand-ins behave; implies --stand-in")
-      ->type_name("FILE");
-  CLI::Option* in_process =
-      verb->add_flag("--in-process", options->in_process,
-                     "all tasks in this one process, whatever the network's deployments say");
-  verb->add_flag("--daemon", options->daemon,
-                 "let the process server of this computer (`segue host`) start the processes")
-      ->excludes(in_process);
-  CLI::Option* no_journal =
-      verb->add_flag("--no-journal", options->no_journal, "keep no journal of what happens");
-  add_journal_option(*verb, options->journal)->excludes(no_journal);
-  add_duration(*verb, "--for", options->length, "end by itself after so long");
-  verb->add_flag("-v,--verbose", options->verbose, "also print every action");
-  verb->add_option("--log-level", options->log_level,
-                   "debug, info (default), warning or error: what tasks log on standard error")
-      ->type_name("LEVEL")
-      ->check(CLI::IsMember(level_names()).description(""));
+  verb.option("ROBOT", options->file, "the robot file").required();
+  verb.option("--controller NAME", options->controller, "request this controller at once");
+  verb.flag("--stand-in", options->stand_in, "a stand-in for every component that is not installed");
+  verb.option("--stand-ins FILE", options->stand_ins,
+              "a file that says how stand-ins behave; implies --stand-in");
+  const Option in_process =
+      verb.flag("--in-process", options->in_process,
+                "all tasks in this one process, whatever the network's deployments say");
+  verb.flag("--daemon", options->daemon,
+            "let the process server of this computer (`segue host`) start the processes")
+      .excludes(in_process);
+  const Option no_journal = verb.flag("--no-journal", options->no_journal, "keep no journal of what happens");
+  add_journal_option(verb, options->journal).excludes(no_journal);
+  verb.option("--for DURATION", options->length, "end by itself after so long");
+  verb.flag("-v,--verbose", options->verbose, "also print every action");
+  verb.option("--log-level LEVEL", options->log_level,
+              "debug, info (default), warning or error: what tasks log on standard error")
+      .one_of(level_names());
 }
 
 }  // namespace segue::cli

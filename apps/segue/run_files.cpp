@@ -36,15 +36,14 @@ Result<void> check_writable(const std::string& file) {
   return fail(code, "cannot write " + quote(file) + ": " + std::strerror(reason));
 }
 
-void add_run_files(CLI::App& verb, RunFiles& files) {
-  verb.add_option("--svg", files.svg, "also write a drawing of the run")->type_name("FILE");
+void add_run_files(Verb& verb, RunFiles& files) {
+  verb.option("--svg FILE", files.svg, "also write a drawing of the run");
   add_page_and_trace(verb, files);
 }
 
-void add_page_and_trace(CLI::App& verb, RunFiles& files) {
-  verb.add_option("--html", files.html, "also write a page with the run to look around in")
-      ->type_name("FILE");
-  verb.add_option("--trace", files.trace, "also write a trace for Perfetto")->type_name("FILE");
+void add_page_and_trace(Verb& verb, RunFiles& files) {
+  verb.option("--html FILE", files.html, "also write a page with the run to look around in");
+  verb.option("--trace FILE", files.trace, "also write a trace for Perfetto");
 }
 
 Result<void> check(const RunFiles& files) {

@@ -20,9 +20,9 @@ struct RunFiles {
 };
 
 /// --svg, --html, --trace
-void add_run_files(CLI::App& verb, RunFiles& files);
+void add_run_files(Verb& verb, RunFiles& files);
 /// The last two.
-void add_page_and_trace(CLI::App& verb, RunFiles& files);
+void add_page_and_trace(Verb& verb, RunFiles& files);
 
 /// Whether the file can be written as far as that can be known. NotFound, PermissionDenied, InvalidArgument
 /// where it is no file.

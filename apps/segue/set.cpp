@@ -52,25 +52,22 @@ int set(control::RobotService& robot, const Options& options, const Context& con
 
 }  // namespace
 
-void add_set(CLI::App& app, Context& context) {
+void add_set(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "set", "change a property of a task",
       "  segue set drive.max_speed=0.4\n  segue set 'seeker.goal={x: 1.0, y: 2.0}'", [options, &context] {
         return with_robot(context,
                           [&](control::RobotService& robot) { return set(robot, *options, context); });
       });
-  verb->add_option("ASSIGNMENT", options->assignment,
-                   "the property (a.b for a part of it) and its value as YAML")
-      ->required()
-      ->type_name("TASK.PROPERTY=VALUE")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            return text.find('=') == std::string::npos ? "write TASK.PROPERTY=VALUE" : std::string();
-          },
-          ""));
-  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the task (default 10s)");
-  add_robot_option(*verb, context);
+  verb.option("ASSIGNMENT TASK.PROPERTY=VALUE", options->assignment,
+              "the property (a.b for a part of it) and its value as YAML")
+      .required()
+      .check([](const std::string& text) {
+        return text.find('=') == std::string::npos ? "write TASK.PROPERTY=VALUE" : std::string();
+      });
+  verb.option("--timeout DURATION", options->timeout, "how long to wait for the task (default 10s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

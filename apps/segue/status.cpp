@@ -66,13 +66,13 @@ int show(control::RobotService& robot, const Context& context) {
 
 }  // namespace
 
-void add_status(CLI::App& app, Context& context) {
-  CLI::App* verb = add_verb(
-      app, context, "status", "what a running robot does", "  segue status\n  segue status --format json",
-      [&context] {
-        return with_robot(context, [&](control::RobotService& robot) { return show(robot, context); });
-      });
-  add_robot_option(*verb, context);
+void add_status(Verb& app, Context& context) {
+  Verb& verb = add_verb(app, context, "status", "what a running robot does",
+                        "  segue status\n  segue status --format json", [&context] {
+                          return with_robot(
+                              context, [&](control::RobotService& robot) { return show(robot, context); });
+                        });
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

@@ -134,9 +134,9 @@ int switch_robot(control::RobotService& robot, const Options& options, const Con
 
 }  // namespace
 
-void add_switch(CLI::App& app, Context& context) {
+void add_switch(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "switch", "request a controller of a running robot",
       "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"
       "  segue switch --transition t.yaml  # carry out a transition file",
@@ -144,25 +144,20 @@ void add_switch(CLI::App& app, Context& context) {
         return with_robot(
             context, [&](control::RobotService& robot) { return switch_robot(robot, *options, context); });
       });
-  CLI::Option* name =
-      verb->add_option("NAME", options->controller, "the controller; \"\" is the empty network")
-          ->type_name("");
-  CLI::Option* file =
-      verb->add_option("--transition", options->transition, "instead of NAME: carry out this transition file")
-          ->type_name("FILE")
-          ->excludes(name);
-  verb->add_flag("--dry-run", options->dry_run, "show the transition, do nothing")->excludes(file);
-  verb->add_flag("--force", options->force,
-                 "kill processes that go instead of stopping their tasks in order: for what hangs")
-      ->excludes(file);
-  add_order_option(*verb, options->order)->excludes(file);
-  verb->parse_complete_callback([name, file] {
-    if (name->count() + file->count() == 0) throw CLI::RequiredError("NAME or --transition FILE");
-  });
-  verb->add_flag("--wait,!--no-wait", options->wait,
-                 "wait for the outcome (default); --no-wait returns once it is requested");
-  add_duration(*verb, "--timeout", options->timeout, "how long to wait for the outcome (default 60s)");
-  add_robot_option(*verb, context);
+  const Option name = verb.option("NAME", options->controller, "the controller; \"\" is the empty network");
+  const Option file =
+      verb.option("--transition FILE", options->transition, "instead of NAME: carry out this transition file")
+          .excludes(name);
+  verb.flag("--dry-run", options->dry_run, "show the transition, do nothing").excludes(file);
+  verb.flag("--force", options->force,
+            "kill processes that go instead of stopping their tasks in order: for what hangs")
+      .excludes(file);
+  add_order_option(verb, options->order).excludes(file);
+  verb.require_any({name, file}, "NAME or --transition FILE");
+  verb.flag("--wait,!--no-wait", options->wait,
+            "wait for the outcome (default); --no-wait returns once it is requested");
+  verb.option("--timeout DURATION", options->timeout, "how long to wait for the outcome (default 60s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

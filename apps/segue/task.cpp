@@ -83,15 +83,15 @@ int show(control::RobotService& robot, const std::string& id, const Context& con
 
 }  // namespace
 
-void add_task(CLI::App& app, Context& context) {
+void add_task(Verb& app, Context& context) {
   const auto id = std::make_shared<std::string>();
-  CLI::App* verb = add_verb(
+  Verb& verb = add_verb(
       app, context, "task", "one task: state, ports, properties, operations, timing", "  segue task drive",
       [id, &context] {
         return with_robot(context, [&](control::RobotService& robot) { return show(robot, *id, context); });
       });
-  verb->add_option("TASK", *id, "the task's id")->required()->type_name("");
-  add_robot_option(*verb, context);
+  verb.option("TASK", *id, "the task's id").required();
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli

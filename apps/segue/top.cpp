@@ -59,17 +59,17 @@ int top(control::RobotService& robot, const Options& options, const Context& con
 
 }  // namespace
 
-void add_top(CLI::App& app, Context& context) {
+void add_top(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "top", "the timing of all tasks, again and again",
-                            "  segue top\n  segue top --once", [options, &context] {
-                              return with_robot(context, [&](control::RobotService& robot) {
-                                return top(robot, *options, context);
-                              });
-                            });
-  verb->add_flag("--once", options->once, "print once and end; so it does where the output is no terminal");
-  add_duration(*verb, "--interval", options->interval, "time between refreshes (default 1s)");
-  add_robot_option(*verb, context);
+  Verb& verb = add_verb(app, context, "top", "the timing of all tasks, again and again",
+                        "  segue top\n  segue top --once", [options, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return top(robot, *options, context);
+                          });
+                        });
+  verb.flag("--once", options->once, "print once and end; so it does where the output is no terminal");
+  verb.option("--interval DURATION", options->interval, "time between refreshes (default 1s)");
+  add_robot_option(verb, context);
 }
 
 }  // namespace segue::cli
