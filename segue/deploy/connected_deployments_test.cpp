@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two deployments, as if each had a process of its own, and connections between them.
+// Connections between two deployments in one process, as if each had a process of its own.
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/test_support.hpp>
 #include <support/test_hooks.hpp>
@@ -40,7 +40,7 @@ class Source : public segue::task::Component {
   std::unique_ptr<OutputPort<std::int64_t>> extra_;
 };
 
-/// What all sinks saw, for the test.
+/// Samples that all sinks received.
 inline std::atomic<std::int64_t> last{0};
 inline std::atomic<std::int64_t> backwards{0};
 
@@ -89,7 +89,7 @@ using model::ActionKind;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// What one process has.
+/// One simulated process.
 struct Process {
   explicit Process(std::string_view name) {
     DeploymentInfo info;
@@ -102,7 +102,7 @@ struct Process {
     deployment = std::make_unique<LocalDeployment>(info, host, memory);
   }
 
-  /// One after the other.
+  /// Sequentially.
   void perform(const std::vector<model::Action>& actions) {
     for (const auto& action : actions) {
       const auto done = deployment->perform(std::vector{action}, soon()).front();
@@ -154,7 +154,7 @@ class ConnectedDeployments : public ::testing::Test {
     const std::vector<AttachOutput> outputs{{connection, place}};
     return p_.deployment->attach_outputs(outputs, soon()).at(0);
   }
-  /// From p to q, as who connects processes does it.
+  /// Connects p to q in the steps of DeploymentService.
   Result<void> connect(const model::Connection& connection) {
     const auto origin = describe(connection);
     if (!origin) return origin.error();
@@ -183,7 +183,8 @@ class ConnectedDeployments : public ::testing::Test {
     q_.bring_to_running(task_of("sink", "pair::Sink"));
     p_.bring_to_running(task_of("source", "pair::Source"));
   }
-  /// Until its next read it may hold the sample that it took last, and with it the ring where that lies.
+  /// Until its next read an input may hold the sample that it read last, and with it the ring that contains
+  /// it.
   void remove_sink() {
     q_.perform({on_task(ActionKind::Stop, "sink"), on_task(ActionKind::Cleanup, "sink")});
     EXPECT_TRUE(q_.host.perform(on_process(ActionKind::Undeploy, q_.key.process.str()), soon()));
@@ -229,7 +230,7 @@ TEST_F(ConnectedDeployments, carry_samples_between_them) {
   EXPECT_EQ(p_.deployment->snapshot()->memory.connections, 1U);
 }
 
-TEST_F(ConnectedDeployments, refuse_a_connection_that_stands) {
+TEST_F(ConnectedDeployments, refuse_a_connection_that_exists) {
   run_both();
   ASSERT_TRUE(connect(flow_));
   expect_refused(connect(flow_), ErrorCode::AlreadyExists, "source.out -> sink.in");
@@ -249,7 +250,7 @@ TEST_F(ConnectedDeployments, leave_nothing_behind_when_connections_are_closed) {
     ASSERT_TRUE(connect(flow_));
     close(flow_);
   }
-  close(flow_);  // once more is free
+  close(flow_);  // closing again has no effect
   EXPECT_THAT(p_.endpoints(), IsEmpty());
   EXPECT_THAT(q_.endpoints(), IsEmpty());
   remove_sink();
@@ -299,7 +300,7 @@ TEST_F(ConnectedDeployments, refuse_types_that_do_not_fit) {
   EXPECT_EQ(q_.memory->usage().connections, 0U);
 }
 
-TEST_F(ConnectedDeployments, refuse_strangers) {
+TEST_F(ConnectedDeployments, refuse_peers_that_are_not_mapped) {
   run_both();
   auto origin = describe(flow_);
   ASSERT_TRUE(origin);
@@ -333,7 +334,7 @@ TEST_F(ConnectedDeployments, endpoints_at_dynamic_ports_end_with_them) {
   EXPECT_EQ(p_.endpoints().front().connection, input);
 }
 
-TEST_F(ConnectedDeployments, lay_a_connection_anew_where_the_readers_port_was_gone) {
+TEST_F(ConnectedDeployments, reconnect_where_the_readers_port_was_gone) {
   run_both();
   const auto connection = wire("source", "out", "sink", "extra");
   ASSERT_TRUE(connect(connection));
@@ -420,7 +421,7 @@ TEST_F(ConnectedDeployments, close_their_endpoints_when_they_go_down) {
   EXPECT_EQ(q_.memory->usage().connections, 0U);
 }
 
-/// Connections come and go while samples flow and others look.
+/// Connections are made and closed while samples flow and other threads observe.
 TEST_F(ConnectedDeployments, stand_a_storm_of_connections) {
   run_both();
   std::atomic<bool> over = false;

@@ -65,7 +65,7 @@ connections:
   - d.out -> a.in
 )";
 
-/// What the host told, and waiting for it.
+/// Records the events of the host and waits for them.
 class Told {
  public:
   void add(const host::HostEvent& event) {
@@ -100,7 +100,8 @@ class Told {
   std::vector<host::HostEvent> events_;
 };
 
-/// A host over processes that are none. Nobody looks unless a test asks, so that calls can be counted.
+/// A host over simulated processes. They are only polled when a test requests it, so that calls can be
+/// counted.
 struct Robot {
   explicit Robot(FakeWorld& fakes, DeployedOptions options = {60s, 1h})
       : world(fakes), host(own, processes, testing::connector(world), launch(), local, options) {
@@ -117,7 +118,7 @@ struct Robot {
   Result<void> switch_to(const char* text, Duration action_deadline = 60s) {
     return switch_to(network_of(text), action_deadline);
   }
-  /// As the runtime does it: what runs, the way from there, one action after the other.
+  /// Switches as the runtime does, but sequentially: observes, solves, and carries out the actions.
   Result<void> switch_to(const model::Network& target, Duration action_deadline = 60s) {
     const auto transition = solve::diff(host.observe(), target, catalog, {model::Order::Paper});
     if (!transition) {
@@ -348,7 +349,7 @@ TEST_F(Move, HandsItsStateOver) {
   perform(on_task(ActionKind::Configure, "b"));
   perform(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("b"), model::TaskId("b")}));
   EXPECT_EQ(world_.find("p3")->states.at(model::TaskId("b")), state);
-  // c in p2 remembers nothing, and d lives in the runtime's own process.
+  // c in p2 has no state, and d lives in the runtime's own process.
   perform(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("c"), model::TaskId("d")}));
   EXPECT_TRUE(world_.own()->states.empty());
   const auto alone =
@@ -381,10 +382,11 @@ TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
-/// Whatever happens at whichever call, what is shown is true, and the robot can switch on.
+/// Whatever fault happens in whichever call, the host shows the actual state, and the robot can go on
+/// switching.
 class EveryCall : public ::testing::TestWithParam<FaultKind> {};
 
-TEST_P(EveryCall, MayGoWrongWithoutALieOrADeadEnd) {
+TEST_P(EveryCall, MayFailAndTheStateShownIsTrueAndCanBeLeft) {
   bool happened = true;
   int at = 0;
   for (at = 1; happened; ++at) {
@@ -408,7 +410,7 @@ INSTANTIATE_TEST_SUITE_P(DeployedTaskHost, EveryCall,
                          ::testing::Values(FaultKind::Fail, FaultKind::LoseAnswer, FaultKind::Hang,
                                            FaultKind::Die, FaultKind::DieAfterwards));
 
-TEST(DeployedTaskHost, TellsOfAProcessThatEndsByItselfAndOfItsTasks) {
+TEST(DeployedTaskHost, ReportsAProcessThatEndsByItselfAndItsTasks) {
   FakeWorld world;
   Robot robot(world);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
@@ -493,7 +495,7 @@ TEST(DeployedTaskHost, ReconnectsToAProcessWhoseConnectionBroke) {
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   const int connected = world.calls("connect_deployment");
   const auto process = world.find("p1");
-  // Its service answers as one does whose connection is gone, until there is a new one.
+  // Its service answers as without a connection until there is a new one.
   world.change([&] { process->alive = false; });
   world.on_call([&](const std::string& what, const FakePtr&) {
     if (what == "connect_deployment") {
@@ -506,7 +508,7 @@ TEST(DeployedTaskHost, ReconnectsToAProcessWhoseConnectionBroke) {
   EXPECT_EQ(world.find("p1"), process);
 }
 
-TEST(DeployedTaskHost, PassesOnWhatTasksTell) {
+TEST(DeployedTaskHost, PassesOnEventsOfTasks) {
   FakeWorld world;
   Robot robot(world);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
@@ -521,7 +523,7 @@ TEST(DeployedTaskHost, AdoptsWhatRuns) {
     ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   }
   ASSERT_EQ(world.running().size(), 2U);
-  // The runtime's own tasks went with it, and its incarnation.
+  // The tasks of the former runtime's own process, and its incarnation, are gone.
   world.change([&] {
     *world.own() = testing::FakeProcess{};
     world.own()->incarnation = 2000;
@@ -547,7 +549,7 @@ TEST(DeployedTaskHost, AdoptsAProcessThatDoesNotAnswerAsOneToBeReplaced) {
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
 }
 
-TEST(DeployedTaskHost, TellsOfProcessesOfAnotherVersionAndTakesTheirNames) {
+TEST(DeployedTaskHost, ReportsProcessesOfAnotherVersionAndTakesTheirNames) {
   FakeWorld world;
   world.change([other = world.add_running("p1")] { other->other_version = true; });
   Robot robot(world);
@@ -649,7 +651,7 @@ TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
   EXPECT_EQ(robot.host.observe().connections.size(), 20U);
 }
 
-TEST(DeployedTaskHost, GetsProcessesToKnowEachOtherBeforeTheyAreConnected) {
+TEST(DeployedTaskHost, MapsPeersBeforeTheyAreConnected) {
   FakeWorld world;
   Robot robot(world);
   const model::Network target = network_of(kOne);
@@ -685,11 +687,11 @@ TEST(DeployedTaskHost, CarriesOutTheOthersWhereOneFails) {
   EXPECT_EQ(text(robot.wrong()), "");
 }
 
-TEST(DeployedTaskHost, TakesOffEndpointsThatADeadProcessLeft) {
+TEST(DeployedTaskHost, RemovesEndpointsThatADeadProcessLeft) {
   FakeWorld world;
   Robot robot(world, {60s, 10ms});
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
-  // The writer's endpoint of b.out -> c.in is gone, the reader's stands.
+  // The writer's endpoint of b.out -> c.in is gone, the reader's is still there.
   const auto p1 = world.find("p1");
   world.change([&] {
     std::erase_if(p1->endpoints,
@@ -705,7 +707,7 @@ TEST(DeployedTaskHost, TakesOffEndpointsThatADeadProcessLeft) {
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
 }
 
-TEST(DeployedTaskHost, IsLookedAtByManyWhileItSwitches) {
+TEST(DeployedTaskHost, CanBeObservedByManyThreadsWhileItSwitches) {
   FakeWorld world;
   Robot robot(world, {60s, 1ms});
   std::atomic<bool> done{false};

@@ -15,7 +15,7 @@ std::optional<Endpoint> EndpointTable::find(const model::Connection& connection,
   const std::lock_guard lock(mutex_);
   auto [begin, end] = endpoints_.equal_range({connection, side, peer});
   for (; begin != end; ++begin) {
-    if (begin->second.stands()) {
+    if (begin->second.connected()) {
       return begin->second;
     }
   }
@@ -25,10 +25,10 @@ std::optional<Endpoint> EndpointTable::find(const model::Connection& connection,
 Result<void> EndpointTable::add(Endpoint endpoint) {
   const std::lock_guard lock(mutex_);
   Key key{endpoint.connection, endpoint.side, endpoint.peer};
-  const bool stands = endpoint.stands();
+  const bool is_connected = endpoint.connected();
   auto [begin, end] = endpoints_.equal_range(key);
   while (begin != end) {
-    if (stands && begin->second.stands()) {
+    if (is_connected && begin->second.connected()) {
       return fail(ErrorCode::AlreadyExists, "is already connected", to_string(endpoint.connection));
     }
     begin = endpoint.side == Side::Output ? endpoints_.erase(begin) : std::next(begin);
@@ -73,18 +73,18 @@ std::vector<Endpoint> EndpointTable::take_all() {
   return taken;
 }
 
-std::vector<Endpoint> EndpointTable::standing() {
+std::vector<Endpoint> EndpointTable::connected() {
   const std::lock_guard lock(mutex_);
-  std::vector<Endpoint> standing;
+  std::vector<Endpoint> endpoints;
   for (auto place = endpoints_.begin(); place != endpoints_.end();) {
     const Endpoint& endpoint = place->second;
-    const bool stands = endpoint.stands();
-    if (stands) {
-      standing.push_back(endpoint);
+    const bool is_connected = endpoint.connected();
+    if (is_connected) {
+      endpoints.push_back(endpoint);
     }
-    place = stands || endpoint.side == Side::Input ? std::next(place) : endpoints_.erase(place);
+    place = is_connected || endpoint.side == Side::Input ? std::next(place) : endpoints_.erase(place);
   }
-  return standing;
+  return endpoints;
 }
 
 }  // namespace segue::deploy::detail

@@ -13,8 +13,8 @@
 
 namespace segue::deploy::detail {
 
-/// One endpoint of a connection between processes. While a task moves, a connection may lead to both
-/// incarnations of it, which are two peers.
+/// One endpoint of a connection between processes. While a transition moves a task, a connection may lead to
+/// both of its incarnations, which are two peers.
 struct Endpoint {
   model::Connection connection;
   Side side = Side::Output;
@@ -22,26 +22,27 @@ struct Endpoint {
   link::Incarnation peer = 0;
   std::shared_ptr<link::SharedEndpoint> shared;
 
-  [[nodiscard]] bool stands() const { return shared->connected(); }
+  [[nodiscard]] bool connected() const { return shared->connected(); }
 };
 
-/// The endpoints of a process. One that ended (it was closed, its port or its peer is gone) counts as absent;
-/// inputs are kept even so, since their places must be released once the writer's end is confirmed. Thread
-/// safe.
+/// The endpoints of a process. An endpoint that ended, since its port or its peer is gone, counts as absent.
+/// An input that ended stays in the table nevertheless: its ring may be released only after the writer has
+/// certainly stopped writing there. Thread safe: one mutex protects the table.
 class EndpointTable {
  public:
-  /// The endpoint to that peer that stands.
+  /// The connected endpoint to that peer.
   [[nodiscard]] std::optional<Endpoint> find(const model::Connection& connection, Side side,
                                              link::Incarnation peer) const;
-  /// AlreadyExists, and nothing is changed, where this one and another to the same peer stand. Outputs that
-  /// ended are forgotten.
+  /// Adds an endpoint. AlreadyExists, without a change, where both it and another one to the same peer are
+  /// connected. Forgets outputs that ended.
   Result<void> add(Endpoint endpoint);
-  /// Out of the table: the endpoints of a connection to a peer that stand or ended, all of a peer, all.
+  /// Removes and returns endpoints, connected or ended: those of a connection to a peer, all of a peer, or
+  /// all.
   std::vector<Endpoint> take(const model::Connection& connection, Side side, link::Incarnation peer);
   std::vector<Endpoint> take_of_peer(link::Incarnation peer);
   std::vector<Endpoint> take_all();
-  /// Those that stand. Outputs that ended are forgotten.
-  [[nodiscard]] std::vector<Endpoint> standing();
+  /// All connected endpoints. Forgets outputs that ended.
+  [[nodiscard]] std::vector<Endpoint> connected();
 
  private:
   struct Key {

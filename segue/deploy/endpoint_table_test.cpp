@@ -48,7 +48,7 @@ TEST(EndpointTable, keeps_one_endpoint_of_each_connection_and_side) {
   const auto again = table.add(endpoint_of(connection, Side::Output));
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::AlreadyExists);
-  EXPECT_EQ(table.standing().size(), 3U);
+  EXPECT_EQ(table.connected().size(), 3U);
 }
 
 TEST(EndpointTable, a_connection_may_lead_to_two_peers) {
@@ -73,7 +73,7 @@ TEST(EndpointTable, endpoints_that_ended_by_themselves_count_as_absent) {
   input.shared->disconnect();
   EXPECT_FALSE(table.find(connection, Side::Output, 1));
   EXPECT_FALSE(table.find(connection, Side::Input, 1));
-  EXPECT_THAT(table.standing(), IsEmpty());
+  EXPECT_THAT(table.connected(), IsEmpty());
   EXPECT_TRUE(table.add(endpoint_of(connection, Side::Output)));
   EXPECT_TRUE(table.add(endpoint_of(connection, Side::Input)));
 }
@@ -86,7 +86,7 @@ TEST(EndpointTable, remembers_the_places_of_inputs_that_ended_until_they_are_tak
     ASSERT_TRUE(table.add(input));
     input.shared->disconnect();
   }
-  EXPECT_THAT(table.standing(), IsEmpty());
+  EXPECT_THAT(table.connected(), IsEmpty());
   const auto taken = table.take(connection, Side::Input, 1);
   ASSERT_EQ(taken.size(), 2U);
   EXPECT_EQ(taken.front().place.offset + taken.back().place.offset, 192U);
@@ -101,7 +101,7 @@ TEST(EndpointTable, gives_out_the_endpoints_of_a_peer) {
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken.front().connection.to.task, model::TaskId("b"));
   EXPECT_EQ(table.take_all().size(), 1U);
-  EXPECT_THAT(table.standing(), IsEmpty());
+  EXPECT_THAT(table.connected(), IsEmpty());
 }
 
 std::vector<std::string> names(const std::vector<model::TaskId>& ids) {

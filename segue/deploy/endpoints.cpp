@@ -104,7 +104,7 @@ Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
     if (place.offset == output.place.offset && place.generation == output.place.generation) {
       return fail(ErrorCode::AlreadyExists, "is already connected", to_string(output.connection));
     }
-    present->shared->disconnect();  // the reader has made itself another place: nobody reads from the old one
+    present->shared->disconnect();  // the reader has opened a new place: nobody reads from the old one
   }
   Endpoint made{output.connection, Side::Output, output.place, reader, nullptr};
   auto attached =
@@ -149,7 +149,7 @@ void Endpoints::close_all() {
 
 std::vector<EndpointReport> Endpoints::reports() {
   std::vector<EndpointReport> reports;
-  for (auto& endpoint : table_.standing()) {
+  for (auto& endpoint : table_.connected()) {
     reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
                        std::move(endpoint.place), endpoint.shared->counters()});
   }

@@ -10,22 +10,24 @@
 
 namespace segue::deploy::detail {
 
-/// Makes and unmakes this process's endpoints of connections to other processes, at the ports of its tasks.
-/// Thread safe; deadlines bound the wait for hooks that make or unmake ports.
+/// Creates and closes this process's endpoints of connections to other processes, at the ports of its tasks.
+/// Thread safe; the deadlines bound the wait for hooks that create or remove ports.
 class Endpoints {
  public:
-  /// `memory` may be null: there are none then.
+  /// `memory` may be null: connections to other processes are refused then. `host` must outlive this.
   Endpoints(host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory)
       : host_(host), memory_(std::move(memory)) {}
 
+  /// The memory of this process for others, and the reverse; see DeploymentService.
   [[nodiscard]] Result<link::MemoryOffer> offer() const;
   Result<void> admit(const link::MemoryOffer& peer);
   Result<void> forget(link::Incarnation peer);
 
+  /// The three steps of a connection; see DeploymentService.
   Result<link::OutputOrigin> describe(const model::PortRef& port, TimePoint deadline);
   Result<link::InputPlace> open(const OpenInput& input, TimePoint deadline);
   Result<void> attach(const AttachOutput& output, TimePoint deadline);
-  /// Idempotent.
+  /// Closes an endpoint. Has no effect where there is none.
   Result<void> close(const CloseEndpoint& what);
   void close_all();
 

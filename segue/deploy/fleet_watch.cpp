@@ -34,7 +34,7 @@ std::string with_tasks(std::string text, const std::vector<model::TaskId>& tasks
   for (const auto& task : tasks) {
     names.push_back(task.str());
   }
-  return text + "; with it went " + listed(names);
+  return text + "; it held " + listed(names);
 }
 
 }  // namespace

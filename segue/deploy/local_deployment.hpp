@@ -17,9 +17,9 @@ class LocalDeployment final : public DeploymentService {
   LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host, std::shared_ptr<link::SharedMemory> memory);
   ~LocalDeployment() override;
 
-  /// Stops and cleans up all tasks, consumers last, and closes all endpoints; actions answer Unavailable from
-  /// now on. What hangs is given up at `deadline`: false then. Its thread still runs, so neither this nor the
-  /// host may be destroyed: end the process by std::_Exit.
+  /// Stops and cleans up all tasks, producers first, and closes all endpoints; actions answer Unavailable
+  /// from now on. False where a hook has not returned by `deadline`. Its thread still runs, so neither this
+  /// nor the host may be destroyed then: end the process by std::_Exit.
   bool shut_down(TimePoint deadline);
 
   Result<DeploymentInfo> info() override;

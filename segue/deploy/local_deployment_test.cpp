@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tasks of one process as a deployment, without memory that it shares with others.
+// The tasks of one process as a deployment, without shared memory.
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/test_support.hpp>
 #include <support/test_hooks.hpp>
@@ -52,7 +52,7 @@ class LocalDeploymentTest : public ::testing::Test {
   std::vector<Result<void>> perform(const std::vector<model::Action>& actions) {
     return deployment_.perform(actions, soon());
   }
-  /// One after the other.
+  /// Sequentially.
   void expect_done(const std::vector<model::Action>& actions) {
     for (const auto& action : actions) {
       const auto done = perform({action}).front();
@@ -75,7 +75,7 @@ class LocalDeploymentTest : public ::testing::Test {
     const auto* task = network.find_task(model::TaskId(id));
     return task == nullptr ? TaskState::Fatal : task->state;
   }
-  /// Waits until just these tasks are told to hang.
+  /// Waits until exactly these tasks are reported as hanging.
   [[nodiscard]] bool hang_now(const std::vector<model::TaskId>& expected) {
     const TimePoint limit = soon();
     while (RealClock::instance().now() < limit) {
@@ -182,7 +182,7 @@ TEST_F(LocalDeploymentTest, says_that_it_shares_no_memory) {
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_a_hook_while_others_go_on) {
   expect_done({apply(stuck_in("s", "configure"), "p")});
   const std::vector actions{on_task(ActionKind::Configure, "s")};
-  // Long enough for it to begin.
+  // Long enough for the hook to begin.
   const auto late = deployment_.perform(actions, in(std::chrono::seconds(1))).front();
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::DeadlineExceeded);

@@ -12,7 +12,7 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// Identifies a connection for both of its endpoints.
+/// The identity of a connection, as both of its endpoints state it.
 struct EndpointKey {
   link::Incarnation writer = 0;
   link::Incarnation reader = 0;
@@ -102,7 +102,7 @@ class Merger {
     merged_.tasks.push_back(std::move(report));
   }
 
-  /// Why a task is Fatal whatever it says itself; "" where it is not.
+  /// Why a task is Fatal whatever state it reports; "" where it is not.
   static std::string trouble(const ProcessView& process, const model::TaskId& task) {
     if (!process.answers) {
       return silence_text(process.deployment.key(), process.pid);
@@ -132,7 +132,7 @@ class Merger {
     return names;
   }
 
-  /// As one process would show them, whichever they come from.
+  /// The order does not depend on how tasks are distributed over processes.
   void sort() {
     const auto by_id = [](const auto& a, const auto& b) { return a.id < b.id; };
     std::sort(merged_.network.tasks.begin(), merged_.network.tasks.end(), by_id);
@@ -190,9 +190,9 @@ class Merger {
     });
     const bool found = peer != processes_.end();
     if (found && !peer->answers) {
-      return;  // the other endpoint may well be connected
+      return;  // its endpoint may be connected
     }
-    // One that never told its incarnation may be the peer.
+    // A process whose incarnation is not known yet may be the peer.
     const bool all_known = std::all_of(processes_.begin(), processes_.end(),
                                        [](const ProcessView& other) { return other.incarnation != 0; });
     if (found || all_known) {
@@ -214,7 +214,7 @@ MergedView merge(const std::vector<ProcessView>& processes, const FindName& name
 
 std::string silence_text(const model::DeploymentKey& process, int pid) {
   if (process.is_runtime()) {
-    return "the runtime's own process is too busy to be looked at";
+    return "the runtime's own process is too busy to answer";
   }
   return "process " + quote(to_string(process)) + " (pid " + std::to_string(pid) +
          ") does not answer; a transition replaces it";

@@ -12,25 +12,26 @@
 
 namespace segue::deploy::detail {
 
-/// One process as it was last seen.
+/// One process as it was polled last.
 struct ProcessView {
   model::Deployment deployment;  ///< as it was started, without tasks; the runtime's own has no name
   int pid = 0;
-  link::Incarnation incarnation = 0;         ///< 0: it never told
-  std::shared_ptr<const Snapshot> snapshot;  ///< the last one; may be null where it does not answer
+  link::Incarnation incarnation = 0;  ///< 0: not known yet
+  std::shared_ptr<const Snapshot>
+      snapshot;  ///< the latest one; may be null where the process does not answer
   bool answers = true;
 };
 
-/// An endpoint whose counterpart is missing.
+/// An endpoint whose counterpart in the other process is missing.
 struct OrphanedEndpoint {
   model::DeploymentKey process;
   model::Connection connection;
   Side side = Side::Output;
   link::Incarnation peer = 0;
-  bool peer_gone = false;  ///< no process that runs has the peer's incarnation
+  bool peer_gone = false;  ///< the other process has ended
 };
 
-/// Several processes as one.
+/// The tasks and connections of all processes together.
 struct MergedView {
   model::Network network;
   std::vector<host::TaskReport> tasks;
@@ -38,19 +39,20 @@ struct MergedView {
   std::vector<OrphanedEndpoint> orphaned;
 };
 
-/// How a process's task is called outside: where two processes have a task, only one has the plain id.
+/// Names a task of a process towards callers: where two processes hold a task, only one of them has the plain
+/// id.
 using FindName = std::function<model::TaskId(const model::TaskId& task, const model::DeploymentKey& process)>;
 
-/// What the processes show together, tasks called as `name_of` says.
+/// Merges the processes into one view; tasks are named by `name_of`.
 ///
-/// A process that does not answer is there with the tasks that it had, Fatal, and without connections; since
-/// nobody knows what became of it, its deployment counts as one of another kind (its deployer is "unknown"),
-/// so that whoever wants it starts it anew.
+/// A process that does not answer keeps its last known tasks, in state Fatal, and loses its connections. Its
+/// deployer becomes "unknown", which makes it differ from every wanted deployment, so that a transition
+/// replaces it.
 MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of);
 
 /// Why tasks of a process that does not answer are Fatal.
 std::string silence_text(const model::DeploymentKey& process, int pid);
-/// Why a task is Fatal one of whose hooks hangs.
+/// Why a task with a hanging hook is Fatal.
 std::string hanging_text(const model::DeploymentKey& process);
 
 }  // namespace segue::deploy::detail

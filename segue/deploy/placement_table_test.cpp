@@ -24,13 +24,13 @@ TaskId at(std::string_view name) {
   return host::full_id(kTask, process(name));
 }
 
-/// Where an id leads; "" where nowhere.
+/// The process that an id means; "" where there is none.
 std::string where(const PlacementTable& table, const TaskId& id, Which which) {
   const auto place = table.find(id, which);
   return place ? place->process.process.str() : std::string();
 }
 
-/// b stands in p, and has been made in q.
+/// The current incarnation of b is in p, the next one in q.
 void move(PlacementTable& table) {
   table.put({kTask, process("p")});
   table.put({kTask, process("q")});
@@ -60,7 +60,7 @@ TEST(PlacementTable, a_task_in_one_process_is_what_its_plain_id_and_its_full_id_
   EXPECT_EQ(table.name(kTask, process("p")), kTask);
 }
 
-TEST(PlacementTable, while_it_moves_the_one_that_stands_has_the_plain_id) {
+TEST(PlacementTable, while_it_moves_the_current_one_has_the_plain_id) {
   PlacementTable table;
   move(table);
   EXPECT_EQ(where(table, kTask, Which::Current), "p");
@@ -114,7 +114,7 @@ TEST(PlacementTable, a_new_one_that_dies_leaves_the_old_one) {
   EXPECT_THAT(table.conclude(), IsEmpty());
 }
 
-TEST(PlacementTable, learn_what_a_process_holds_and_what_it_holds_no_more) {
+TEST(PlacementTable, is_updated_with_what_a_process_holds_and_holds_no_more) {
   PlacementTable table;
   table.update(process("p"), {TaskId("a"), kTask}, table.begin_poll());
   table.update(process("q"), {kTask}, table.begin_poll());
@@ -127,7 +127,7 @@ TEST(PlacementTable, learn_what_a_process_holds_and_what_it_holds_no_more) {
   EXPECT_EQ(where(table, kTask, Which::Next), "");
 }
 
-TEST(PlacementTable, what_a_look_shows_is_older_than_what_was_done_since_it_began) {
+TEST(PlacementTable, a_poll_is_older_than_what_was_done_since_it_began) {
   PlacementTable table;
   table.put({TaskId("a"), process("p")});
   auto poll = table.begin_poll();

@@ -11,7 +11,7 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// Those of `all` that `others` lacks.
+/// Those of `all` that are not among `others`.
 std::vector<model::TaskId> without(const std::vector<model::TaskId>& all,
                                    const std::vector<model::TaskId>& others) {
   std::vector<model::TaskId> left;
@@ -37,24 +37,24 @@ std::shared_ptr<const Snapshot> ProcessRecord::last_known() const {
   }
   auto known = snapshot_ ? std::make_shared<Snapshot>(*snapshot_) : std::make_shared<Snapshot>();
   model::Deployment placements;
-  for (const auto& [number, made] : created_) {
-    if (known->network.find_task(made.definition.id) != nullptr) {
+  for (const auto& [number, action] : created_) {
+    if (known->network.find_task(action.definition.id) != nullptr) {
       continue;
     }
-    known->network.tasks.push_back(made.definition);
-    placements.tasks.push_back({made.definition.id, made.name});
+    known->network.tasks.push_back(action.definition);
+    placements.tasks.push_back({action.definition.id, action.name});
     host::TaskReport report;
-    report.id = made.definition.id;
-    report.component = made.definition.component;
+    report.id = action.definition.id;
+    report.component = action.definition.component;
     known->tasks.push_back(std::move(report));
   }
   known->network.deployments.push_back(std::move(placements));
   return known;
 }
 
-void ProcessRecord::note_created(const model::ConfigAction& made) {
+void ProcessRecord::note_created(const model::ConfigAction& action) {
   const std::lock_guard lock(mutex_);
-  created_.emplace_back(requested_, made);
+  created_.emplace_back(requested_, action);
 }
 
 void ProcessRecord::note_removed(const model::TaskId& task) {

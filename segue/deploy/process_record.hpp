@@ -17,7 +17,13 @@
 
 namespace segue::deploy::detail {
 
-/// What is known of one process with tasks. Thread safe; calls nothing.
+/// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
+/// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
+/// called with it held.
+///
+/// Polls are numbered by the requests for them. Invariants: answered_ <= finished_ <= requested_; while
+/// polling_ is set, exactly one thread runs polls of this process, and it goes on until finished_ ==
+/// requested_.
 class ProcessRecord {
  public:
   ProcessRecord(model::Deployment deployment, process::ProcessInfo process);
@@ -26,16 +32,16 @@ class ProcessRecord {
   [[nodiscard]] const process::ProcessInfo& process() const { return process_; }
   [[nodiscard]] ProcessView view() const;
   [[nodiscard]] link::Incarnation incarnation() const;
-  /// Unavailable, with its name.
+  /// The error Unavailable with the name of the process.
   [[nodiscard]] Error unreachable() const;
 
-  /// What answers for it; null while there is no connection.
+  /// Its client; null while there is no connection.
   [[nodiscard]] std::shared_ptr<DeploymentService> service() const;
-  /// A new connection; gives back the old one, to be destroyed outside.
+  /// Replaces the connection and returns the former one, which the caller destroys without a lock held.
   std::shared_ptr<DeploymentService> set_service(std::shared_ptr<DeploymentService> service,
                                                  std::optional<DeploymentInfo> info);
 
-  /// What became different by being seen, or by not being seen.
+  /// What a poll has changed, to be reported.
   struct Change {
     bool silent = false;  ///< it stopped answering
     bool answers_again = false;
@@ -43,40 +49,44 @@ class ProcessRecord {
     std::vector<model::TaskId> hanging_no_more;  ///< from now on
   };
 
-  /// Asks for a look that begins from now on. `take`: the caller sees to it that someone takes it; else
-  /// whoever is at it takes another one.
+  /// Requests a poll that begins from now on. `start`: nobody polls this process, so the caller has to see to
+  /// it that someone does; otherwise whoever polls it at present does so once more.
   struct PollRequest {
     std::uint64_t number = 0;
     bool start = false;
   };
   PollRequest request_poll();
-  /// The number for which a look that begins now answers.
+  /// The number of the latest request, which a poll that begins now fulfils.
   [[nodiscard]] std::uint64_t latest_request() const;
-  /// What a look gave; null where the process did not answer. `more`: take another one.
+  /// Takes over the result of a poll; null where the process did not answer. `more`: there are newer
+  /// requests.
   struct Finished {
     bool more = false;
     Change change;
   };
   Finished finish_poll(std::uint64_t number, std::shared_ptr<const Snapshot> snapshot);
-  /// Waits until the look of that number, or a later one, is done; false at the deadline.
+  /// Waits until the poll of that number, or a later one, is finished or the process has ended; false at the
+  /// deadline.
   bool wait_for_poll(std::uint64_t number, TimePoint deadline) const;
-  /// Nobody waits for that look any longer: the process does not answer, unless it just did.
+  /// The poll of that number took too long: the process counts as not answering, unless it just did.
   Change give_up_poll(std::uint64_t number);
   [[nodiscard]] bool answers() const;
 
-  /// It is on its way out by request: its silence is no news.
+  /// It is being ended by request, so its silence and its end are not reported.
   void expect_end(bool expected);
   [[nodiscard]] bool end_expected() const;
-  /// True the first time.
+  /// The process has ended. True for the first call only.
   bool mark_ended();
   [[nodiscard]] bool ended() const;
+  /// Waits until mark_ended(); false at the deadline.
   bool wait_for_end(TimePoint deadline) const;
 
-  /// What became of its tasks since it was looked at last, for when it never is again.
-  void note_created(const model::ConfigAction& made);
+  /// Tasks that were created or removed after the latest poll, for view() in case the process never answers
+  /// again.
+  void note_created(const model::ConfigAction& action);
   void note_removed(const model::TaskId& task);
 
-  /// Incarnations whose memory its process has mapped.
+  /// Incarnations of other processes whose memory this process has mapped.
   [[nodiscard]] bool has_mapped(link::Incarnation peer) const;
   void mark_mapped(link::Incarnation peer);
   void mark_unmapped(link::Incarnation peer);
@@ -88,21 +98,21 @@ class ProcessRecord {
 
   const model::DeploymentKey key_;
   const process::ProcessInfo process_;
-  mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
+  mutable std::mutex mutex_;                 ///< protects everything below
+  mutable std::condition_variable changed_;  ///< finished_ or ended_ has changed
   model::Deployment deployment_;
   link::Incarnation incarnation_ = 0;
   std::shared_ptr<DeploymentService> service_;
   std::shared_ptr<const Snapshot> snapshot_;
-  std::uint64_t requested_ = 0;
-  std::uint64_t finished_ = 0;
-  std::uint64_t answered_ = 0;  ///< the last look that gave a snapshot
+  std::uint64_t requested_ = 0;  ///< the latest poll requested
+  std::uint64_t finished_ = 0;   ///< the latest poll finished, with or without an answer
+  std::uint64_t answered_ = 0;   ///< the latest poll that gave a snapshot
   bool polling_ = false;
   bool answers_ = true;
   bool end_expected_ = false;
   bool ended_ = false;
   std::vector<model::TaskId> hanging_;
-  std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< and the looks asked for by then
+  std::vector<std::pair<std::uint64_t, model::ConfigAction>> created_;  ///< with requested_ at that time
   std::set<link::Incarnation> peers_;
 };
 

@@ -12,33 +12,35 @@
 
 namespace segue::deploy::detail {
 
-/// A connection between processes, by plain ids, and who they are. To be taken off, one of them may be null:
-/// gone.
+/// A connection between two processes, with plain task ids. When it is to be disconnected, a process that has
+/// ended may be null.
 struct RemoteConnection {
   model::Connection connection;
   RecordPtr writer;
   RecordPtr reader;
 };
 
-/// Lays connections between processes and takes them off, many in a few rounds of messages. One batch at a
-/// time: what is half laid must not look like something left over. Thread safe.
+/// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Works
+/// on one batch at a time, since remove_orphaned() would take the first endpoint of a connection that is just
+/// being made for an orphan. Thread safe; functions block until their deadline at most.
 class RemoteConnector {
  public:
   explicit RemoteConnector(Fleet& fleet) : fleet_(fleet) {}
 
-  /// What of later connections can be done ahead. Failures are found again when they are laid.
+  /// Makes processes map each other's memory ahead of connecting them. Failures are ignored: connect() tries
+  /// again.
   void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
-  /// Processes that do not know each other yet get to know each other; then three rounds: outputs are
-  /// described, inputs opened, outputs attached. An input whose output fails is closed again.
+  /// Makes processes map each other's memory where they have not yet, then connects in three rounds: outputs
+  /// are described, inputs opened, outputs attached. An input whose output fails is closed again. Endpoints
+  /// that a dead process left in the way are removed first.
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// The writer's endpoints, then the readers'. NotFound where neither was there.
+  /// Closes the writers' endpoints, then the readers'. NotFound where neither existed.
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// Takes off endpoints whose counterparts are gone. Does nothing while a batch is under way beyond
-  /// `deadline`.
+  /// Closes endpoints whose counterparts are gone. Does nothing if another batch takes until `deadline`.
   void remove_orphaned(TimePoint deadline);
 
  private:
-  /// Whose turn it is; waits for the one before, until a deadline.
+  /// Exclusive use of the connector by one batch; false where it was not free until the deadline.
   class Turn {
    public:
     Turn(RemoteConnector& connector, TimePoint deadline);
@@ -57,9 +59,9 @@ class RemoteConnector {
                                  const std::vector<Result<void>>& outcomes, TimePoint deadline);
 
   Fleet& fleet_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects taken_; never held during a batch
   std::condition_variable changed_;
-  bool taken_ = false;
+  bool taken_ = false;  ///< a batch is under way
 };
 
 }  // namespace segue::deploy::detail
