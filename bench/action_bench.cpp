@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each action costs on a task of this process, without a runtime.
+// The cost of each action on a task of this process, without a runtime.
 #include "support/chain.hpp"
 #include "support/floor.hpp"
 #include "support/measure.hpp"
@@ -78,7 +78,8 @@ void creation() {
   table.print();
 }
 
-/// Connecting does not get slower the more connections there are: measured at two tasks among `others` pairs.
+/// The time of connecting does not grow with the number of connections: measured with `others` connected
+/// pairs.
 void connecting(Table& table, std::size_t others) {
   std::vector<std::unique_ptr<Source<Stamped>>> sources;
   std::vector<std::unique_ptr<Sink<Stamped>>> sinks;

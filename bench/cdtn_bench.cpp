@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine costs for each node: random layered graphs of trivial nodes, each after three of the layer
-// before. Beside it, in the same run, what runs such graphs without worlds, resources, conditions or
-// failures: arrays and counters in one thread, a plain thread pool, oneTBB's flow graph where it is
-// installed.
+// The cost of the engine per node: random layered graphs of trivial nodes, each after three of the previous
+// layer. For comparison, in the same run, executors without worlds, resources, conditions or failures: arrays
+// and counters in one thread, a plain thread pool, and oneTBB's flow graph if it is installed.
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/simulation.hpp>
@@ -56,7 +55,7 @@ struct Graph {
 
 enum class Kind { Data, Facts };
 
-/// Either three inputs each, or facts that carry the order: each node changes one and relies on two.
+/// Each node has either three inputs, or facts that determine the order: it changes one and relies on two.
 TaskNetwork make_network(const Graph& graph, Kind kind) {
   TaskNetwork network;
   std::vector<FactId> facts;
@@ -104,7 +103,7 @@ void derive(benchmark::State& state, Kind kind) {
   per_node(state);
 }
 
-/// Virtual time, nodes that take none.
+/// Virtual time; nodes take no time.
 void run_engine(benchmark::State& state, Kind kind) {
   const TaskNetwork network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
   const Order order = derive_order(network);
@@ -123,7 +122,7 @@ void run_engine(benchmark::State& state, Kind kind) {
 
 enum class Lack { Resource, Data, Condition, Fact };
 
-/// What nodes lack until the first one, which takes `duration`, has ended.
+/// The reason that nodes wait until the first one, which takes `duration`, has ended.
 TaskNetwork make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
   TaskNetwork network;
   NodeSpec holder;
@@ -155,7 +154,7 @@ TaskNetwork make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
   return network;
 }
 
-/// Tells the real time from the start of one node to that of another.
+/// Measures the real time from the start of one node to that of another.
 class Stopwatch final : public Environment {
  public:
   Stopwatch(const TaskNetwork& network, NodeId first, NodeId last)
@@ -178,7 +177,7 @@ class Stopwatch final : public Environment {
   std::chrono::steady_clock::time_point end_;
 };
 
-/// A step of a chain of nodes, beside which others wait to the end.
+/// A step of a chain of nodes, while other nodes wait until the end.
 void step_beside_waiting(benchmark::State& state, Lack lack) {
   constexpr std::uint32_t kSteps = 10'000;
   TaskNetwork network = make_crowd(lack, state.range(0), std::chrono::seconds(kSteps + 1));
@@ -198,7 +197,7 @@ void step_beside_waiting(benchmark::State& state, Lack lack) {
   }
 }
 
-/// The least that anything must do.
+/// The baseline: the minimum that any executor must do.
 void run_counters(benchmark::State& state) {
   const Graph graph(static_cast<std::uint32_t>(state.range(0)));
   for (auto _ : state) {

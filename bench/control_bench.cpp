@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a call of a deployment process costs on its way, beside a byte there and back over a bare Unix socket.
+// The overhead of a call to a deployment process. Baseline: a byte there and back over a bare Unix socket.
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 

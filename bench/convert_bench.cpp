@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What it costs to make a task network of a mission, for each node, its order included: states in a row,
-// branches that meet again, a loop that goes on, hierarchies of ten; each state takes what the one before
-// wrote, and every second one changes a fact. The floor follows the transitions of as many states and notes
-// each in flat arrays.
+// The cost of converting a mission to a task network, per node, ordering included: sequences, branches that
+// join again, a continuing loop, hierarchies of ten. Each state reads an output of the previous one, and
+// every second state changes a fact. The baseline follows the transitions of as many states and records each
+// in flat arrays.
 #include <segue/cdtn/order.hpp>
 #include <segue/convert/mission_plan.hpp>
 
@@ -43,7 +43,7 @@ StateId id(std::size_t number) {
   return StateId("s" + std::to_string(number));
 }
 
-/// What states do: 0 and 1 change a fact, 2 relies on it, 3 branches.
+/// Kinds of states: 0 and 1 change a fact, 2 relies on it, 3 branches.
 std::vector<Action> actions() {
   std::vector<Action> all{action("set", {"success"}), action("clear", {"success"}),
                           action("read", {"success"}), action("choose", {"left", "right"})};
@@ -80,7 +80,7 @@ Target next_of(std::size_t number, std::size_t states) {
   return number + 1 < states ? Target{id(number + 1), {}} : Target{StateId(), "success"};
 }
 
-/// States in a row; `back`: after the last comes the first.
+/// A sequence of states; with `back` the last one leads to the first.
 Mission row(std::size_t states, bool back = false) {
   Mission mission;
   mission.name = "m";
@@ -96,7 +96,7 @@ Mission row(std::size_t states, bool back = false) {
   return mission;
 }
 
-/// One that chooses, two to choose from, and so on.
+/// Repeatedly a decision and two alternatives.
 Mission branches(std::size_t states) {
   Mission mission = row(states / 3 * 3);
   for (std::size_t i = 0; i + 2 < states / 3 * 3; i += 3) {
@@ -127,7 +127,7 @@ Mission hierarchies(std::size_t states) {
   return mission;
 }
 
-/// Of this thread, so that other programs count as little as may be.
+/// Processor time of this thread, to reduce the influence of other programs.
 double processor_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

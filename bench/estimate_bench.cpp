@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether predictions come true: random robots of stand-ins, whose actions take a time that differs by
-// component, make ten random transitions; of the twenty after them, each seen for the first time, how many
-// took as long as was predicted before.
+// The accuracy of predictions: random robots of stand-ins, whose actions take different times by component,
+// execute ten random transitions; then the fraction of twenty new transitions with a duration in the
+// predicted range.
 #include "support/robot.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ int below(Random& random, int count) {
   return std::uniform_int_distribution<>(0, count - 1)(random);
 }
 
-/// Times from a millisecond up, decades apart.
+/// Times from a millisecond up, over several orders of magnitude.
 std::string random_durations(Random& random) {
   const auto between = [&](double low, double high) {
     const double drawn = std::exp(std::uniform_real_distribution<>(std::log(low), std::log(high))(random));
@@ -78,7 +78,7 @@ struct Score {
   std::vector<double> width;  ///< of the total: high / low
 };
 
-/// As the prediction means it: to the end of the last action.
+/// The predicted quantity: the time to the end of the last action.
 Duration total_of(const runtime::SwitchResult& result) {
   Duration total{0};
   for (const auto& record : result.actions)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long network files take, for each task of them: reading, validating, writing, comparing. The floor of
-// reading is what libyaml needs to cut the same text into its events.
+// The time to read, validate, write and compare network files, per task. The baseline of reading is libyaml
+// parsing the same text into events.
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
@@ -47,7 +47,8 @@ model::Task make_task(const std::string& id) {
   return task;
 }
 
-/// As solver_bench: a chain with a branch at every other task, ten tasks a process; 1.5 connections a task.
+/// As in solver_bench: a chain with a branch at every other task, ten tasks per process, 1.5 connections per
+/// task.
 model::Network make_network(int tasks) {
   model::Network network;
   network.name = model::NetworkName("bench");

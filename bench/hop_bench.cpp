@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hop between two tasks costs: with a thread each, in a thread group, per policy, and per size of the
+// The cost of a hop between two tasks: with a thread each, in a thread group, by policy, and by size of the
 // payload.
 #include "support/chain.hpp"
 #include "support/floor.hpp"
@@ -16,13 +16,14 @@ using segue::BufferKind;
 using segue::Policy;
 
 constexpr std::size_t kRounds = 600;
-constexpr auto kPause = std::chrono::milliseconds(1);  // until everybody sleeps again
+constexpr auto kPause = std::chrono::milliseconds(1);  // until all threads sleep again
 
 std::string policy_name(const Policy& policy) {
   return std::string(to_string(policy.kind));
 }
 
-/// One sample at a time through P -> R -> C, each with a thread of its own; `cpu`: all on that one.
+/// One sample at a time through P -> R -> C, each with a thread of its own; with `cpu` all threads are pinned
+/// to it.
 Summary own_threads(const Policy& policy) {
   Bench bench;
   Source<Stamped> source;
@@ -84,7 +85,7 @@ Summary payload(std::size_t bytes) {
   return summarise(std::move(durations));
 }
 
-/// What the writer alone pays: no reader is woken, since nobody's task listens.
+/// The cost of the writer alone: no task has to be woken.
 Summary write_and_read(const Policy& policy) {
   Source<Stamped> source;
   Sink<Stamped> sink;

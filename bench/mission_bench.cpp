@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mission engine costs for each state it executes: trivial actions, by size. The floor calls as many
+// The cost of the mission engine per executed state: trivial actions, by size. The baseline calls as many
 // functions through the same kind of pointer and copies one value each.
 #include <segue/mission/engine.hpp>
 
@@ -21,7 +21,7 @@ Action action(const std::string& name) {
   return made;
 }
 
-/// A hierarchy of `states` states in a row, each of which reads what the one before has written.
+/// A hierarchy with a sequence of `states` states, each of which reads an output of the previous one.
 Mission sequence(int states) {
   Mission mission;
   mission.name = "sequence";
@@ -48,7 +48,7 @@ Mission sequence(int states) {
   return mission;
 }
 
-/// Hierarchies with ten states each, in a row.
+/// A sequence of hierarchies with ten states each.
 Mission nested(int states) {
   Mission mission = sequence(states / 10);
   const auto outer = static_cast<StateIndex>(mission.states.size());

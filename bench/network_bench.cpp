@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole networks through the runtime: bringing up and tearing down chains of relays, exchanging half of one
+// Whole networks through the runtime: starting and stopping chains of relays, and exchanging half of a chain
 // (the paper's experiments E1 and E2.3, in one process).
 #include "support/chain.hpp"
 #include "support/floor.hpp"
@@ -76,7 +76,7 @@ void bring_up(Table& table, const std::string& name, std::size_t relays, bool gr
   model::Network network = chain(relays, relays);
   if (group) network = grouped(std::move(network));
   const model::Network nothing;
-  // The floor: as many bare threads, made and joined one after the other.
+  // The baseline: as many bare threads, created and joined in sequence.
   const Summary floor = group ? Summary{} : measure(kRepeats, [&] {
     for (std::size_t i = 0; i < relays; ++i)
       std::thread([] {}).join();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What processes and actions in them cost.
+// The cost of processes and of actions in them.
 #include "process/calls.hpp"
 #include "process/fleet.hpp"
 
@@ -51,7 +51,7 @@ std::vector<Action> of_all(ActionKind kind, std::size_t count) {
   return actions;
 }
 
-/// Each action in turn, so that every task goes round its life cycle.
+/// Each action in turn, so that every task passes its whole life cycle.
 void life_cycles(Table& table, Fleet& fleet, std::size_t count, Duration floor) {
   const std::string size = count == 1 ? ", one" : ", each of " + std::to_string(count) + " at once";
   for (const ActionKind kind :
@@ -84,7 +84,7 @@ void actions(Table& table, Duration floor) {
 }  // namespace
 
 int main() {
-  // Those that fork first, while there are no threads.
+  // Measurements that fork come first, while there are no threads.
   const auto byte = byte_there_and_back(kCalls);
   const auto corba = omniorb_calls(kCalls);
   if (!byte) {

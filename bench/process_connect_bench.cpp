@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long connections between processes take until their first samples are there.
+// The time from connecting two processes to the arrival of the first sample.
 #include "process/fleet.hpp"
 #include "process/joining.hpp"
 #include "process/transport.hpp"
@@ -49,7 +49,7 @@ type::Value call(Fleet& fleet, const std::string& consumer, const char* operatio
   return std::move(*answer);
 }
 
-/// When each consumer has as many samples as it shall get: the moment of the last.
+/// The moment when the last consumer has received its number of samples.
 std::int64_t last_arrival(Fleet& fleet, const std::vector<std::string>& consumers, std::uint64_t samples) {
   std::int64_t last = 0;
   for (const std::string& consumer : consumers) {

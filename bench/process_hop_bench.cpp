@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hop between two processes of one computer costs, beside what the operating system offers and what
-// others have built.
+// The cost of a hop between two processes of one computer, compared with mechanisms of the operating system
+// and with other middleware.
 #include "process/hop.hpp"
 
 #include <algorithm>
@@ -63,7 +63,7 @@ void compare_all(const Transports& all, std::span<char* const> sizes) {
 
 }  // namespace
 
-/// Arguments: only these sizes, as they are named in the titles ("1 MB").
+/// Arguments: the sizes to measure, as in the titles ("1 MB"); default: all.
 int main(int count, char** arguments) {
   const bool has_iceoryx = make_iceoryx() != nullptr;
   const auto roudi = has_iceoryx ? RouDi::start() : nullptr;

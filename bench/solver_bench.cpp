@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long the solver takes, by kind of change and size. An element is a task, a connection or a deployment
-// of either network. The floor does the least that any solver must: it looks up every name of both networks
+// The time of the solver, by kind of change and size. An element is a task, a connection or a deployment of
+// either network. The baseline does the minimum that any solver must: it looks up every name of both networks
 // once.
 #include <segue/solve/solve.hpp>
 
@@ -98,7 +98,7 @@ void predict_network(benchmark::State& state) {
   report(state, current, target);
 }
 
-/// Every name that the networks mention, hashed and looked up once.
+/// Hashes and looks up every name of the networks once.
 void floor_of_hashing(benchmark::State& state) {
   const int tasks = static_cast<int>(state.range(0));
   const model::Network current = make_network(tasks, tasks, 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Switches as a robot's user sees them: the twelve transitions of the Artemis rover with actions that take
-// time, and a task at 1 kHz that no transition names.
+// Switches as seen by a user: the twelve transitions of the Artemis rover with actions that take time, and a
+// 1 kHz task that is in no transition.
 //
 //   switch_bench [artemis|untouched]      default: both
 #include "support/measure.hpp"
@@ -27,7 +27,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
 
-/// The paper's Table 6 has three camera stops of 1.2 to 1.9 s at the top; all else is tens of milliseconds.
+/// The longest actions of the paper's Table 6 are three camera stops of 1.2 to 1.9 s; others take tens of
+/// milliseconds.
 constexpr const char* kDurations = R"(stand_ins:
   default: {configure: 20ms, start: 3ms, stop: 8ms, cleanup: 5ms, rate: 0}
   camera_usb::Task: {configure: 150ms, start: 30ms, stop: 1.3s, cleanup: 20ms, rate: 0}
@@ -115,7 +116,7 @@ model::Network random_network(std::mt19937& random) {
   Activity& activity = network.tasks.back().activity.emplace();
   activity.trigger = Trigger::Periodic;
   activity.period = std::chrono::milliseconds(1);
-  activity.scheduler = Scheduler::Fifo;  // as control loops run; otherwise it competes with the switches
+  activity.scheduler = Scheduler::Fifo;  // as for control loops; otherwise it competes with the switches
   activity.priority = 40;
   activity.optional = true;
   task("consumer", "bench::Consumer");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The floors: what the operating system offers.
+// The baselines: mechanisms of the operating system.
 #include "transport.hpp"
 
 #include <climits>

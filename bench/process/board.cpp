@@ -47,7 +47,7 @@ pid_t start(const PairOptions& options, const Work& work) {
   std::_Exit(done ? 0 : 1);
 }
 
-/// Whether it ended well in time; a child that did not end is killed.
+/// Whether the child ended successfully in time; otherwise it is killed.
 bool end_of(pid_t child, Duration limit) {
   const auto deadline = segue::RealClock::instance().now() + limit;
   int status = 0;

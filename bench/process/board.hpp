@@ -12,51 +12,51 @@
 /// Two processes that measure something together.
 namespace bench {
 
-/// How every sample begins, whatever carries it.
+/// The header of every sample, on all transports.
 struct Stamp {
   std::int64_t sent_ns = 0;
-  std::uint64_t number = 0;  ///< from 1; 0 while the connection is tried; kLast: nothing follows
+  std::uint64_t number = 0;  ///< from 1; 0 while the connection is tested; kLast: the last sample
 };
 constexpr std::uint64_t kLast = ~std::uint64_t{0};
 
-/// Memory that both processes see. The reader notes here what arrives.
+/// Memory shared by both processes, in which the reader records arrivals.
 struct Board {
   static constexpr std::size_t kMost = 4096;
 
   std::atomic<std::uint64_t> greeted{0};  ///< arrivals with number 0
   std::atomic<std::uint64_t> arrived{0};  ///< the highest number
-  std::atomic<std::uint64_t> lost{0};     ///< numbers that were passed over
+  std::atomic<std::uint64_t> lost{0};     ///< skipped numbers
   std::atomic<std::int64_t> latency_ns[kMost]{};
   std::atomic<std::int64_t> begin_ns{0};
   std::atomic<std::uint32_t> results{0};
   std::atomic<std::int64_t> result_ns[kMost]{};
 
-  alignas(64) std::atomic<std::uint32_t> word{0};  ///< what the floor hands over by
+  alignas(64) std::atomic<std::uint32_t> word{0};  ///< the futex of the baseline
   Stamp stamp;
 
-  /// For the reader: a sample is there.
+  /// Called by the reader: a sample has arrived.
   void arrive(const Stamp& sample);
-  /// For the writer: something was measured.
+  /// Called by the writer: adds a measurement.
   void add_result(Duration duration);
   [[nodiscard]] Summary summary() const;
 };
 
-/// One end of a pair.
+/// One process of a pair.
 struct End {
   Board& board;
-  int socket;         ///< to the other end; a stream that blocks
+  int socket;         ///< to the other process; a blocking stream
   std::size_t bytes;  ///< of a sample
 };
 
 struct PairOptions {
   std::size_t bytes = 0;
-  std::optional<int> cpu{};  ///< both on that one
+  std::optional<int> cpu{};  ///< pins both processes to it
   Duration limit = std::chrono::seconds(60);
 };
 
-/// Forks two processes from this one, which must have no threads yet, and waits for the writer's end; the
-/// reader is ended if it does not end by itself. Answers what they left on the board; nothing where the
-/// writer did not end well in time.
+/// Forks two processes from this one, which must have no threads yet, and waits for the end of the
+/// writer; a reader that does not end is killed. Returns the content of the board; nothing if the writer did
+/// not end successfully in time.
 std::optional<Summary> run_pair(const PairOptions& options, const std::function<bool(End)>& writer,
                                 const std::function<void(End)>& reader);
 

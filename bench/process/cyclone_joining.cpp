@@ -9,7 +9,7 @@
 namespace bench {
 namespace {
 
-/// A reader is there: it gets a sample.
+/// A new reader receives a sample.
 void greet(dds_entity_t writer, dds_publication_matched_status_t status, void* /*nothing*/) {
   bench_dds_Sample sample{};
   if (status.current_count_change > 0) ::dds_write(writer, &sample);
@@ -31,7 +31,7 @@ class CycloneJoining final : public Joining {
     wait_for_the_other(end);
   }
 
-  /// The first round finds the other process, and so is not counted.
+  /// The first round is not counted, since it discovers the other process.
   bool join(const End& end, std::size_t topics, std::size_t repeat) override {
     while (end.board.word.load(std::memory_order_acquire) == 0)
       ::sched_yield();

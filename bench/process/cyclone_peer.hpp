@@ -36,7 +36,7 @@ class CycloneDomain {
   dds_entity_t participant_;
 };
 
-/// Reliable: nothing is lost as long as no more than eight are under way.
+/// Reliable: no sample is lost while at most eight are in flight.
 inline dds_qos_t* cyclone_quality() {
   dds_qos_t* quality = ::dds_create_qos();
   ::dds_qset_reliability(quality, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));

@@ -33,7 +33,7 @@ T must(Result<T> result) {
   return std::move(*result);
 }
 
-/// Where sockets and logs go, for this process and its children.
+/// The folder of sockets and logs of this process and its children.
 class Folder {
  public:
   Folder() : path_((std::filesystem::temp_directory_path() / "segue-bench-XXXXXX").string()) {
@@ -150,7 +150,7 @@ Action place(const std::string& task, const std::string& component, const std::s
   definition.id = model::TaskId(task);
   definition.component = model::ComponentName(component);
   if (component == "bench::Producer") {
-    // One sample, and then nothing for as long as any benchmark.
+    // One sample, then none for the duration of any benchmark.
     definition.activity = Activity{Trigger::Periodic, std::chrono::hours(1), {}, 0, {}, {}, false};
   }
   made.what = model::ConfigAction{definition, {model::kLocalHost, model::ProcessName(process)}, task};

@@ -11,12 +11,12 @@
 
 namespace bench {
 
-/// A robot's processes, without a runtime above them: actions go straight to the task host. Files and sockets
-/// lie in a folder that goes with this, and with it all processes.
+/// The processes of a robot without a runtime: actions are passed directly to the task host. The destructor
+/// ends all processes and removes the folder with their files and sockets.
 class Fleet {
  public:
-  /// `zygote`: processes are forked from one that has the component libraries loaded. Ends the program where
-  /// it fails.
+  /// `zygote`: processes are forked from one that has the component libraries loaded. Ends the program on
+  /// failure.
   static std::unique_ptr<Fleet> open(bool zygote = false);
   virtual ~Fleet() = default;
   Fleet(const Fleet&) = delete;
@@ -24,7 +24,7 @@ class Fleet {
 
   virtual segue::host::TaskHost& host() = 0;
 
-  /// Carries them out side by side; ends the program where one fails.
+  /// Executes actions concurrently; ends the program if one fails.
   void perform(const std::vector<segue::model::Action>& actions);
   /// A task of the bench components in a process, running.
   void run(const std::string& process, const std::vector<std::string>& tasks, const std::string& component);
@@ -35,7 +35,7 @@ class Fleet {
 
 segue::model::Action on_task(segue::model::ActionKind kind, const std::string& task);
 segue::model::Action on_process(segue::model::ActionKind kind, const std::string& process);
-/// Of the ports for samples of fixed size; with the last sample at once.
+/// A connection of the ports for samples of fixed size that transfers the last sample initially.
 segue::model::Action on_connection(segue::model::ActionKind kind, const std::string& from,
                                    const std::string& to);
 segue::model::Action place(const std::string& task, const std::string& component, const std::string& process);

@@ -15,7 +15,7 @@ using segue::ErrorCode;
 using segue::fail;
 using segue::Result;
 
-/// What travels: both sides send the whole, each fills its own part.
+/// The message: both sides send all of it, each fills in its own part.
 struct Message {
   Incarnation incarnation = 0;
   std::uint64_t sample_size = 0;

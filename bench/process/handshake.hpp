@@ -3,8 +3,8 @@
 
 #include <segue/link/shared_connection.hpp>
 
-/// Laying a connection between the two processes of a pair by hand, over a socket between them: the link by
-/// itself, without deployments. Trusts the other end.
+/// Establishes a connection between the two processes of a pair over a socket, to measure the link without
+/// deployments. Trusts the other process.
 namespace bench {
 
 segue::Result<std::shared_ptr<segue::link::SharedEndpoint>> connect_writer(segue::link::SharedMemory& memory,

@@ -40,7 +40,7 @@ bool send_soon(Writer& writer, std::uint64_t number) {
   return wait_until([&] { return writer.send(number); }, ::sched_yield);
 }
 
-/// Sends until the first one arrives; what else is under way arrives then, too.
+/// Sends until the first sample arrives, and with it those in flight.
 bool greet(Writer& writer, Board& board) {
   std::uint64_t sent = 0;
   const bool heard = wait_until([&] { return board.greeted.load(std::memory_order_acquire) > 0; },

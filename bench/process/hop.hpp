@@ -12,11 +12,11 @@ struct HopCase {
   std::optional<int> cpu{};
 };
 
-/// One sample at a time, paced so that the reader sleeps before each: from the moment before it is sent to
-/// the moment when the reader has it. Nothing where the transport failed or lost samples.
+/// The time from sending a sample to its reception, one sample at a time, paced so that the reader sleeps
+/// before each. Nothing if the transport failed or lost samples.
 std::optional<Summary> latency(Transport& transport, const HopCase& wanted);
 
-/// As many as possible, a few under way: how long each takes, over several batches.
+/// Throughput with a few samples in flight: the time per sample, over several batches.
 std::optional<Summary> throughput(Transport& transport, const HopCase& wanted);
 
 }  // namespace bench

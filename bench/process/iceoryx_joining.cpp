@@ -60,7 +60,7 @@ class IceoryxJoining final : public Joining {
       }
       end.board.add_result(Duration(clock_ns() - begin));
       subscribers.clear();
-      // RouDi takes them off now and then; it has room for a thousand or so.
+      // RouDi removes them periodically; it has room for about a thousand.
       if (topics > 1) std::this_thread::sleep_for(std::chrono::milliseconds(250));
     }
     return true;

@@ -13,7 +13,7 @@
 
 namespace bench {
 
-/// Names must be new each time: RouDi notices only after a while that a process of that name is gone.
+/// Names must be unique: RouDi notices the end of a process of that name with a delay.
 inline void join_iceoryx(const std::string& name) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
                                                            iox::log::LogLevelOutput::kHideLogLevel);

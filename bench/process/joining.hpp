@@ -8,7 +8,7 @@
 
 namespace bench {
 
-/// How long a peer takes from the wish for samples of other processes until the first of them is there.
+/// The time that other middleware takes from subscribing to another process to the first sample.
 class Joining {
  public:
   Joining() = default;
@@ -17,17 +17,17 @@ class Joining {
   virtual ~Joining() = default;
 
   [[nodiscard]] virtual std::string name() const = 0;
-  /// In the process that has samples: offers the last sample of so many topics, then waits for the end of
-  /// the other.
+  /// In the publishing process: offers the last sample of a number of topics, then waits for the end of the
+  /// other process.
   virtual void offer(const End& end, std::size_t topics) = 0;
-  /// In the process that wants them: makes as many readers and waits for a sample of each, then drops them.
-  /// How long it took; adds it to the board.
+  /// In the subscribing process: creates as many readers, waits for a sample of each, then removes them.
+  /// Returns the time, and adds it to the board.
   virtual bool join(const End& end, std::size_t topics, std::size_t repeat) = 0;
 };
 
-/// Null where they were not there when this was built.
+/// Null if not available at build time.
 std::unique_ptr<Joining> make_cyclone_joining();
-/// Needs a RouDi that runs.
+/// Requires a running RouDi.
 std::unique_ptr<Joining> make_iceoryx_joining();
 
 /// Blocks until the other end of the socket is closed.

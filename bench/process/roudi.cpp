@@ -24,7 +24,7 @@ void write_config(const std::string& path) {
     file << "\n[[segment.mempool]]\nsize = " << (size + 31) / 32 * 32 << "\ncount = " << count << "\n";
 }
 
-/// RouDi says so on its output.
+/// RouDi reports on its output that it is ready.
 bool wait_until_ready(pid_t pid, const std::string& output) {
   for (int i = 0; i < 1000; ++i) {
     std::ifstream file(output);
@@ -36,7 +36,7 @@ bool wait_until_ready(pid_t pid, const std::string& output) {
   return false;
 }
 
-/// Ends with this process, however that ends.
+/// Ends with this process, even if that is killed.
 pid_t start_roudi(const std::string& config, const std::string& output) {
   const pid_t pid = ::fork();
   if (pid != 0) return pid;

@@ -72,7 +72,7 @@ class SegueWriter : public Writer {
   virtual void prime(std::size_t) {}
   segue::task::OutputPort<T>& output() { return source_->output; }
 
-  /// Into the place where the reader finds it.
+  /// Writes in place, in the memory that the reader reads.
   bool publish(std::uint64_t number) {
     auto loan = output().loan();
     if (!loan) return false;
@@ -114,7 +114,7 @@ class FlatWriter final : public SegueWriter<Grown> {
   }
 };
 
-/// Notes on the board what arrives.
+/// Records arrivals on the board.
 template <class T>
 class Noter final : public segue::task::Component {
  public:

@@ -9,18 +9,18 @@
 
 namespace bench {
 
-/// The writer's end of something that carries samples.
+/// The writer of a transport.
 class Writer {
  public:
   Writer() = default;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
   virtual ~Writer() = default;
-  /// False where it cannot be sent now.
+  /// False if it cannot be sent now.
   virtual bool send(std::uint64_t number) = 0;
 };
 
-/// Something that carries samples from process to process.
+/// Transports samples from one process to another.
 class Transport {
  public:
   Transport() = default;
@@ -30,29 +30,29 @@ class Transport {
 
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual bool carries(std::size_t bytes) const = 0;
-  /// In the writer's process, once; null where it does not work.
+  /// Called once in the writer's process; null on failure.
   virtual std::unique_ptr<Writer> open(const End& end) = 0;
-  /// In the reader's process: notes all samples on the board until the last.
+  /// Called in the reader's process: records all samples on the board until the last one.
   virtual void read(const End& end) = 0;
 };
 
 using Transports = std::vector<std::unique_ptr<Transport>>;
 
-/// Threads of two processes that hand over by a futex in memory they share; no sample is carried.
+/// Threads of two processes that wake each other with a futex in shared memory; no sample is transferred.
 std::unique_ptr<Transport> make_futex();
 std::unique_ptr<Transport> make_unix_socket();
 
-/// How a sample gets into the shared memory: written where it is read; copied from an object without
-/// pointers; or with a vector inside, so that it is written and read in the flat layout.
+/// How a sample is written to shared memory: in place; copied from an object without pointers; or with a
+/// vector inside, in the flat layout.
 enum class SegueWay { Loaned, Copied, Flat };
 std::unique_ptr<Transport> make_segue(SegueWay way);
 
-/// Peers: null where they were not there when this was built.
+/// Other middleware: null if not available at build time.
 std::unique_ptr<Transport> make_cyclone();
-/// Needs a RouDi that runs.
+/// Requires a running RouDi.
 std::unique_ptr<Transport> make_iceoryx();
 
-/// iceoryx's daemon, with memory for samples of those sizes. Ends with this.
+/// The daemon of iceoryx, with memory for samples of those sizes. The destructor ends it.
 class RouDi {
  public:
   static std::unique_ptr<RouDi> start();

@@ -17,8 +17,7 @@
 #include <utility>
 #include <vector>
 
-/// Chains of tasks made by hand, without files or a runtime: what ports, links and executors cost by
-/// themselves.
+/// Chains of tasks without files or a runtime, to measure ports, links and executors alone.
 namespace bench {
 
 struct Stamped {
@@ -63,14 +62,14 @@ class Relay : public segue::task::Component {
   }
 };
 
-/// Notes when a sample arrives.
+/// Records the arrival of samples.
 template <class T>
 class Sink : public segue::task::Component {
  public:
   segue::task::InputPort<T> input{*this, "input"};
   std::atomic<std::uint64_t> arrived{0};
-  std::atomic<std::int64_t> last_ns{0};       ///< when
-  std::atomic<std::int64_t> last_sent_ns{0};  ///< what it says itself
+  std::atomic<std::int64_t> last_ns{0};       ///< time of arrival
+  std::atomic<std::int64_t> last_sent_ns{0};  ///< time of sending, from the sample
 
   void on_update() override {
     while (auto sample = input.take()) {
@@ -81,16 +80,16 @@ class Sink : public segue::task::Component {
   }
 };
 
-/// Waits without taking a processor from whom it waits for.
+/// Waits without occupying a processor.
 void wait_for(const std::function<bool()>& done);
 
-/// Ends the program with the error: a benchmark without its tasks measures nothing.
+/// Ends the program with the error.
 void require(const segue::Result<void>& result);
 
-/// Tasks that run, and their components.
+/// Running tasks and their components.
 class Bench {
  public:
-  /// Makes, configures and starts a task with its own thread, or one of the thread group that is named.
+  /// Creates, configures and starts a task with its own thread or in the named thread group.
   template <class C>
   C& run(const std::string& id, const std::string& group = {}) {
     auto component = std::make_unique<C>();

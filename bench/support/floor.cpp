@@ -62,7 +62,7 @@ Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cp
     threads.emplace_back(relay, i);
   if (cpu) pin_to(*cpu);
   for (std::size_t round = 0; round < repeats; ++round) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // until everybody sleeps
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // until all threads sleep
     begin = segue::RealClock::instance().now();
     stations[0].hand_over(static_cast<std::uint32_t>(round + 1));
     while (arrived.load(std::memory_order_acquire) <= round)

@@ -5,12 +5,12 @@
 
 #include <optional>
 
-/// The floors: what the operating system needs for the same job, with nothing of Segue in between.
+/// Baselines: the time that the operating system needs for the same job without Segue.
 namespace bench {
 
 /// One thread writes a word and wakes the next with a futex, `hops` in a row, paced so that every thread
-/// sleeps before its turn. The time from the first write to the last wake-up, of the whole chain. `cpu`: all
-/// threads on that one.
+/// sleeps before its turn. The time from the first write to the last wake-up, of the whole chain. With `cpu`
+/// all threads are pinned to it.
 Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cpu);
 
 /// Creating and joining a bare thread.

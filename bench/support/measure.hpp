@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-/// What the hand-made benchmarks share: repeated measurement, a table with the floor of the same run beside
-/// each figure.
+/// Common parts of the benchmarks: repeated measurements, and tables that compare each value with the
+/// baseline of the same run.
 namespace bench {
 
 using segue::Duration;
@@ -21,23 +21,22 @@ struct Summary {
   std::size_t count = 0;
 };
 
-/// Of durations in any order; all zero if there are none.
+/// Statistics of durations in any order; all zero if there are none.
 Summary summarise(std::vector<Duration> durations);
 
-/// How long `work` takes, `repeats` times, the first few not counted.
+/// Durations of `work`, repeated `repeats` times after a few runs that are not counted.
 Summary measure(std::size_t repeats, const std::function<void()>& work);
-/// The same with something before each repetition that is not timed.
+/// The same, with a preparation before each repetition that is not timed.
 Summary measure(std::size_t repeats, const std::function<void()>& prepare, const std::function<void()>& work);
 
-/// Rows of one experiment. Printed as a table for people, or as CSV where `SEGUE_BENCH_CSV` is set.
+/// Rows of one experiment. Printed as a table, or as CSV if `SEGUE_BENCH_CSV` is set.
 class Table {
  public:
   explicit Table(std::string title);
-  /// `per`: by how many the durations are divided (hops, tasks). `floor`: what the median is compared with,
-  /// as it is.
+  /// Durations are divided by `per` (a number of hops or tasks). The median is compared with `floor`.
   void add(const std::string& name, const Summary& summary, std::size_t per = 1,
            Duration floor = Duration{0});
-  /// A row that is no duration.
+  /// A row without durations.
   void note(const std::string& name, const std::string& text);
   void print() const;
 
@@ -48,7 +47,7 @@ class Table {
     double median_us = 0;
     double min_us = 0;
     double p99_us = 0;
-    double ratio = 0;  ///< 0: no floor
+    double ratio = 0;  ///< 0: no baseline
     std::size_t count = 0;
   };
   std::string title_;

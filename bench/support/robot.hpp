@@ -10,10 +10,10 @@
 #include <memory>
 #include <string>
 
-/// Robots for benchmarks; whatever goes wrong ends the program.
+/// Robots for benchmarks; any failure ends the program.
 namespace bench {
 
-/// A folder that goes with it.
+/// A folder that the destructor removes.
 class Scratch {
  public:
   Scratch() : path_((std::filesystem::temp_directory_path() / "segue-bench-XXXXXX").string()) {

@@ -92,7 +92,7 @@ Task read_cnd_task(const std::string& id, const Value& value, const Source& sour
   Task task;
   task.id = TaskId(id);
   task.where = source.at(value);
-  task.component = ComponentName(fields.required_name("type", "name the component it is made of"));
+  task.component = ComponentName(fields.required_name("type", "name its component"));
   const std::string state = fields.text("state");
   if (const auto known = task_state_from(state)) {
     task.state = *known;

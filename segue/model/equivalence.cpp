@@ -41,24 +41,24 @@ std::string word_of(const std::optional<FailurePolicy>& policy) {
 }
 
 void compare_tasks(const Task& a, const Task& b, Findings& findings) {
-  auto tell = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
+  auto compare = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
     if (equal) return;
     findings.add("task " + quote(a.id.str()) + ": " + std::string(what) + " is " + second + ", expected " +
                  first);
   };
-  tell(a.component == b.component, "component", a.component.str(), b.component.str());
-  tell(a.state == b.state, "state", std::string(to_string(a.state)), std::string(to_string(b.state)));
-  tell(a.config_names == b.config_names, "list of configuration sections", "[" + listed(a.config_names) + "]",
-       "[" + listed(b.config_names) + "]");
-  tell(a.properties == b.properties, "value of the properties", type::describe(a.properties),
-       type::describe(b.properties) + " of other content");
-  tell(a.activity == b.activity, "activity", a.activity ? "given" : "default",
-       b.activity ? "given, other" : "default");
-  tell(a.exclusive == b.exclusive, "list of devices", "[" + listed(a.exclusive) + "]",
-       "[" + listed(b.exclusive) + "]");
-  tell(a.takes_over == b.takes_over, "takes_over", a.takes_over ? a.takes_over->str() : "nothing",
-       b.takes_over ? b.takes_over->str() : "nothing");
-  tell(a.on_failure == b.on_failure, "on_failure", word_of(a.on_failure), word_of(b.on_failure));
+  compare(a.component == b.component, "component", a.component.str(), b.component.str());
+  compare(a.state == b.state, "state", std::string(to_string(a.state)), std::string(to_string(b.state)));
+  compare(a.config_names == b.config_names, "list of configuration sections",
+          "[" + listed(a.config_names) + "]", "[" + listed(b.config_names) + "]");
+  compare(a.properties == b.properties, "value of the properties", type::describe(a.properties),
+          type::describe(b.properties) + " of other content");
+  compare(a.activity == b.activity, "activity", a.activity ? "given" : "default",
+          b.activity ? "given, other" : "default");
+  compare(a.exclusive == b.exclusive, "list of devices", "[" + listed(a.exclusive) + "]",
+          "[" + listed(b.exclusive) + "]");
+  compare(a.takes_over == b.takes_over, "takes_over", a.takes_over ? a.takes_over->str() : "nothing",
+          b.takes_over ? b.takes_over->str() : "nothing");
+  compare(a.on_failure == b.on_failure, "on_failure", word_of(a.on_failure), word_of(b.on_failure));
 }
 
 std::string_view name_of(const Task& task) {

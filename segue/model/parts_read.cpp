@@ -124,7 +124,7 @@ Task read_task(const std::string& id, const Value& value, const Source& source) 
   task.id = TaskId(id);
   task.where = source.at(value);
   if (fields.is_map() || value.is_null()) {
-    task.component = ComponentName(fields.required_name("component", "name the component it is made of"));
+    task.component = ComponentName(fields.required_name("component", "name its component"));
   }
   if (auto state = fields.choice("state", kTaskStateNames, "bad-state")) {
     task.state = static_cast<TaskState>(*state);

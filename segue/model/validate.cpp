@@ -21,7 +21,8 @@ void check_hosts(const Robot& robot, Diagnostics& diagnostics) {
   std::set<HostName> seen;
   for (const Host& host : robot.hosts) {
     if (!seen.insert(host.name).second) {
-      diagnostics.error("duplicate-host", "host " + quote(host.name.str()) + " is there twice", robot.where);
+      diagnostics.error("duplicate-host", "host " + quote(host.name.str()) + " is defined twice",
+                        robot.where);
     }
     if (!host.is_local() && host.ca.empty()) {
       diagnostics.warning("missing-ca",

@@ -49,7 +49,7 @@ class StructureCheck {
     check_identifier(task.id.str(), "a task", task.where);
     check_identifier(task.component.str(), "the component of " + what, task.where);
     if (const Task* first = index_.task(task.id); first != &task) {
-      error("duplicate-task", what + " is there twice; the first is at " + to_string(first->where),
+      error("duplicate-task", what + " is defined twice; the first is at " + to_string(first->where),
             task.where);
     }
     if (is_error(task.state)) {
@@ -81,7 +81,7 @@ class StructureCheck {
     const auto [first, fresh] = processes_.try_emplace(deployment.key(), &deployment);
     if (!fresh) {
       error("duplicate-process",
-            what + " is there twice; the first is at " + to_string(first->second->where) +
+            what + " is defined twice; the first is at " + to_string(first->second->where) +
                 ": put their tasks into one",
             deployment.where);
     }
@@ -131,20 +131,20 @@ class StructureCheck {
           task.where);
   }
 
-  static std::string told(const Connection& connection) { return "connection " + to_string(connection); }
+  static std::string name_of(const Connection& connection) { return "connection " + to_string(connection); }
 
   void check_connection(const Connection& connection) {
     check_end(connection.from, Direction::Output, connection);
     check_end(connection.to, Direction::Input, connection);
     if (connection.policy.size == 0) {
-      error("bad-size", told(connection) + ": a buffer of size 0 holds nothing", connection.where);
+      error("bad-size", name_of(connection) + ": a buffer of size 0 holds nothing", connection.where);
     }
     const auto [found, fresh] = wires_.insert(&connection);
     if (fresh) return;
     const Connection& first = **found;
     const bool same = first.policy == connection.policy;
     error("duplicate-connection",
-          told(connection) + (same ? " is there twice" : " has the same ends as " + to_string(first)) +
+          name_of(connection) + (same ? " is defined twice" : " has the same ends as " + to_string(first)) +
               "; the first is at " + to_string(first.where),
           connection.where);
   }
@@ -154,21 +154,22 @@ class StructureCheck {
     if (task == nullptr) {
       const std::string suggestion = index_.task_suggestion(end.task.str());
       error("unknown-task",
-            told(connection) + ": the network has no task " + quote(end.task.str()) +
+            name_of(connection) + ": the network has no task " + quote(end.task.str()) +
                 (suggestion.empty() ? "; is it a template, meant to be merged with another network?"
                                     : suggestion),
             connection.where);
       return;
     }
-    if (!is_identifier(end.port)) check_identifier(end.port, told(connection), connection.where);
+    if (!is_identifier(end.port)) check_identifier(end.port, name_of(connection), connection.where);
     if (task->state != TaskState::PreOperational) return;
     const ComponentIndex* component = index_.component(task->component);
     if (component == nullptr) return;
     const auto ports = component->find_ports(end.port, direction);
     if (ports.empty() || !ports.front()->dynamic) return;
     error("unconfigured-dynamic-port",
-          told(connection) + ": port " + quote(end.port) + " exists only once task " + quote(end.task.str()) +
-              " is configured, but its target is " + std::string(to_string(task->state)),
+          name_of(connection) + ": port " + quote(end.port) + " exists only once task " +
+              quote(end.task.str()) + " is configured, but its target is " +
+              std::string(to_string(task->state)),
           connection.where);
   }
 

@@ -65,15 +65,15 @@ class DaemonProcessesTest : public ::testing::Test {
 TEST_F(DaemonProcessesTest, reconnects_to_a_restarted_process_server) {
   auto daemon = connect();
   ASSERT_TRUE(daemon);
-  int told = 0;
-  (*daemon)->set_listener([&](const process::ProcessInfo&) { ++told; });
+  int reported = 0;
+  (*daemon)->set_listener([&](const process::ProcessInfo&) { ++reported; });
   EXPECT_EQ((*daemon)->processes("rover")->size(), 1U);
   start_anew();
   computer_.listener = {};
   EXPECT_EQ((*daemon)->processes("rover")->size(), 2U);
   ASSERT_TRUE(computer_.listener) << "the listener is set at the new process server";
   computer_.listener({});
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(reported, 1);
   EXPECT_TRUE((*daemon)->stop("rover", {}, {}));
   EXPECT_EQ(computer_.opened, 2);
 }

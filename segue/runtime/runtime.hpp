@@ -39,7 +39,7 @@ struct ActionRecord {
 
 /// Why a transition was executed.
 enum class Cause {
-  Request,    ///< somebody asked for a controller
+  Request,    ///< a controller was requested
   Repair,     ///< a part of the running controller failed
   Fallback,   ///< a part failed whose failure policy is `fallback`
   LookAhead,  ///< another controller is prepared for standby

@@ -19,7 +19,7 @@ using detail::Dice;
 using detail::DurationModel;
 
 constexpr std::size_t kPhases = 3;
-constexpr int kNobody = -1;
+constexpr int kNoAction = -1;
 constexpr auto kQuick = static_cast<double>(model::kQuickAction.count());  // in nanoseconds
 /// The fraction of trials below a range, and of those above it.
 constexpr double kOutside = 0.02;
@@ -33,12 +33,12 @@ struct Run {
   struct Times {
     double begin = 0;
     double end = 0;
-    int after = kNobody;
+    int after = kNoAction;
   };
   std::vector<Times> actions;
   std::array<double, kPhases> phase{};
   double total = 0;
-  int last = kNobody;  ///< the action that ended last
+  int last = kNoAction;  ///< the action that ended last
 };
 
 /// A transition as indices, for many trials.
@@ -163,7 +163,7 @@ std::size_t trials_for(std::size_t actions, int wanted) {
 
 std::vector<int> critical_path(const Run& run, const model::Transition& transition) {
   std::vector<int> path;
-  for (int at = run.last; at != kNobody; at = run.actions[static_cast<std::size_t>(at)].after)
+  for (int at = run.last; at != kNoAction; at = run.actions[static_cast<std::size_t>(at)].after)
     path.push_back(transition.actions[static_cast<std::size_t>(at)].id);
   std::reverse(path.begin(), path.end());
   return path;

@@ -236,7 +236,7 @@ class Builder {
     const model::TaskId& missing = indexed.from == kNone ? connection.from.task : connection.to.task;
     return fail(ErrorCode::InvalidArgument,
                 "connection " + quote(to_string(connection)) + of(side) + " names task " +
-                    quote(missing.str()) + ", which is not there; add the task or remove the connection",
+                    quote(missing.str()) + ", which does not exist; add the task or remove the connection",
                 missing.str(), connection.where);
   }
 

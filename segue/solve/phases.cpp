@@ -25,7 +25,7 @@ class PhaseRule {
         return Phase::Prepare;
       case ActionKind::ApplyConfig:
       case ActionKind::Configure:
-        return is_beside(node.subject) ? Phase::Prepare : Phase::Commit;
+        return can_coexist(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Connect:
         return joins_new(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Disconnect:
@@ -41,13 +41,13 @@ class PhaseRule {
 
  private:
   /// A new incarnation that can exist while the old network runs.
-  [[nodiscard]] bool is_beside(int task) const {
+  [[nodiscard]] bool can_coexist(int task) const {
     return has_new(plan_.task(task).fate) && !constraints_.in_place[as_index(task)];
   }
 
   [[nodiscard]] bool joins_new(int number) const {
     const IndexedConnection& connection = index_.connections[kTarget][as_index(number)];
-    return is_beside(connection.from) && is_beside(connection.to);
+    return can_coexist(connection.from) && can_coexist(connection.to);
   }
 
   /// A connection to a removed reader is unused once that is stopped. A reader that stays must be

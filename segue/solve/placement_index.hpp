@@ -44,7 +44,8 @@ class PlacementIndex {
   std::unordered_map<Place, const model::Task*, PlaceHash> occupants_;
 };
 
-/// What the task and its component claim in that process, as names that are unique on all hosts.
+/// The devices that the task and its component claim in that process, as names that are unique over all
+/// hosts.
 std::vector<std::string> exclusive_devices(const model::Task& task, const ComponentFacts& component,
                                            const model::DeploymentKey& process);
 

@@ -209,7 +209,7 @@ Result<> Simulation::undeploy(const model::DeploymentAction& action) {
     if (action.kill) break;
     if (!task(resident).exists || !segue::is_configured(task(resident).state)) continue;
     return refuse(state_of(task(resident).definition->id, task(resident).state) +
-                  "; stop it and clean it up before its process goes");
+                  "; stop it and clean it up before its process is undeployed");
   }
   for (const int resident : process.tasks)
     drop_task(resident);

@@ -155,14 +155,14 @@ std::vector<std::string> Simulation::devices_of(int number) const {
 
 Result<> Simulation::remove(const model::TaskId& id) {
   if (ids_.find(id.str()) == kNone) {
-    return fail(ErrorCode::InvalidState, "task " + quote(id.str()) + " is to leave, but was never there",
+    return fail(ErrorCode::InvalidState, "task " + quote(id.str()) + " is to be removed, but does not exist",
                 id.str());
   }
   const int number = find_newest(id);
   if (number == kNone) return {};
   if (!is_resting(number)) {
     return fail(ErrorCode::InvalidState,
-                "task " + quote(id.str()) + " is to leave, but is in state " +
+                "task " + quote(id.str()) + " is to be removed, but is in state " +
                     std::string(to_string(task(number).state)) +
                     (has_connection(number) ? " and connected" : ""),
                 id.str());

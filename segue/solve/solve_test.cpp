@@ -243,7 +243,7 @@ TEST_F(PredictTest, RefusesToConnectTwiceAndToDisconnectNothing) {
 
 TEST_F(PredictTest, RefusesToUndeployARunningTask) {
   add(ActionKind::Undeploy, model::DeploymentAction{process("p", {})});
-  EXPECT_THAT(refusal(), HasSubstr("clean it up before its process goes"));
+  EXPECT_THAT(refusal(), HasSubstr("clean it up before its process is undeployed"));
 }
 
 TEST_F(PredictTest, RemovesTasksAndConnectionsOfAnUndeployedProcess) {
@@ -294,7 +294,7 @@ TEST_F(PredictTest, RemovesConnectionsOfDynamicPorts) {
 
 TEST_F(PredictTest, RefusesToRemoveARunningTask) {
   transition_.removes = {TaskId("b")};
-  EXPECT_THAT(refusal(), HasSubstr("is to leave, but is in state stopped and connected"));
+  EXPECT_THAT(refusal(), HasSubstr("is to be removed, but is in state stopped and connected"));
 }
 
 TEST_F(PredictTest, RefusesToLeaveAnOldIncarnationRunning) {

@@ -173,9 +173,9 @@ RC_GTEST_PROP(TransitionProperties, HandOverWhatTasksRemember, (std::uint64_t se
   for (const model::Task& task : pair.target.tasks) {
     if (!task.takes_over || !is_configured(task.state)) continue;
     const model::Task* from = pair.current.find_task(*task.takes_over);
-    const bool goes = from != nullptr && pair.target.find_task(from->id) == nullptr;
-    const bool comes = pair.current.find_task(task.id) == nullptr;
-    if (!comes || (from != nullptr && !goes)) continue;
+    const bool is_removed = from != nullptr && pair.target.find_task(from->id) == nullptr;
+    const bool is_added = pair.current.find_task(task.id) == nullptr;
+    if (!is_added || (from != nullptr && !is_removed)) continue;
     const bool expected = from != nullptr && is_configured(from->state);
     RC_ASSERT(found.contains("hand_over " + task.takes_over->str() + " -> " + task.id.str()) == expected);
   }

@@ -320,7 +320,7 @@ TEST_P(Artemis, TakesTheExpectedActions) {
       EXPECT_EQ(found[kind], std::multiset<std::string>(subjects.begin(), subjects.end())) << kind;
       ++kinds;
     }
-    EXPECT_EQ(found.size(), kinds) << "kinds of actions that nobody expects";
+    EXPECT_EQ(found.size(), kinds) << "unexpected kinds of actions";
   }
 }
 

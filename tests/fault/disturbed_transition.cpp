@@ -42,10 +42,10 @@ void DisturbedTransition::expect_no_secret_mixture(const runtime::SwitchResult& 
   const bool runs =
       may_have_more ? runtime::detail::includes(observed, claimed) : equivalent(observed, claimed);
   if ((done || restored) && runs) return;
-  const bool told =
+  const bool reported =
       !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;
-  EXPECT_TRUE(told) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
-                    << ::testing::PrintToString(differences(claimed, observed));
+  EXPECT_TRUE(reported) << to_string(result.outcome) << (result.error ? to_string(*result.error) : "") << '\n'
+                        << ::testing::PrintToString(differences(claimed, observed));
 }
 
 }  // namespace segue::testing

@@ -95,10 +95,10 @@ TEST_P(Failure, is_reported_and_the_process_stays) {
     EXPECT_EQ(there.outcome, Outcome::Failed);
     expect_event(EventKind::ActionFailed, "bad");
   } else if (hook == "update") {
-    expect_event(EventKind::TaskState, "thrown, as it was told to");
+    expect_event(EventKind::TaskState, "thrown, as requested");
   } else {
-    EXPECT_EQ(try_switch(plain_).outcome, Outcome::Done) << "what goes is in nobody's way";
-    expect_event(EventKind::ActionFailed, "thrown, as it was told to");
+    EXPECT_EQ(try_switch(plain_).outcome, Outcome::Done) << "a removed task does not block the switch";
+    expect_event(EventKind::ActionFailed, "thrown, as requested");
     EXPECT_TRUE(eventually([&] { return pid_of("bad") == -1; }));
   }
   expect_undisturbed();

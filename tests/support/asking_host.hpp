@@ -31,19 +31,19 @@ class AskingHost final : public ForwardingHost {
   }
 
   /// Called by get_ready().
-  void when_getting_ready(std::function<void(const model::Network&)> tell) {
+  void when_getting_ready(std::function<void(const model::Network&)> notify) {
     const std::lock_guard lock(mutex_);
-    getting_ready_ = std::move(tell);
+    getting_ready_ = std::move(notify);
   }
 
   void get_ready(const model::Network& target) override {
-    std::function<void(const model::Network&)> tell;
+    std::function<void(const model::Network&)> notify;
     {
       const std::lock_guard lock(mutex_);
-      tell = getting_ready_;
+      notify = getting_ready_;
     }
-    if (tell) {
-      tell(target);
+    if (notify) {
+      notify(target);
     }
     inner_.get_ready(target);
   }
@@ -78,15 +78,15 @@ class AskingHost final : public ForwardingHost {
   }
   [[nodiscard]] model::Network observe() const override {
     model::Network seen = inner_.observe();
-    Listener tell;
+    Listener notify;
     std::optional<host::TaskEvent> event;
     {
       const std::lock_guard lock(mutex_);
-      tell = listener_;
+      notify = listener_;
       event.swap(after_look_);
     }
-    if (event && tell) {
-      tell(*event);
+    if (event && notify) {
+      notify(*event);
     }
     return seen;
   }

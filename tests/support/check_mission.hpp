@@ -202,7 +202,7 @@ class MissionCheck {
       if (!same) text = fmt::format("{} ended as {}", run_.plan().network().label(node), outcome);
     });
     const TimePoint stopped = run_.stopped();
-    if (stopped == TimePoint::max()) return "nobody began who stopped it";
+    if (stopped == TimePoint::max()) return "the node that stopped it never began";
     for (const cdtn::LogEntry& entry : run_.network_result().log) {
       if (entry.kind == cdtn::LogKind::Start && entry.when > stopped)
         text = run_.plan().network().label(entry.node) + " began after the stop";

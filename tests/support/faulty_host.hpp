@@ -109,7 +109,7 @@ class FaultyHost final : public ForwardingHost {
     {
       const std::lock_guard lock(mutex_);
       std::erase_if(hanging_, [&](Hanging& one) {
-        if (one.looks-- > 0) return false;
+        if (one.snapshots-- > 0) return false;
         if (one.is_done) due.push_back(one.action);
         return true;
       });
@@ -138,7 +138,7 @@ class FaultyHost final : public ForwardingHost {
   struct Hanging {
     model::Action action;
     std::optional<model::DeploymentKey> process;
-    int looks = 0;  ///< number of snapshots that show it hanging
+    int snapshots = 0;  ///< number of snapshots that show it hanging
     bool is_done = false;
   };
   struct Meeting {
@@ -193,9 +193,9 @@ class FaultyHost final : public ForwardingHost {
         break;
     }
     const bool once = fault == Fault::Late || fault == Fault::Lost;
-    const int looks = fault == Fault::Slow ? 0 : once ? 1 : std::numeric_limits<int>::max();
+    const int snapshots = fault == Fault::Slow ? 0 : once ? 1 : std::numeric_limits<int>::max();
     const std::lock_guard lock(mutex_);
-    hanging_.push_back({action, place, looks, fault == Fault::Slow || fault == Fault::Late});
+    hanging_.push_back({action, place, snapshots, fault == Fault::Slow || fault == Fault::Late});
     return {false, false, overdue()};
   }
 
@@ -208,12 +208,12 @@ class FaultyHost final : public ForwardingHost {
     dead.process = place->process;
     const model::Action kill{0, model::ActionKind::Undeploy, model::DeploymentAction{dead, true}, {}, {}};
     const bool was_there = inner_.perform(kill, patience()).has_value();
-    Listener tell;
+    Listener notify;
     {
       const std::lock_guard lock(mutex_);
-      tell = listener_;
+      notify = listener_;
     }
-    if (was_there && tell) tell(host::ProcessEvent{*place, "was ended by SIGKILL", true});
+    if (was_there && notify) notify(host::ProcessEvent{*place, "was ended by SIGKILL", true});
     const bool is_told_so = action.kind == model::ActionKind::Undeploy;
     return is_told_so ? Meeting{} : Meeting{false, false, gone()};
   }

@@ -89,11 +89,11 @@ class Answers final : public mission::ActionRunner {
 };
 
 inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
-  mission::Runners made;
-  made.add("mix", std::make_shared<Answers>(Answers::Kind::Mix, at_start));
-  made.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
-  made.add("later", std::make_shared<Answers>(Answers::Kind::Later, at_start));
-  return made;
+  mission::Runners runners;
+  runners.add("mix", std::make_shared<Answers>(Answers::Kind::Mix, at_start));
+  runners.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
+  runners.add("later", std::make_shared<Answers>(Answers::Kind::Later, at_start));
+  return runners;
 }
 
 /// The result of a mission, with the outcomes of actions by their paths, in program order.

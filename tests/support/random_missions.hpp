@@ -34,7 +34,7 @@ class RandomMission {
   /// another branch is a race that the two runs may decide differently.
   struct Where {
     std::string fact;
-    [[nodiscard]] bool beside() const { return !fact.empty(); }
+    [[nodiscard]] bool is_concurrent() const { return !fact.empty(); }
   };
   struct Child {
     std::string text;  ///< without its id and transitions
@@ -48,7 +48,7 @@ class RandomMission {
 
   std::string facts(const Where& where) {
     const auto fact = [&] {
-      if (where.beside()) return where.fact;
+      if (where.is_concurrent()) return where.fact;
       return chance(40) ? std::string("g({x})") : fmt::format("f{}", under(3));
     };
     std::string text = fmt::format("    effects: [\"{}{}\"]\n", chance(60) ? "+" : "-", fact());
@@ -87,13 +87,13 @@ class RandomMission {
     if (pure) text += "    pure: true\n";
     const bool sensing = !pure && chance(10);
     if (sensing) text += "    sensing: true\n";
-    const bool opaque = !pure && chance(where.beside() ? 3 : 15);
+    const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
     if (!opaque && (!pure || chance(60))) text += facts(where);
     if (!opaque) text += resources(pure);
     if (chance(60))
       text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12),
                           two && chance(40) ? "no" : "ok");
-    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.beside()));
+    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent()));
     actions_ += text;
     return name;
   }
@@ -106,28 +106,28 @@ class RandomMission {
 
   Child child(std::size_t i, std::size_t size, int depth, const std::string& indent, const Where& where) {
     const std::uint64_t kind = depth < 2 ? under(100) : 100;
-    Child made;
+    Child result;
     if (kind < 24) {
-      made.text = kind < 10   ? hierarchy(depth + 1, indent, where)
-                  : kind < 18 ? barrier(depth + 1, indent)
-                  : kind < 21 ? preemptive(indent)
-                              : library(depth + 1, indent, where);
-      made.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
+      result.text = kind < 10   ? hierarchy(depth + 1, indent, where)
+                    : kind < 18 ? barrier(depth + 1, indent)
+                    : kind < 21 ? preemptive(indent)
+                                : library(depth + 1, indent, where);
+      result.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
     } else {
       const bool back = chance(25);
       const bool two = back || chance(40);
-      made.text = fmt::format("{}action: {}\n", indent, action(back, two, where));
-      made.in = "x";
-      made.out = "y";
-      made.on = "ok: " + target(i + 1, size);
+      result.text = fmt::format("{}action: {}\n", indent, action(back, two, where));
+      result.in = "x";
+      result.out = "y";
+      result.on = "ok: " + target(i + 1, size);
       if (back)
-        made.on += fmt::format(", no: s{}", under(i + 1));
+        result.on += fmt::format(", no: s{}", under(i + 1));
       else if (two)
-        made.on += ", no: " + target(i + 1 + under(3), size);
+        result.on += ", no: " + target(i + 1 + under(3), size);
     }
-    if (chance(25)) made.on += ", aborted: " + target(i + 1 + under(2), size);
-    if (chance(2)) made.on += ", preempted: " + target(i + 1 + under(2), size);
-    return made;
+    if (chance(25)) result.on += ", aborted: " + target(i + 1 + under(2), size);
+    if (chance(2)) result.on += ", preempted: " + target(i + 1 + under(2), size);
+    return result;
   }
 
   std::string hierarchy(int depth, const std::string& indent, const Where& where) {

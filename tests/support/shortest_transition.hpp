@@ -65,7 +65,7 @@ class ShortestTransition {
 
  private:
   using Key = std::uint64_t;
-  enum Occupant : std::uint8_t { kNobody, kOld, kNew };  ///< kNew: with the target's configuration
+  enum Occupant : std::uint8_t { kNone, kOld, kNew };  ///< kNew: with the target's configuration
   enum Attributes : std::uint8_t { kOff, kAsNow, kAsThen };
   struct Slot {
     std::size_t process;
@@ -86,7 +86,7 @@ class ShortestTransition {
     bool then = false;
   };
   struct Occupancy {
-    Occupant occupant = kNobody;
+    Occupant occupant = kNone;
     TaskState state = TaskState::PreOperational;
   };
   struct State {
@@ -145,7 +145,7 @@ class ShortestTransition {
     return same_task(slot) && slots_[slot].now->same_configuration(*slots_[slot].then);
   }
   [[nodiscard]] const model::Task* task_in(const State& state, std::size_t slot) const {
-    if (state.slots[slot].occupant == kNobody) return nullptr;
+    if (state.slots[slot].occupant == kNone) return nullptr;
     return state.slots[slot].occupant == kNew ? slots_[slot].then : slots_[slot].now;
   }
   static bool configured(TaskState state) {
@@ -187,7 +187,7 @@ class ShortestTransition {
   Key pack(const State& state) const {
     Key key = 0;
     for (const Occupancy& occupancy : state.slots) {
-      key = key * 13 + (occupancy.occupant == kNobody
+      key = key * 13 + (occupancy.occupant == kNone
                             ? 0
                             : 1 + 6 * (occupancy.occupant - 1) + static_cast<Key>(occupancy.state));
     }
@@ -234,10 +234,10 @@ class ShortestTransition {
 
   [[nodiscard]] int bound(const State& state, std::size_t i) const {
     const Occupancy& occupancy = state.slots[i];
-    const bool lasts = state.processes[slots_[i].process] != kAsNow;  // else it goes with its process
+    const bool lasts = state.processes[slots_[i].process] != kAsNow;  // else it ends with its process
     const bool stays = lasts && (occupancy.occupant == kNew || (occupancy.occupant == kOld && same_task(i)));
     if (!slots_[i].then || !stays) {
-      const int down = occupancy.occupant == kNobody           ? 0
+      const int down = occupancy.occupant == kNone             ? 0
                        : occupancy.state == TaskState::Stopped ? 1
                        : configured(occupancy.state)           ? 2
                                                                : 0;
@@ -251,7 +251,7 @@ class ShortestTransition {
   [[nodiscard]] bool is_target(const State& state) const {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
       const Occupancy& occupancy = state.slots[i];
-      if (slots_[i].then || occupancy.occupant == kNobody) continue;
+      if (slots_[i].then || occupancy.occupant == kNone) continue;
       if (occupancy.state != TaskState::PreOperational) return false;
     }
     return true;
@@ -272,7 +272,7 @@ class ShortestTransition {
   template <class Visit>
   void expand_life_cycle(const State& state, std::size_t i, const Visit& visit) {
     const Occupancy& occupancy = state.slots[i];
-    if (occupancy.occupant == kNobody) return;
+    if (occupancy.occupant == kNone) return;
     const auto go = [&](TaskState next) {
       State after = state;
       after.slots[i].state = next;
@@ -313,7 +313,7 @@ class ShortestTransition {
     const auto mine = devices(*task_in(state, slot));
     for (std::size_t i = 0; !mine.empty() && i < slots_.size(); ++i) {
       const Occupancy& occupancy = state.slots[i];
-      if (i == slot || occupancy.occupant == kNobody) continue;
+      if (i == slot || occupancy.occupant == kNone) continue;
       if (!configured(occupancy.state) && occupancy.state != TaskState::Fatal) continue;
       for (const auto& device : devices(*task_in(state, i))) {
         if (std::find(mine.begin(), mine.end(), device) != mine.end()) return false;
@@ -324,7 +324,7 @@ class ShortestTransition {
 
   bool runs_elsewhere(const State& state, std::size_t slot) const {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      if (i == slot || state.slots[i].occupant == kNobody) continue;
+      if (i == slot || state.slots[i].occupant == kNone) continue;
       const bool runs =
           state.slots[i].state == TaskState::Running || state.slots[i].state == TaskState::RunTimeError;
       if (runs && task_in(state, i)->id == task_in(state, slot)->id) return true;
@@ -403,7 +403,7 @@ class ShortestTransition {
     const Wire& wire = wires_[number];
     const auto ready = [&](std::size_t slot, const std::string& port) {
       const Occupancy& occupancy = state.slots[slot];
-      if (occupancy.occupant == kNobody || (occupancy.occupant == kOld && !same_task(slot))) return false;
+      if (occupancy.occupant == kNone || (occupancy.occupant == kOld && !same_task(slot))) return false;
       return configured(occupancy.state) || !is_dynamic(state, slot, port);
     };
     if (!ready(wire.from, wire.connection.from.port) || !ready(wire.to, wire.connection.to.port))
@@ -428,7 +428,7 @@ class ShortestTransition {
     }
     after.processes[number] = kOff;
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      if (slots_[i].process != number || state.slots[i].occupant == kNobody) continue;
+      if (slots_[i].process != number || state.slots[i].occupant == kNone) continue;
       if (configured(state.slots[i].state) || has_wires(state, i)) return;
       after.slots[i] = {};
     }

@@ -174,8 +174,8 @@ class StrictMachine {
     }
     for (const auto& [place, body] : tasks_) {
       if (place.first != deployment.key() || action.kill) continue;
-      if (configured(body.state)) return body.task.id.str() + " works when its process goes";
-      if (is_wired(place)) return body.task.id.str() + " is wired when its process goes";
+      if (configured(body.state)) return body.task.id.str() + " is configured when its process is undeployed";
+      if (is_wired(place)) return body.task.id.str() + " is connected when its process is undeployed";
     }
     std::erase_if(tasks_, [&](const auto& task) { return task.first.first == deployment.key(); });
     for (auto& [id, places] : bodies_) {
@@ -257,13 +257,13 @@ class StrictMachine {
   }
 
   std::string hand_over(const model::HandOverAction& action) {
-    if (!exists(action.from.str()) || !exists(action.to.str())) return "nobody to hand over to or from";
+    if (!exists(action.from.str()) || !exists(action.to.str())) return "no task to hand over to or from";
     const Place from = bodies_.at(action.from.str()).front();
     const Place to = newest(action.to.str());
     if (from == to) return "handed over to itself";
     if (at(from).state != TaskState::Stopped) return action.from.str() + " is not stopped to hand over";
     if (at(to).state != TaskState::Stopped) return action.to.str() + " is not ready to take over";
-    if (wanted_.at(action.to.str()).takes_over != action.from) return "nobody asked to hand over";
+    if (wanted_.at(action.to.str()).takes_over != action.from) return "the hand-over was not requested";
     return handed_over_.insert(action.to.str()).second ? "" : "handed over twice";
   }
 

@@ -22,7 +22,7 @@ std::ptrdiff_t lines_of(const fs::path& file) {
 
 class Bench : public SystemTest {
  protected:
-  /// Processes other than this one that were given this test's runtime folder.
+  /// Other processes with the runtime folder of this test.
   [[nodiscard]] std::vector<std::string> processes_left() const {
     std::vector<std::string> left;
     for (const auto& entry : fs::directory_iterator("/proc")) {
@@ -61,7 +61,7 @@ TEST_F(Bench, ItWritesEverySeriesAndLeavesNoProcess) {
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
 }
 
-TEST_F(Bench, AnInterruptEndsItInOrderAndKeepsWhatWasMeasured) {
+TEST_F(Bench, AnInterruptEndsItCleanlyAndKeepsTheResults) {
   Process bench(command({"bench", "--quick", "--repeat", "1000", "--out", "results"}), folder_);
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!a_deployment_runs()) {
@@ -76,7 +76,7 @@ TEST_F(Bench, AnInterruptEndsItInOrderAndKeepsWhatWasMeasured) {
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
 }
 
-TEST_F(Bench, AFolderThatCannotBeMadeIsExplained) {
+TEST_F(Bench, AFolderThatCannotBeCreatedIsExplained) {
   write("taken", "a file");
   const auto finished = segue({"bench", "--quick", "--out", "taken/results"});
   EXPECT_EQ(finished.status, 1);

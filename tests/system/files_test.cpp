@@ -31,7 +31,7 @@ class Files : public SystemTest {
   }
 };
 
-TEST_F(Files, TheVersionIsTold) {
+TEST_F(Files, TheVersionIsPrinted) {
   const auto finished = segue({"--version"});
   EXPECT_EQ(finished.status, 0);
   EXPECT_EQ(finished.output.rfind("segue ", 0), 0U) << finished.output;
@@ -48,7 +48,7 @@ TEST_F(Files, EveryVerbHasAnExampleInItsHelp) {
   }
 }
 
-TEST_F(Files, WrongUsageIsTwoAndSaysWhatIsMeant) {
+TEST_F(Files, WrongUsageExitsWithTwoAndASuggestion) {
   const auto verb = segue({"chekc", "one.yaml"});
   EXPECT_EQ(verb.status, 2);
   EXPECT_TRUE(contains(verb.errors, "no verb 'chekc', did you mean 'check'?")) << verb.errors;
@@ -75,7 +75,7 @@ TEST_F(Files, CheckFindsNothingInGoodFiles) {
   EXPECT_EQ(*json({"check", "one.yaml"}).find("ok"), Value(true));
 }
 
-TEST_F(Files, CheckReportsEveryProblemWithItsPlace) {
+TEST_F(Files, CheckReportsEveryProblemWithItsLocation) {
   write("bad.yaml",
         "network: bad\ntasks:\n  a: {component: \"demo::Drvie\"}\n  b: {component: \"demo::Odometry\"}\n"
         "connections:\n  - c.velocity -> b.velocity\n  - b.psoe -> b.velocity\n");
@@ -100,7 +100,7 @@ TEST_F(Files, CheckOfUnknownComponentsChecksTheStructureAndSaysSo) {
   EXPECT_TRUE(contains(finished.errors, "only its structure was checked")) << finished.errors;
 }
 
-TEST_F(Files, ModelsOfOtherLibrariesAreKnownWhereTheyAreNamed) {
+TEST_F(Files, ModelsOfOtherLibrariesAreKnownIfTheyAreNamed) {
   write("models/camera.yaml", "components:\n  elsewhere::Camera:\n    ports: []\n");
   write("foreign.yaml", "network: foreign\ntasks:\n  a: {component: \"elsewhere::Camera\"}\n");
   const auto known = segue({"check", "--models", "models/*.yaml", "foreign.yaml", "one.yaml"});
@@ -146,7 +146,7 @@ TEST_F(Files, DiffFromAndToTheEmptyNetwork) {
   EXPECT_TRUE(contains(none.output, "nothing to do")) << none.output;
 }
 
-TEST_F(Files, DiffForPeopleIsGroupedByPhase) {
+TEST_F(Files, TextOfDiffIsGroupedByPhase) {
   const auto finished = segue({"diff", "two.yaml", "one.yaml"});
   EXPECT_EQ(finished.status, 0);
   EXPECT_TRUE(contains(finished.output, "two -> one: ")) << finished.output;
@@ -157,7 +157,7 @@ TEST_F(Files, DiffForPeopleIsGroupedByPhase) {
   EXPECT_EQ(graph.output.rfind("digraph", 0), 0U) << graph.output;
 }
 
-/// How often a text occurs.
+/// The number of occurrences of a text.
 std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
@@ -165,7 +165,7 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST_F(Files, DiffDrawsWhatHappensWhen) {
+TEST_F(Files, DiffDrawsATimeline) {
   const auto total = static_cast<std::size_t>(
       json({"diff", "two.yaml", "one.yaml"}).find("counts")->find("total")->as_int());
   ASSERT_GT(total, 3U);
@@ -191,7 +191,7 @@ TEST_F(Files, TheGraphOfADiffHoldsItsPhasesAndItsCriticalPath) {
   EXPECT_GT(occurrences(graph.output, "penwidth=3"), 1U) << graph.output;
 }
 
-TEST_F(Files, ForceKillsTheProcessesThatGo) {
+TEST_F(Files, ForceKillsRemovedProcesses) {
   write("deployed.yaml",
         "network: deployed\ntasks: {a: {component: demo::Odometry}}\n"
         "deployments: {p: {tasks: [a]}}\n");
@@ -220,7 +220,7 @@ TEST_F(Files, ATransitionThatDoesNotFitIsRefused) {
   EXPECT_FALSE(refused.errors.empty());
 }
 
-TEST_F(Files, InitMakesARobotThatChecks) {
+TEST_F(Files, InitCreatesARobotThatChecks) {
   const auto made = segue({"init", "rover", "--library"});
   ASSERT_EQ(made.status, 0) << made.errors;
   const auto checked = segue({"check", "rover/robot.yaml"});
@@ -266,7 +266,7 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
   }
 }
 
-TEST_F(Files, WithoutARuntimeTheVerbsThatNeedOneSaySo) {
+TEST_F(Files, VerbsThatNeedARuntimeFailWithoutOne) {
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"status"},
                                                                      {"top"},
                                                                      {"switch", "one"},

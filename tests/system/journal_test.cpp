@@ -12,7 +12,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// A robot that does not run any more, and what it left.
+/// A robot that has ended, and its journal.
 class JournalFiles : public SystemTest {
  protected:
   static journal::TransitionEntry transition(std::uint64_t request) {
@@ -49,7 +49,7 @@ class JournalFiles : public SystemTest {
   }
 };
 
-TEST_F(JournalFiles, HistoryIsReadWhereNoRobotRuns) {
+TEST_F(JournalFiles, HistoryIsReadWithoutARunningRobot) {
   leave("state/segue/rover/journal.sqlite");
   const auto finished = segue({"history"});
   EXPECT_EQ(finished.status, 0) << finished.errors;
@@ -72,7 +72,7 @@ TEST_F(JournalFiles, AGivenFileIsRead) {
   EXPECT_TRUE(contains(differences.output, "task 'slam' is in exception: restarted")) << differences.output;
 }
 
-TEST_F(JournalFiles, WhatIsMissingOrBrokenIsSaid) {
+TEST_F(JournalFiles, MissingAndDamagedFilesAreReported) {
   EXPECT_EQ(segue({"history"}).status, 3);
   EXPECT_EQ(segue({"history", "--robot", "nobody"}).status, 3);
   EXPECT_EQ(segue({"history", "--journal", "none.sqlite"}).status, 1);
@@ -125,7 +125,7 @@ TEST_F(JournalOfARobot, OutlivesItAndPredictsItsNextSwitch) {
   EXPECT_EQ(estimate.find("estimate_s")->find("never_measured")->as_int(), 0);
 }
 
-TEST_F(JournalOfARobot, IsKeptOnlyWhereItIsWanted) {
+TEST_F(JournalOfARobot, IsKeptOnRequestOnly) {
   start({"--controller", "explore", "--no-journal"});
   (void)stop();
   EXPECT_FALSE(std::filesystem::exists(folder_ / "state"));

@@ -28,7 +28,7 @@ bool wait_until(const std::function<bool()>& condition) {
   return true;
 }
 
-/// Gone, or only waiting for its parent to look.
+/// Whether the process has ended or is a zombie.
 bool ended(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/stat");
   std::string number;
@@ -61,7 +61,7 @@ TEST_F(MissionScripts, AnImportedMachineRunsWithItsScriptsAndLibraries) {
   EXPECT_THAT(segue({"mission", "run", "m.yaml"}).errors, HasSubstr("info: show: left: 0\n"));
 }
 
-TEST_F(MissionScripts, AnImportedMachineRunsSideBySideAndDecides) {
+TEST_F(MissionScripts, AnImportedMachineRunsConcurrentlyAndDecides) {
   ASSERT_EQ(import(kMachines / "side_by_side", "m.yaml").status, 0);
   const auto run = json({"mission", "run", "m.yaml"});
   EXPECT_EQ(run.find("outcome")->as_string(), "success");
@@ -71,7 +71,7 @@ TEST_F(MissionScripts, AnImportedMachineRunsSideBySideAndDecides) {
   EXPECT_EQ(right.find("error")->as_string(), "barrier/right:3: RuntimeError: right fails");
 }
 
-TEST_F(MissionScripts, AMachineRunsFromItsFolderToo) {
+TEST_F(MissionScripts, AMachineRunsFromItsFolderAsWell) {
   const auto folder = kMachines / "count_down";
   const auto run = json({"mission", "run", folder, "--libraries", kOwnLibraries});
   EXPECT_EQ(run.find("outcome")->as_string(), "finished");
@@ -82,7 +82,7 @@ TEST_F(MissionScripts, AMachineRunsFromItsFolderToo) {
   EXPECT_EQ(segue({"mission", "run", "."}).status, 1) << "no machine";
 }
 
-TEST_F(MissionScripts, AnImportGoesToStandardOutputWhereNoFileIsNamed) {
+TEST_F(MissionScripts, AnImportGoesToStandardOutputWithoutAFile) {
   const auto imported =
       segue({"mission", "import", "--rafcon", kMachines / "count_down", "--libraries", kOwnLibraries});
   ASSERT_EQ(imported.status, 0) << imported.errors;
@@ -100,7 +100,7 @@ TEST_F(MissionScripts, AnImportWithoutItsLibraryLeavesTheFileAlone) {
   EXPECT_EQ(read("m.yaml"), "what was there\n");
 }
 
-TEST_F(MissionScripts, AnImportOfADamagedMachineSaysWhere) {
+TEST_F(MissionScripts, AnImportOfADamagedMachineReportsTheLocation) {
   std::filesystem::copy(kMachines / "count_down", folder_ / "machine",
                         std::filesystem::copy_options::recursive);
   write("machine/core_data.json", "{\n  \"name\": oops\n}\n");
@@ -110,13 +110,13 @@ TEST_F(MissionScripts, AnImportOfADamagedMachineSaysWhere) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "m.yaml"));
 }
 
-TEST_F(MissionScripts, AnImportTakesThePlaceOfAnEarlierOne) {
+TEST_F(MissionScripts, AnImportReplacesAnEarlierOne) {
   ASSERT_EQ(import(kMachines / "side_by_side", "m.yaml").status, 0);
   ASSERT_EQ(import(kMachines / "count_down", "m.yaml").status, 0);
   EXPECT_THAT(read("m.yaml"), HasSubstr("mission: Count_down\n"));
 }
 
-TEST_F(MissionScripts, AnImportMustKnowWhatAndWhereTo) {
+TEST_F(MissionScripts, AnImportRequiresSourceAndTarget) {
   EXPECT_EQ(segue({"mission", "import", "-o", "m.yaml"}).status, 2);
   EXPECT_EQ(import("nowhere", "m.yaml").status, 1);
   const auto unwritable = import(kMachines / "side_by_side", "nowhere/m.yaml");
@@ -124,7 +124,7 @@ TEST_F(MissionScripts, AnImportMustKnowWhatAndWhereTo) {
   EXPECT_THAT(unwritable.errors, HasSubstr("nowhere/m.yaml"));
 }
 
-TEST_F(MissionScripts, AnImportTellsWhatIsOddInTheNewFile) {
+TEST_F(MissionScripts, AnImportReportsWarningsOfTheNewFile) {
   const auto imported = import(kMachines / "renumbered", "m.yaml");
   EXPECT_EQ(imported.status, 0);
   EXPECT_THAT(imported.errors, HasSubstr("must return them by name"));
@@ -135,7 +135,7 @@ TEST_F(MissionScripts, AnImportTellsWhatIsOddInTheNewFile) {
 constexpr const char* kScripted =
     "mission: m\nactions: {work: {run: {python: scripts/work.py}}}\naction: work\n";
 
-TEST_F(MissionScripts, ScriptsAreFoundBesideTheMissionAndTheirOutputIsNotTheRuns) {
+TEST_F(MissionScripts, ScriptsAreFoundBesideTheMissionAndTheirOutputIsSeparate) {
   write("plans/m.yaml", kScripted);
   write("plans/scripts/tools.py", "WORD = 'hello'\n");
   write("plans/scripts/work.py",
@@ -159,7 +159,7 @@ TEST_F(MissionScripts, AScriptThatIsInterruptedEndsAsPreempted) {
 
 TEST_F(MissionScripts, ScriptsEndWithAMissionThatIsKilled) {
   write("m.yaml", kScripted);
-  // The second keeps the interpreter to itself: its process cannot see that nobody is left.
+  // The second script holds the interpreter's lock: its process cannot notice the end of its parent.
   for (const std::string work : {"self.preemptive_wait()", "re.match('(a+)+$', 'a' * 100 + 'b')"}) {
     write("scripts/work.py",
           "import os, re\ndef execute(self, inputs, outputs, gvm):\n"
@@ -176,14 +176,14 @@ TEST_F(MissionScripts, ScriptsEndWithAMissionThatIsKilled) {
   }
 }
 
-TEST_F(MissionScripts, AnInterpreterThatIsNotThereIsToldByTheMissionsError) {
+TEST_F(MissionScripts, AMissingInterpreterIsReportedByTheMissionsError) {
   write("m.yaml", kScripted);
   const auto run = json({"mission", "run", "m.yaml", "--python", "/nowhere/python3"}, 1);
   EXPECT_THAT(run.find("error")->as_string(), HasSubstr("cannot start the Python interpreter"));
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--simulate"}).status, 0) << "needs none";
 }
 
-TEST_F(MissionScripts, AKilledRunGoesOnWhereItBrokeOff) {
+TEST_F(MissionScripts, AKilledRunResumes) {
   write("m.yaml", R"(
 mission: m
 actions:

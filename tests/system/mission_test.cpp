@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Two branches side by side, of 2 s and of 1 s + 4 s, then 3 s.
+/// Two concurrent branches, of 2 s and of 1 s + 4 s, then 3 s.
 constexpr const char* kTwoHands = R"(mission: two_hands
 actions:
   left: {run: {simulated: {duration: 2s}}}
@@ -44,7 +44,7 @@ class Missions : public SystemTest {
   }
 };
 
-TEST_F(Missions, AMachineTellsWhatItWasAsLongForAndWhatWouldFollowOneAfterTheOther) {
+TEST_F(Missions, AMachineReportsItsCriticalPathAndSequentialTime) {
   write("m.yaml", kTwoHands);
   const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual"});
   EXPECT_EQ(run.find("makespan_s")->as_double(), 8);
@@ -88,7 +88,7 @@ states:
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--mode", "concurrent", "--start-at", "look"}).status, 1);
 }
 
-TEST_F(Missions, AMachineTellsTheFactsThatHoldInTheEnd) {
+TEST_F(Missions, AMachineReportsTheFinalFacts) {
   write("m.yaml", R"j(mission: tidy
 world: ["at(robot, dock)", "safe"]
 actions:
@@ -127,7 +127,7 @@ states:
   EXPECT_THAT(odd.errors, HasSubstr("'+lit' is not a fact"));
 }
 
-TEST_F(Missions, AMachineIsDrawnAsATaskNetworkIs) {
+TEST_F(Missions, AMachineIsDrawnLikeATaskNetwork) {
   write("m.yaml", kTwoHands);
   const auto run =
       segue({"mission", "run", "m.yaml", "--clock", "virtual", "--svg", "m.svg", "--trace", "t"});
@@ -149,14 +149,14 @@ TEST_F(Missions, ADrawingAloneGoesToStandardOutput) {
   }
 }
 
-TEST_F(Missions, OneFileDoesNotHoldTwoThings) {
+TEST_F(Missions, TwoOutputsCannotShareAFile) {
   write("n.json", R"({"nodes": [{"name": "dig", "duration_s": 1}]})");
   const auto run = segue({"mission", "run", "n.json", "--clock", "virtual", "--svg", "x", "--html", "x"});
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.errors, HasSubstr("'x' cannot hold two things"));
 }
 
-TEST_F(Missions, WhatCannotBeWrittenIsToldBeforeTheRun) {
+TEST_F(Missions, UnwritableFilesAreReportedBeforeTheRun) {
   write("m.yaml", kTwoHands);
   for (const std::string option : {"--svg", "--html", "--trace"}) {
     for (const std::string file : {"nowhere/x", ".", "m.yaml/x"}) {
@@ -191,7 +191,7 @@ constexpr const char* kLong = R"j({"nodes": [
 
 class Interrupted : public Missions, public ::testing::WithParamInterface<int> {
  protected:
-  /// Starts it, and signals twice, as to a group, as soon as it is ready for that.
+  /// Starts the command and signals it twice, as a terminal does, once it handles signals.
   Finished interrupt(std::vector<std::string> arguments) {
     Process process(command(std::move(arguments)), folder_);
     EXPECT_TRUE(process.wait_until_blocked(GetParam()));
@@ -201,21 +201,21 @@ class Interrupted : public Missions, public ::testing::WithParamInterface<int> {
   }
 };
 
-TEST_P(Interrupted, AMachineThatNeverEndsEndsInOrder) {
+TEST_P(Interrupted, AMachineThatNeverEndsIsInterruptedCleanly) {
   write("m.yaml", kEndless);
   const auto run = interrupt({"mission", "run", "m.yaml", "--clock", "virtual", "--simulate"});
   EXPECT_EQ(run.status, 1) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("endless: preempted after"));
 }
 
-TEST_P(Interrupted, AMachineThatRunsConcurrentlyEndsInOrder) {
+TEST_P(Interrupted, AConcurrentMachineIsInterruptedCleanly) {
   write("m.yaml", kOneHour);
   const auto run = interrupt({"mission", "run", "m.yaml", "--mode", "concurrent"});
   EXPECT_EQ(run.status, 1) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("hour: preempted"));
 }
 
-TEST_P(Interrupted, ATaskNetworkTellsHowFarItCame) {
+TEST_P(Interrupted, ATaskNetworkReportsItsProgress) {
   write("n.json", kLong);
   for (const std::string mode : {"sequential", "concurrent"}) {
     const auto run =
@@ -232,7 +232,7 @@ TEST_P(Interrupted, ATaskNetworkTellsHowFarItCame) {
 }
 INSTANTIATE_TEST_SUITE_P(By, Interrupted, ::testing::Values(SIGINT, SIGTERM));
 
-TEST_F(Missions, AFullDiskIsToldAndLeavesNothing) {
+TEST_F(Missions, AFullDiskIsReportedAndLeavesNothing) {
   write("m.yaml", kTwoHands);
   write("n.json", kLong);
   for (const std::string file : {"m.yaml", "n.json"}) {
@@ -258,7 +258,7 @@ class Converted : public Missions {
   }
 };
 
-TEST_F(Converted, AMachineShowsItsNodesAndWhyOneComesAfterAnother) {
+TEST_F(Converted, AMachineShowsItsNodesAndTheReasonsOfTheirOrder) {
   const auto text = segue({"mission", "convert", "m.yaml"});
   EXPECT_EQ(text.status, 0) << text.errors;
   EXPECT_THAT(text.output,
@@ -274,7 +274,7 @@ TEST_F(Converted, AMachineShowsItsNodesAndWhyOneComesAfterAnother) {
   EXPECT_TRUE(value.find("complete")->as_bool());
 }
 
-TEST_F(Converted, ATaskNetworkIsShownToo) {
+TEST_F(Converted, ATaskNetworkIsShownAsWell) {
   const auto text = segue({"mission", "convert", "n.json", "--strict"});
   EXPECT_EQ(text.status, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("    after 0 short: world p(): made true there, relied on here\n"));
@@ -294,7 +294,7 @@ TEST_F(Converted, PicturesGoToStandardOutputOrAFile) {
   EXPECT_EQ(segue({"mission", "convert", "m.yaml", "--dot", "--svg"}).status, 2);
 }
 
-TEST_F(Converted, GoesAsFarAsTheHorizonOrAsCanBeKnown) {
+TEST_F(Converted, GoesToTheHorizonOrAsFarAsKnown) {
   const auto first = json({"mission", "convert", "loop.yaml", "--horizon", "7"});
   EXPECT_EQ(first.find("nodes")->as_list().size(), 7U);
   EXPECT_FALSE(first.find("complete")->as_bool());
@@ -306,7 +306,7 @@ TEST_F(Converted, GoesAsFarAsTheHorizonOrAsCanBeKnown) {
   EXPECT_EQ(segue({"mission", "convert", "loop.yaml", "--horizon", "-1"}).status, 2);
 }
 
-TEST_F(Converted, WhatIsWrongIsToldWithItsPlace) {
+TEST_F(Converted, ProblemsAreReportedWithTheirLocation) {
   write("broken.yaml", "mission: x\nstart: nowhere\nstates: {}\n");
   write("broken.json", R"({"nodes": [{"name": 3}]})");
   for (const std::string file : {"broken.yaml", "broken.json", "missing.yaml"}) {
@@ -322,7 +322,7 @@ TEST_F(Converted, WhatIsWrongIsToldWithItsPlace) {
   EXPECT_EQ(segue({"mission", "convert", "n.json", "--fact", "p()"}).status, 1);
 }
 
-TEST_F(Converted, WhereItCannotBeWrittenNothingIsLeft) {
+TEST_F(Converted, AFailedWriteLeavesNothing) {
   for (const std::string file : {"nowhere/x", ".", "m.yaml/x"}) {
     const auto run = segue({"mission", "convert", "m.yaml", "--svg", "-o", file});
     EXPECT_EQ(run.status, 1) << file;

@@ -13,15 +13,15 @@ namespace segue::testing {
 
 inline constexpr auto kPatience = std::chrono::seconds(60);
 
-/// What a finished process left. `status` is its exit status, or 128 + the signal that ended it, or -1 where
-/// it had to be killed at the deadline.
+/// The result of a finished process. `status` is its exit status, 128 + the signal that ended it, or -1 if it
+/// had to be killed at the deadline.
 struct Finished {
   int status = -1;
   std::string output;
   std::string errors;
 };
 
-/// A process whose output is kept. Killed by the destructor if it still runs.
+/// A process whose output is collected. Killed by the destructor if it still runs.
 class Process {
  public:
   /// Starts `command` (a path first) in `folder`.
@@ -33,13 +33,13 @@ class Process {
   /// Waits for a line with `text` on standard output; false at the deadline or the end of the process.
   bool wait_for(const std::string& text);
   void signal(int number) const;
-  /// Waits until it takes this signal in an orderly way, by blocking it; false at the deadline.
+  /// Waits until the process handles this signal by blocking it; false at the deadline.
   [[nodiscard]] bool wait_until_blocked(int signal) const;
   /// Waits for the end.
   Finished wait();
 
  private:
-  /// Reads what is there; false when both ends are closed. Waits for `limit` at most.
+  /// Reads available output; false once both ends are closed. Waits at most for `limit`.
   bool pump(std::chrono::milliseconds limit);
   bool read_from(int& descriptor, std::string& into);
 
@@ -49,7 +49,7 @@ class Process {
   Finished finished_;
 };
 
-/// Starts and waits.
+/// Starts a process and waits for its end.
 Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
 
 }  // namespace segue::testing

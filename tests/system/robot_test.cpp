@@ -14,7 +14,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 using RunningRobot = SystemTest;
 
-TEST_F(RunningRobot, ItSwitchesAndStopsInOrder) {
+TEST_F(RunningRobot, ItSwitchesAndStopsCleanly) {
   start({"--controller", "explore"});
   ASSERT_TRUE(robot_->wait_for("explore"));
   const auto result = json({"switch", "go_to"});
@@ -53,7 +53,7 @@ TEST_F(RunningRobot, ADryRunShowsTheTransitionAndDoesNothing) {
   EXPECT_TRUE(contains(text.output, "order paper")) << text.output;
 }
 
-TEST_F(RunningRobot, ItCarriesOutATransitionFile) {
+TEST_F(RunningRobot, ItExecutesATransitionFile) {
   start({"--controller", "explore"});
   ASSERT_EQ(segue({"switch", "explore"}).status, 0);
   write("t.yaml",
@@ -93,7 +93,7 @@ TEST_F(RunningRobot, ItsBeliefCanBeReset) {
   ASSERT_EQ(segue({"set", "drive.max_speed=0.25"}).status, 0);
   EXPECT_FALSE(json({"status"}).find("differences")->as_list().empty());
   EXPECT_EQ(json({"reset-belief"}).find("outcome")->as_string(), "done");
-  // A busy computer may meanwhile have tasks that do not answer.
+  // On a busy computer tasks may not answer for a while.
   const auto differ = [&] { return !json({"status"}).find("differences")->as_list().empty(); };
   const auto give_up = std::chrono::steady_clock::now() + kPatience;
   while (differ() && std::chrono::steady_clock::now() < give_up) {
@@ -116,7 +116,7 @@ TEST_F(RunningRobot, ASampleIsOneLine) {
   EXPECT_EQ(count, 20);
 }
 
-TEST_F(RunningRobot, ItsTasksCanBeLookedAtAndTouched) {
+TEST_F(RunningRobot, ItsTasksCanBeInspectedAndChanged) {
   start({"--controller", "manual"});
   ASSERT_EQ(segue({"switch", "manual"}).status, 0);
   EXPECT_EQ(json({"task", "drive"}).find("component")->as_string(), "demo::Drive");
@@ -157,7 +157,7 @@ TEST_F(RunningRobot, MistakesAreExplained) {
   EXPECT_EQ(json({"task", "nothing"}, 1).find("error")->find("code")->as_string(), "not-found");
 }
 
-TEST_F(RunningRobot, EventsAndHistoryTellWhatHappened) {
+TEST_F(RunningRobot, EventsAndHistoryReportItsSwitches) {
   start({"--controller", "explore"});
   ASSERT_EQ(segue({"switch", "manual"}).status, 0);
   const auto events = json({"events"});
@@ -194,7 +194,7 @@ TEST_F(RunningRobot, AFollowedPortSurvivesItsReader) {
   EXPECT_EQ(stop(SIGTERM).status, 0);
 }
 
-TEST_F(RunningRobot, AReaderIsToldWhenItsRobotEnds) {
+TEST_F(RunningRobot, AReaderIsNotifiedOfTheEndOfItsRobot) {
   start({"--controller", "explore"});
   ASSERT_EQ(segue({"switch", "explore"}).status, 0);
   Process reader(command({"read", "odometry.pose", "--follow", "--format", "json"}), folder_);
@@ -206,7 +206,7 @@ TEST_F(RunningRobot, AReaderIsToldWhenItsRobotEnds) {
   EXPECT_TRUE(contains(finished.errors, "gone")) << finished.errors;
 }
 
-TEST_F(RunningRobot, AKilledRuntimeLeavesASocketThatTheNextReplaces) {
+TEST_F(RunningRobot, TheSocketOfAKilledRuntimeIsReplaced) {
   start();
   robot_->signal(SIGKILL);
   robot_->wait();
@@ -224,7 +224,7 @@ TEST_F(RunningRobot, TheSameRobotTwiceIsRefused) {
   EXPECT_EQ(segue({"status"}).status, 0);
 }
 
-TEST_F(RunningRobot, TwoRobotsAreToldApartByName) {
+TEST_F(RunningRobot, TwoRobotsAreDistinguishedByName) {
   start();
   ASSERT_EQ(segue({"init", "other"}).status, 0);
   Process other(command({"run", "other/robot.yaml"}), folder_);
@@ -235,7 +235,7 @@ TEST_F(RunningRobot, TwoRobotsAreToldApartByName) {
   EXPECT_EQ(json({"status", "--robot", "other"}).find("robot")->as_string(), "other");
 }
 
-TEST_F(RunningRobot, RunEndsByItselfWhenItsTimeIsUp) {
+TEST_F(RunningRobot, RunEndsAfterItsTime) {
   ASSERT_EQ(segue({"init", "rover"}).status, 0);
   const auto finished = segue({"run", "rover/robot.yaml", "--controller", "explore", "--for", "300ms"});
   EXPECT_EQ(finished.status, 0) << finished.errors;
@@ -268,7 +268,7 @@ TEST_F(RunningRobot, RunRefusesWhatCannotRun) {
   EXPECT_TRUE(contains(bad.errors, "bad.yaml:3")) << bad.errors;
 }
 
-/// One task whose stop takes a minute, which nobody waits for.
+/// One task whose stop takes a minute, longer than the tests wait.
 class StubbornRobot : public SystemTest {
  protected:
   void SetUp() override {
@@ -291,12 +291,12 @@ TEST_F(StubbornRobot, ASecondSignalEndsAtOnce) {
   EXPECT_EQ(robot_->wait().status, 130);
 }
 
-TEST_F(StubbornRobot, ASwitchThatTakesTooLongIsStillUnderWay) {
+TEST_F(StubbornRobot, ASwitchThatExceedsItsDeadlineIsStillInProgress) {
   start({"--stand-in", "--controller", "busy"});
   ASSERT_TRUE(robot_->wait_for("transition_done"));
   const auto late = segue({"switch", "idle", "--timeout", "50ms"});
   EXPECT_EQ(late.status, 1);
-  EXPECT_TRUE(contains(late.errors, "under way")) << late.errors;
+  EXPECT_TRUE(contains(late.errors, "in progress")) << late.errors;
   EXPECT_EQ(json({"status"}).find("state")->as_string(), "executing");
   EXPECT_EQ(json({"switch", "busy", "--no-wait"}).find("outcome")->as_string(), "requested");
 }

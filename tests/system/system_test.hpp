@@ -19,8 +19,7 @@
 
 namespace segue::testing {
 
-/// A folder for every test, with folders of its own for sockets and for journals; `segue` is the real
-/// program.
+/// A folder for each test, with folders for sockets and journals; `segue` is the real program.
 class SystemTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -73,7 +72,7 @@ class SystemTest : public ::testing::Test {
       FAIL() << finished.output << finished.errors;
     }
   }
-  /// Ends the robot in order.
+  /// Shuts the robot down cleanly.
   Finished stop(int signal = SIGINT) {
     robot_->signal(signal);
     const auto finished = robot_->wait();

@@ -148,8 +148,8 @@ class Faulty final : public Component {
  private:
   Result<void> at(const std::string& hook) {
     if (hook != *hook_) return {};
-    if (*how_ == "error") return segue::fail(segue::ErrorCode::HookFailed, "refused, as it was told to");
-    if (*how_ == "throw") throw std::runtime_error("thrown, as it was told to");
+    if (*how_ == "error") return segue::fail(segue::ErrorCode::HookFailed, "refused, as requested");
+    if (*how_ == "throw") throw std::runtime_error("thrown, as requested");
     if (*how_ == "exhaust") exhaust();
     if (*how_ == "abort") std::abort();
     if (*how_ == "exit") std::_Exit(3);

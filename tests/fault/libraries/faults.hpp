@@ -16,7 +16,7 @@ struct Beat {
   std::array<std::uint64_t, 64> echo{};
 };
 
-/// What a watcher has seen since it was made.
+/// The observations of a watcher since its creation.
 struct Report {
   std::uint64_t beats = 0;
   std::uint64_t words = 0;  ///< samples of text

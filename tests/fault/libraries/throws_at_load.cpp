@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A component library whose static initialisation throws: whoever loads it gets an exception, or ends.
+// A component library whose static initialisation throws: loading it throws, or ends the process.
 #include <stdexcept>
 
 namespace {
