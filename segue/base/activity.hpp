@@ -11,11 +11,11 @@
 
 namespace segue {
 
-/// What makes a task's update run.
+/// The event that makes a task's update run.
 enum class Trigger : std::uint8_t {
   PortDriven,           ///< a new sample on an input port
-  Periodic,             ///< absolute points in time, `period` apart
-  FileDescriptorDriven  ///< a readable descriptor that the component names in on_start
+  Periodic,             ///< at absolute times that are `period` apart
+  FileDescriptorDriven  ///< a descriptor that the component names in on_start becomes readable
 };
 
 inline constexpr std::array<std::string_view, 3> kTriggerNames = {"port_driven", "periodic", "fd_driven"};
@@ -37,9 +37,9 @@ struct Activity {
   Scheduler scheduler = Scheduler::Normal;
   int priority = 0;         ///< 1..99 for Fifo and RoundRobin, else 0
   std::vector<int> cpus{};  ///< processors the thread may run on; empty: all
-  std::string
-      thread{};  ///< tasks of a process that name the same thread group share a thread; empty: an own one
-  bool optional = false;  ///< run as Normal where the system does not permit the scheduler
+  /// Thread group: tasks of a process that name the same group share its thread. Empty: a thread of its own.
+  std::string thread{};
+  bool optional = false;  ///< fall back to Normal where the system does not permit the scheduler
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };

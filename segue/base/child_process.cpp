@@ -16,7 +16,7 @@ namespace segue {
 
 namespace {
 
-/// "NAME=value" of this process and then `more`, which goes before.
+/// The environment of this process as "NAME=value", overridden by `more`.
 std::vector<std::string> merged_environment(const std::vector<std::pair<std::string, std::string>>& more) {
   std::vector<std::string> result;
   for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
@@ -62,8 +62,7 @@ ChildProcess::~ChildProcess() {
   ::posix_spawnattr_destroy(&attributes_);
 }
 
-/// Sources are first moved out of the way of the numbers that they will have, so that none is overwritten
-/// before its turn.
+/// Sources are first duplicated above all numbers of the child, so that none is overwritten before its turn.
 Result<void> ChildProcess::hand_over(int source, int number) {
   Descriptor moved(::fcntl(source, F_DUPFD_CLOEXEC, first_free_));
   if (!moved.valid()) return system_error("cannot hand a descriptor to a process", errno);

@@ -13,25 +13,25 @@
 
 namespace segue {
 
-/// A program that is to become a process of its own, by posix_spawn: never a copy of this process, however
-/// large that is. The child leads a process group of its own, with all signals unblocked and at their
-/// defaults, and has the descriptors that it is given and no others. One thread.
+/// Starts a program with posix_spawn, which never copies this process, however large it is. The child leads
+/// its own process group, has all signals unblocked with default actions, and inherits only the descriptors
+/// handed over to it. Not thread safe.
 class ChildProcess {
  public:
-  /// `first_free`: one more than the highest number that a descriptor will have in the child.
+  /// `first_free`: one more than the highest descriptor number of the child.
   explicit ChildProcess(int first_free);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// The child has `source` as `number`, whatever other numbers are in use here.
+  /// The child gets `source` as descriptor `number`, whatever numbers are in use in this process.
   Result<void> hand_over(int source, int number);
   Result<void> open_null(int number);
-  /// Added to the environment of this process, or in place of what is there.
+  /// Adds to, or overrides in, the environment inherited from this process.
   void set_environment(std::vector<std::pair<std::string, std::string>> more) { more_ = std::move(more); }
 
-  /// `words` begin with what the program sees as its name. A program without a slash is looked for in PATH.
-  /// Fails, with no process left, where it cannot be executed; the error calls it `what`.
+  /// `words` is argv, starting with the program's name. A program without a slash is searched in PATH. Fails,
+  /// leaving no process, where it cannot be executed; the error message calls it `what`.
   Result<pid_t> start(const std::string& program, std::vector<std::string> words,
                       const std::string& what = {});
 

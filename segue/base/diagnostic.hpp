@@ -14,8 +14,8 @@ enum class Severity { Warning, Error };
 
 std::string_view to_string(Severity severity);
 
-/// One finding about a file: `code` is a stable kebab-case name ("unknown-port"), `message` says what, where
-/// in the data, and what to do next.
+/// One finding about a file: `code` is a stable kebab-case name ("unknown-port"); `message` says what is
+/// wrong, where in the data, and what to do next.
 struct Diagnostic {
   Severity severity = Severity::Error;
   std::string code;
@@ -41,10 +41,10 @@ class Diagnostics {
   [[nodiscard]] bool empty() const { return items_.empty(); }
   [[nodiscard]] const std::vector<Diagnostic>& items() const { return items_; }
 
-  /// Sorted by file, line and column; findings without a place come last.
+  /// Sorts by file, line and column; findings without a place come last.
   void sort();
 
-  /// The first error as an Error whose message tells how many more there are. Requires has_errors().
+  /// The first error, with the number of further ones in its message. Requires has_errors().
   [[nodiscard]] Error to_error(ErrorCode code = ErrorCode::InvalidArgument) const;
 
  private:

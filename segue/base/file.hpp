@@ -10,13 +10,13 @@
 
 namespace segue {
 
-/// The whole file. Refuses what is not a regular file or larger than `limit` bytes. Blocks.
+/// Reads the whole file. Fails for directories and for files larger than `limit` bytes. Blocks.
 Result<std::string> read_file(const std::filesystem::path& path, std::size_t limit = std::size_t{1} << 30);
 
-/// Replaces the file as a whole or not at all (temporary file beside it, fsync, rename). Blocks.
+/// Replaces the file atomically (temporary file beside it, fsync, rename). Blocks.
 Result<void> write_file(const std::filesystem::path& path, std::string_view content);
 
-/// Files that match a pattern whose last part may hold '*' and '?', sorted; a plain path yields itself.
+/// Files that match a pattern whose last part may contain '*' and '?', sorted; a plain path yields itself.
 std::vector<std::filesystem::path> glob_files(const std::filesystem::path& pattern);
 
 }  // namespace segue

@@ -28,7 +28,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0) {
     return fail(ErrorCode::IoError,
-                "cannot look at " + quote(folder.native()) + ": " + std::generic_category().message(errno));
+                "cannot inspect " + quote(folder.native()) + ": " + std::generic_category().message(errno));
   }
   if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid()) {
     return fail(ErrorCode::PermissionDenied,

@@ -9,7 +9,8 @@
 
 namespace segue {
 
-/// A name that cannot be mistaken for a name of another kind: `using TaskId = Id<struct TaskIdTag>`.
+/// A name with a type of its own, so that kinds of names cannot be confused: `using TaskId = Id<struct
+/// TaskIdTag>`.
 template <class Tag>
 class Id {
  public:

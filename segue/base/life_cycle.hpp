@@ -18,15 +18,15 @@ inline std::string_view to_string(TaskState state) {
   return kTaskStateNames.at(static_cast<std::size_t>(state));
 }
 
-/// The state of that name, in lower or upper case; nothing if there is none.
+/// The state of that name, ignoring case; nothing if there is none.
 std::optional<TaskState> task_state_from(std::string_view name);
 
 inline bool is_error(TaskState state) {
   return state >= TaskState::RunTimeError;
 }
 
-/// Whether a task in this state has been configured (and has its dynamic ports). An exception has already run
-/// the stop and cleanup hooks.
+/// Whether a task in this state is configured and has its dynamic ports. Not so in Exception, which is
+/// entered after the stop and cleanup hooks have run.
 inline bool is_configured(TaskState state) {
   return state == TaskState::Stopped || state == TaskState::Running || state == TaskState::RunTimeError;
 }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kOwnerOnly = 0600;
 constexpr int kAttempts = 100;
-/// Between two looks at a process that is ending.
+/// Between two checks of a process that is ending.
 constexpr auto kPause = std::chrono::milliseconds(1);
 /// Records are padded to this size, so that a full disk lets them be overwritten.
 constexpr std::size_t kRecordSize = 128;
@@ -45,7 +45,7 @@ fs::path lock_of(const fs::path& file) {
 }
 
 Result<std::optional<Descriptor>> try_lock(const fs::path& lock) {
-  // A lock whose file its last owner removed meanwhile is no lock: then again.
+  // If the last owner removed the file meanwhile, this lock protects nothing: try again.
   for (int i = 0; i < kAttempts; ++i) {
     Descriptor file(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
     if (!file.valid()) return system_error("cannot open the lock " + quote(lock.native()), errno);
@@ -55,12 +55,13 @@ Result<std::optional<Descriptor>> try_lock(const fs::path& lock) {
     }
     if (is_file_at(file.get(), lock)) return std::optional<Descriptor>(std::move(file));
   }
-  return fail(ErrorCode::Unavailable, "the lock " + quote(lock.native()) + " changes hands all the time");
+  return fail(ErrorCode::Unavailable,
+              "the lock " + quote(lock.native()) + " keeps being removed and created by others");
 }
 
 Result<std::optional<Descriptor>> lock_when_ended(const fs::path& lock, TimePoint deadline) {
   for (;;) {
-    // Looked at first: a process that has gone between the two looks has left the lock to be had.
+    // Checked before the lock is tried: a process that ends in between has released the lock by then.
     const auto holder = read_record(lock);
     const bool ending = holder && holder->pid != 0 && is_ending(holder->pid);
     auto taken = try_lock(lock);
@@ -71,7 +72,7 @@ Result<std::optional<Descriptor>> lock_when_ended(const fs::path& lock, TimePoin
   }
 }
 
-/// "pid 12\nsoftware 0.1.0\n"; zeros follow.
+/// Format: "pid 12\nsoftware 0.1.0\n", padded with zeros.
 bool write_record(int lock, const LockRecord& record) {
   std::string text(kPid);
   text.append(std::to_string(record.pid)).append(kSoftware).append(record.software).append("\n");

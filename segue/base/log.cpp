@@ -13,7 +13,7 @@ namespace {
 std::atomic<LogLevel> threshold{LogLevel::Info};
 
 struct Output {
-  std::mutex mutex;
+  std::mutex mutex;  ///< guards sink, and is held while it is called
   LogSink sink;
 };
 

@@ -11,14 +11,14 @@ enum class LogLevel { Debug, Info, Warning, Error };
 
 std::string_view to_string(LogLevel level);
 
-/// One line for people: to standard error unless another sink is set. Thread safe; blocks, so never call it
-/// on an update path (components there use Component::log, which writes to a preallocated ring).
+/// Writes one line for people, to standard error unless another sink is set. Thread safe; blocks, so it must
+/// not be called on an update path (use Component::log there, which writes to a preallocated ring).
 void log(LogLevel level, std::string_view source, std::string_view message);
 
-/// Lines below this level are dropped. Default: Info.
+/// Sets the level below which lines are dropped. Default: Info.
 void set_log_level(LogLevel level);
 
-/// Where lines go; an empty function restores standard error. The sink is called under a lock.
+/// Sets where lines go; an empty function restores standard error. The sink is called under a lock.
 using LogSink = std::function<void(LogLevel level, std::string_view source, std::string_view message)>;
 void set_log_sink(LogSink sink);
 

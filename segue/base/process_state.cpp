@@ -11,16 +11,16 @@ namespace segue {
 
 namespace {
 
-/// Set in a task's flags from its first step out (PF_EXITING in the kernel's sched.h, shown by proc(5)).
+/// PF_EXITING of the kernel's sched.h, shown by proc(5): set as soon as a process begins to exit.
 constexpr std::uint64_t kExiting = 0x4;
 constexpr std::uint64_t kKillSignal = std::uint64_t{1} << (SIGKILL - 1);
 
 /// By proc(5): "PID (NAME) STATE parent group session terminal foreground FLAGS ...".
-bool is_on_its_way_out(const std::string& folder) {
+bool is_exiting(const std::string& folder) {
   std::ifstream file(folder + "/stat");
   std::string text;
   std::getline(file, text, '\0');
-  const auto name_end = text.rfind(')');  // the name may have anything in it
+  const auto name_end = text.rfind(')');  // the name may contain anything
   if (name_end == std::string::npos) return false;
   std::istringstream words(text.substr(name_end + 1));
   char state = 0;
@@ -33,7 +33,7 @@ bool is_on_its_way_out(const std::string& folder) {
   return state == 'Z' || state == 'X' || (flags & kExiting) != 0;
 }
 
-/// Told to go at once, but it has not run since.
+/// Whether SIGKILL is pending: the process has not run since it was killed.
 bool is_killed(const std::string& folder) {
   std::ifstream file(folder + "/status");
   for (std::string line; std::getline(file, line);) {
@@ -50,7 +50,7 @@ bool is_killed(const std::string& folder) {
 
 bool is_ending(int pid) {
   const std::string folder = "/proc/" + std::to_string(pid);
-  return is_on_its_way_out(folder) || is_killed(folder);
+  return is_exiting(folder) || is_killed(folder);
 }
 
 }  // namespace segue

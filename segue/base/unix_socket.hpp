@@ -18,10 +18,10 @@ Result<sockaddr_un> socket_address(const std::filesystem::path& path);
 /// A socket without a name.
 Result<Descriptor> new_socket();
 
-/// 0, or the reason as errno. EAGAIN: the queue of the server is full.
+/// Connects without waiting. Returns 0 or an errno; EAGAIN: the server's queue is full.
 int connect_once(int socket, const sockaddr_un& address);
 
-/// A socket with mode 0600 that listens there, in place of whatever file is there: the caller knows that
+/// A listening socket with mode 0600 at `path`, replacing any file there. Requires that the caller knows that
 /// nobody else serves it.
 Result<Descriptor> listen_at(const std::filesystem::path& path);
 

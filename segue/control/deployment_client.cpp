@@ -117,8 +117,8 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override {
-    using State = std::optional<task::State>;
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
+    using State = std::optional<task::SavedState>;
     const Duration left = time_left(deadline);
     return ask<State>(left + kGrace, [&](Process::Client process) {
       auto request = process.saveStateRequest();
@@ -130,7 +130,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  Result<void> restore_state(const model::TaskId& task, const task::State& state,
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
                              TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return ask<void>(left + kGrace, [&](Process::Client process) {

@@ -185,12 +185,12 @@ TEST_F(DeploymentTest, WhatTasksRememberTravels) {
   const auto nothing = process->save_state(TaskId("a"), soon());
   ASSERT_TRUE(nothing) << to_string(nothing.error());
   EXPECT_FALSE(nothing->has_value());
-  const task::State state{"/demo/State", 7, Value::map({{"x", Value::list({1, 2.5, "three"})}})};
+  const task::SavedState state{"/demo/State", 7, Value::map({{"x", Value::list({1, 2.5, "three"})}})};
   ASSERT_TRUE(process->restore_state(TaskId("a"), state, soon()));
   EXPECT_EQ(process->save_state(TaskId("a"), soon()).value(), state);
   EXPECT_EQ(process->save_state(TaskId("no"), soon()).error().code, ErrorCode::NotFound);
   EXPECT_EQ(process->restore_state(TaskId("no"), state, soon()).error().code, ErrorCode::NotFound);
-  const task::State huge{"/demo/State", 1, Value(std::string(std::size_t{64} << 20, 'x'))};
+  const task::SavedState huge{"/demo/State", 1, Value(std::string(std::size_t{64} << 20, 'x'))};
   EXPECT_EQ(process->restore_state(TaskId("a"), huge, soon()).error().code, ErrorCode::ResourceExhausted);
   EXPECT_TRUE(process->info()) << "the connection lives";
 }

@@ -344,7 +344,7 @@ TEST_F(Move, BothEndsOfAConnectionMayMove) {
 }
 
 TEST_F(Move, HandsItsStateOver) {
-  const task::State state{"/test/State", 2, type::Value("what b knows")};
+  const task::SavedState state{"/test/State", 2, type::Value("what b knows")};
   world_.change([&, p1 = world_.find("p1")] { p1->states[model::TaskId("b")] = state; });
   perform(on_task(ActionKind::Configure, "b"));
   perform(action(ActionKind::HandOver, model::HandOverAction{model::TaskId("b"), model::TaskId("b")}));

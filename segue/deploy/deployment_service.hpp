@@ -94,8 +94,9 @@ class DeploymentService {
 
   /// For a task that takes over from one in another process: what a Stopped task remembers (nothing, where
   /// its component has no state), and a task that is configured and does not run continues it.
-  virtual Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) = 0;
-  virtual Result<void> restore_state(const model::TaskId& task, const task::State& state,
+  virtual Result<std::optional<task::SavedState>> save_state(const model::TaskId& task,
+                                                             TimePoint deadline) = 0;
+  virtual Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
                                      TimePoint deadline) = 0;
 
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;

@@ -173,9 +173,9 @@ Result<void> LocalDeployment::conclude(const model::Transition& transition, Time
   return {};
 }
 
-Result<std::optional<task::State>> LocalDeployment::save_state(const model::TaskId& task,
-                                                               TimePoint deadline) {
-  const auto state = std::make_shared<std::optional<task::State>>();
+Result<std::optional<task::SavedState>> LocalDeployment::save_state(const model::TaskId& task,
+                                                                    TimePoint deadline) {
+  const auto state = std::make_shared<std::optional<task::SavedState>>();
   auto saved =
       implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
         auto answer = host.save_state(task, deadline);
@@ -191,7 +191,7 @@ Result<std::optional<task::State>> LocalDeployment::save_state(const model::Task
   return std::move(*state);
 }
 
-Result<void> LocalDeployment::restore_state(const model::TaskId& task, const task::State& state,
+Result<void> LocalDeployment::restore_state(const model::TaskId& task, const task::SavedState& state,
                                             TimePoint deadline) {
   return implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
     return host.restore_state(task, state, deadline);

@@ -27,8 +27,8 @@ class LocalDeployment final : public DeploymentService {
   Result<void> expect(const model::Network& network) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
-  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override;
-  Result<void> restore_state(const model::TaskId& task, const task::State& state,
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
                              TimePoint deadline) override;
   Result<model::ComponentModel> describe(const model::TaskId& task) override;
   Result<type::Value> properties(const model::TaskId& task) override;

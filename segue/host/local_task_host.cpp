@@ -215,11 +215,12 @@ Result<void> LocalTaskHost::with_input(const model::PortRef& port, TimePoint dea
   return implementation_->connections.with_input(port, deadline, use);
 }
 
-Result<std::optional<task::State>> LocalTaskHost::save_state(const model::TaskId& task, TimePoint deadline) {
+Result<std::optional<task::SavedState>> LocalTaskHost::save_state(const model::TaskId& task,
+                                                                  TimePoint deadline) {
   return implementation_->actions.save_state(task, deadline);
 }
 
-Result<void> LocalTaskHost::restore_state(const model::TaskId& task, const task::State& state,
+Result<void> LocalTaskHost::restore_state(const model::TaskId& task, const task::SavedState& state,
                                           TimePoint deadline) {
   return implementation_->actions.restore_state(task, state, deadline);
 }

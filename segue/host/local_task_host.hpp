@@ -68,8 +68,8 @@ class LocalTaskHost final : public TaskHost {
 
   /// The halves of a hand-over whose other half is in another process; as task::Task says. A hook that hangs
   /// keeps the caller's thread.
-  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline);
-  Result<void> restore_state(const model::TaskId& task, const task::State& state, TimePoint deadline);
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
 
   /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
   [[nodiscard]] std::vector<model::TaskId> hanging() const;

@@ -186,7 +186,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   return done;
 }
 
-Result<std::optional<task::State>> TaskActions::save_state(const model::TaskId& id, TimePoint deadline) {
+Result<std::optional<task::SavedState>> TaskActions::save_state(const model::TaskId& id, TimePoint deadline) {
   auto entry = table_.find(id);
   if (!entry) {
     return std::move(entry.error());
@@ -195,7 +195,7 @@ Result<std::optional<task::State>> TaskActions::save_state(const model::TaskId& 
   return entry->task->save_state(deadline);
 }
 
-Result<void> TaskActions::restore_state(const model::TaskId& id, const task::State& state,
+Result<void> TaskActions::restore_state(const model::TaskId& id, const task::SavedState& state,
                                         TimePoint deadline) {
   auto entry = table_.find(id);
   if (!entry) {

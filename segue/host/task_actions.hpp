@@ -19,8 +19,8 @@ class TaskActions {
 
   Result<void> perform(const model::Action& action, TimePoint deadline);
   void conclude(const model::Transition& transition);
-  Result<std::optional<task::State>> save_state(const model::TaskId& id, TimePoint deadline);
-  Result<void> restore_state(const model::TaskId& id, const task::State& state, TimePoint deadline);
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& id, TimePoint deadline);
+  Result<void> restore_state(const model::TaskId& id, const task::SavedState& state, TimePoint deadline);
   Result<void> set_property(const model::TaskId& id, std::string_view path, const type::Value& value,
                             TimePoint deadline);
   /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.

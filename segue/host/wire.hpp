@@ -3,7 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/host/wire_end.hpp>
-#include <segue/link/connection.hpp>
+#include <segue/link/port_connection.hpp>
 #include <segue/model/network.hpp>
 
 #include <memory>
@@ -15,14 +15,14 @@ namespace segue::host::detail {
 class Wire {
  public:
   Wire() = default;
-  explicit Wire(std::shared_ptr<link::Connection> connection) : connection_(std::move(connection)) {}
+  explicit Wire(std::shared_ptr<link::PortConnection> connection) : connection_(std::move(connection)) {}
 
   [[nodiscard]] bool stands() const { return connection_ != nullptr && connection_->connected(); }
   void disconnect() { connection_->disconnect(); }
   [[nodiscard]] link::Counters counters() const { return connection_->counters(); }
 
  private:
-  std::shared_ptr<link::Connection> connection_;
+  std::shared_ptr<link::PortConnection> connection_;
 };
 
 /// Connects two tasks' ports. Tasks may break meanwhile and unmake theirs.

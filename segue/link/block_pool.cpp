@@ -29,6 +29,7 @@ std::uint64_t BlockPool::allocate(std::size_t size) noexcept {
   const unsigned block_class = class_for(size);
   const std::uint64_t unit = take(block_class);
   if (unit == kNone) return kNone;
+  // Relaxed: the block is this thread's alone. A pop() with an outdated head may read it, and then fails.
   links_[unit].store(block_class << kClassShift | 1, std::memory_order_relaxed);
   used_.fetch_add(bytes_of(block_class), std::memory_order_relaxed);
   return unit * kUnit;
@@ -54,7 +55,7 @@ std::uint64_t BlockPool::take(unsigned block_class) noexcept {
     unit = pop(++found);
   if (unit == kNone) unit = cut_off(found);
   if (unit == kNone) return kNone;
-  // The upper halves of what is too large.
+  // Split what is too large; the upper parts become free.
   while (found > block_class) {
     --found;
     push(found, unit + bytes_of(found) / kUnit);
@@ -68,7 +69,8 @@ std::uint64_t BlockPool::pop(unsigned block_class) noexcept {
   while (true) {
     const auto first = static_cast<std::uint32_t>(seen);
     if (first == 0) return kNone;
-    // If another one takes it meanwhile this is garbage, and the count differs.
+    // If another thread takes the block meanwhile, this is garbage; then the counter differs and the exchange
+    // fails.
     const std::uint64_t next = links_[first - 1].load(std::memory_order_relaxed);
     const std::uint64_t count = (seen >> 32U) + 1;
     if (head.compare_exchange_weak(seen, count << 32U | next, std::memory_order_acq_rel,
@@ -88,7 +90,7 @@ void BlockPool::push(unsigned block_class, std::uint64_t unit) noexcept {
   } while (!head.compare_exchange_weak(seen, wanted, std::memory_order_acq_rel, std::memory_order_relaxed));
 }
 
-/// A block that nobody had yet; at least a slab.
+/// A block from the part that was never divided; at least a slab. Relaxed, since there is no earlier holder.
 std::uint64_t BlockPool::cut_off(unsigned block_class) noexcept {
   const std::uint64_t wanted = bytes_of(block_class);
   std::uint64_t begin = cut_.load(std::memory_order_relaxed);

@@ -12,27 +12,33 @@
 
 namespace segue::link {
 
-/// Divides a range of bytes, which it never touches, into counted blocks of 64 bytes times a power of two.
-/// What it knows of them is its own, so that nobody who can write to the range can spoil it. Small blocks are
-/// halves of larger ones; none are joined again: what was once cut for a size stays with it. Lock free and
-/// real-time safe from any thread but for the first use of a part of the range.
+/// Divides a range of bytes, which it never touches, into reference-counted blocks of 64 bytes times a power
+/// of two. The bookkeeping lies in private memory, out of reach of those who can write to the range. Small
+/// blocks are made by splitting larger ones; blocks are never merged again. Lock free and real-time safe from
+/// any thread, except for page faults at the first use of a part of the range.
+///
+/// Memory order: each size class has a free list, a stack whose head carries a counter against reuse (ABA).
+/// push() releases and pop() acquires, and every change of the head is a read-modify-write, so pop()
+/// synchronizes with the push() of the block that it gets, whoever has changed the head in between. Together
+/// with the acquire-release decrement in release(), all accesses of a block's earlier holders happen before
+/// those of its next one.
 class BlockPool {
  public:
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   static constexpr std::size_t kUnit = 64;
 
-  /// For offsets below `size`; the books of the first `ready` bytes are made present at once.
+  /// For offsets below `size`; the bookkeeping of the first `ready` bytes is made present at once.
   static Result<std::unique_ptr<BlockPool>> create(std::size_t size, std::size_t ready);
 
-  /// The offset of a block with one reference, aligned to its size (at most 64 KiB); kNone where no room is
-  /// left.
+  /// The offset of a block with one reference, aligned to its size (at most 64 KiB); kNone where the range is
+  /// used up.
   std::uint64_t allocate(std::size_t size) noexcept;
-  /// Another reference to a block that has one; at most 2^24.
+  /// Adds a reference to a block of which the caller holds one; at most 2^24.
   void retain(std::uint64_t offset) noexcept;
-  /// One less; the last one makes it free.
+  /// Drops a reference; the last one frees the block.
   void release(std::uint64_t offset) noexcept;
 
-  /// Bytes in blocks that have references, and up to where any was ever cut.
+  /// Bytes in blocks that are in use, and the end of the part that was ever divided. Statistics, relaxed.
   [[nodiscard]] std::size_t used() const noexcept { return used_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::size_t cut() const noexcept { return cut_.load(std::memory_order_relaxed); }
 
@@ -54,10 +60,10 @@ class BlockPool {
 
   const std::size_t size_;
   const Mapping memory_;
-  /// Of each block's first unit: free: the next free one + 1; else its class and references.
+  /// By the first unit of a block: while it is free, the next free one + 1; else its class and references.
   Link* const links_;
   struct alignas(64) List {
-    std::atomic<std::uint64_t> head{0};  ///< first unit + 1, and above it a count against reuse
+    std::atomic<std::uint64_t> head{0};  ///< first unit + 1; the upper 32 bits count changes
   };
   std::array<List, kClasses> free_{};
   alignas(64) std::atomic<std::uint64_t> cut_{0};

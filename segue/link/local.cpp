@@ -17,15 +17,15 @@ using task::OutputPortBase;
 using task::SampleRef;
 using task::SampleSlot;
 
-constexpr std::size_t kReaderSlots = 2;  // the one it read last, and one that it takes meanwhile
+constexpr std::size_t kReaderSlots = 2;  // the sample that was read last, and the one being read
 
-class LocalConnection final : public Connection, public task::WriterEnd, public task::ReaderEnd {
+class LocalConnection final : public PortConnection, public task::WriterEnd, public task::ReaderEnd {
  public:
   LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy)
       : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size) {}
 
-  static Result<std::shared_ptr<Connection>> make(OutputPortBase& from, InputPortBase& to,
-                                                  const Policy& policy);
+  static Result<std::shared_ptr<PortConnection>> make(OutputPortBase& from, InputPortBase& to,
+                                                      const Policy& policy);
 
   bool push(SampleSlot& sample) noexcept override;
   SampleRef pull() noexcept override;
@@ -47,7 +47,8 @@ class LocalConnection final : public Connection, public task::WriterEnd, public 
 
  private:
   using Count = std::atomic<std::uint64_t>;
-  static void increment(Count& count) {  // of one writer
+  /// Each counter has one writing thread, so no atomic increment is needed; readers may see an older value.
+  static void increment(Count& count) {
     count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   }
 
@@ -56,7 +57,7 @@ class LocalConnection final : public Connection, public task::WriterEnd, public 
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
   SampleQueue queue_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< guards attached_; held while both ports are detached
   bool attached_ = true;
   Count initial_{0};
   alignas(64) Count written_{0};
@@ -65,10 +66,10 @@ class LocalConnection final : public Connection, public task::WriterEnd, public 
   alignas(64) Count read_{0};
 };
 
-Result<std::shared_ptr<Connection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
-                                                          const Policy& policy) {
+Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
+                                                              const Policy& policy) {
   auto connection = std::make_shared<LocalConnection>(from, to, policy);
-  // The reader first: what the writer then passes on is seen at once.
+  // The reader first, so that no sample of the writer goes unnoticed.
   to.attach(connection);
   if (auto attached = from.attach(connection, to.full_name()); !attached) {
     to.detach(*connection);
@@ -81,7 +82,7 @@ Result<std::shared_ptr<Connection>> LocalConnection::make(OutputPortBase& from, 
       to.notify();
     });
   }
-  return std::shared_ptr<Connection>(std::move(connection));
+  return std::shared_ptr<PortConnection>(std::move(connection));
 }
 
 bool LocalConnection::push(SampleSlot& sample) noexcept {
@@ -98,7 +99,7 @@ bool LocalConnection::push(SampleSlot& sample) noexcept {
     case SampleQueue::Push::Taken:
       break;
   }
-  // Also where it was refused: a reader that did not empty its buffer in its last turn gets another one.
+  // Also where it was refused, so that a reader that has not emptied its buffer gets another turn.
   to_.notify();
   return taken;
 }
@@ -115,7 +116,7 @@ void LocalConnection::disconnect() {
   from_.detach(*this);
   to_.detach(*this);
   attached_ = false;
-  // Neither side is inside any more.
+  // detach() has waited for a push or pull in progress, and there will be none any more.
   queue_.clear();
 }
 
@@ -127,7 +128,8 @@ Counters LocalConnection::counters() const {
 
 }  // namespace
 
-Result<std::shared_ptr<Connection>> connect(OutputPortBase& from, InputPortBase& to, const Policy& policy) {
+Result<std::shared_ptr<PortConnection>> connect(OutputPortBase& from, InputPortBase& to,
+                                                const Policy& policy) {
   if (auto checked = check_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_types(from, to); !checked) return std::move(checked.error());
   if (policy.transport != Transport::Automatic && policy.transport != Transport::Local) {

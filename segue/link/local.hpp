@@ -3,7 +3,7 @@
 
 #include <segue/base/policy.hpp>
 #include <segue/base/result.hpp>
-#include <segue/link/connection.hpp>
+#include <segue/link/port_connection.hpp>
 #include <segue/task/port.hpp>
 
 #include <memory>
@@ -11,16 +11,16 @@
 namespace segue::link {
 
 /// Connects two ports of this process. Lock free for both tasks; samples are shared, never copied.
-/// TypeMismatch (both definitions shown) unless names and structures agree or one side takes any type;
-/// AlreadyExists for the same ports and policy; InvalidArgument for a policy that makes no sense. Any thread,
-/// while both tasks run.
-Result<std::shared_ptr<Connection>> connect(task::OutputPortBase& from, task::InputPortBase& to,
-                                            const Policy& policy);
+/// TypeMismatch (showing both definitions) unless type names and structures agree or one port is of any type;
+/// AlreadyExists for the same ports and policy; InvalidArgument for an invalid policy. Any thread, also while
+/// both tasks run.
+Result<std::shared_ptr<PortConnection>> connect(task::OutputPortBase& from, task::InputPortBase& to,
+                                                const Policy& policy);
 
 /// Whether samples of `from` fit `to`; the error shows both definitions.
 Result<void> check_types(const task::OutputPortBase& from, const task::InputPortBase& to);
 
-/// A buffer of at least one sample; data of exactly one.
+/// Requires room for at least one sample; for policy data, for exactly one.
 Result<void> check_policy(const Policy& policy);
 
 }  // namespace segue::link

@@ -52,7 +52,8 @@ constexpr Policy circular(std::size_t size) {
   return {BufferKind::CircularBuffer, size};
 }
 
-std::shared_ptr<Connection> connected(OutputPortBase& from, InputPortBase& to, const Policy& policy = kData) {
+std::shared_ptr<PortConnection> connected(OutputPortBase& from, InputPortBase& to,
+                                          const Policy& policy = kData) {
   auto made = connect(from, to, policy);
   EXPECT_TRUE(made) << to_string(made.error());
   return made ? *made : nullptr;

@@ -19,7 +19,7 @@ constexpr std::size_t kLargest = std::size_t{1} << 40;
 
 constexpr int seals_of(Writers writers) {
   const int size_seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
-  return writers == Writers::MakerOnly ? size_seals | F_SEAL_FUTURE_WRITE : size_seals;
+  return writers == Writers::CreatorOnly ? size_seals | F_SEAL_FUTURE_WRITE : size_seals;
 }
 
 Error system_error(const std::string& what) {
@@ -56,7 +56,7 @@ void Mapping::populate(std::size_t bytes) const noexcept {
       page = page;
     }
   }
-  // Where the system permits so much; without it, memory that is short may go to swap.
+  // Best effort: without the permission to lock so much, the pages may be swapped out.
   static_cast<void>(mlock(base_, bytes));
 }
 
@@ -83,16 +83,16 @@ Result<std::size_t> check_sealed_file(int descriptor, Writers writers) {
   struct stat status {};
   const int seals = fcntl(descriptor, F_GET_SEALS);
   if (seals < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-    return fail(ErrorCode::InvalidArgument, "what the other process offers is no shared memory");
+    return fail(ErrorCode::InvalidArgument, "the other process offers a file that is not shared memory");
   if ((seals & seals_of(writers)) != seals_of(writers)) {
-    return fail(
-        ErrorCode::InvalidArgument,
-        "the other process offers shared memory that it could still shrink or change; it lacks seals");
+    return fail(ErrorCode::InvalidArgument,
+                "the other process offers shared memory without the seals that keep it from shrinking or "
+                "changing it");
   }
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0 || size > kLargest || size % kPage != 0) {
     return fail(ErrorCode::InvalidArgument, "the other process offers shared memory of " +
-                                                std::to_string(size) + " bytes, which cannot be");
+                                                std::to_string(size) + " bytes, which is not a valid size");
   }
   return size;
 }

@@ -12,7 +12,7 @@
 
 namespace segue::link {
 
-/// A range of address space with memory behind it as far as it was touched. Unmapped when destroyed.
+/// A mapped range of address space; pages get memory when they are first touched. Unmapped when destroyed.
 class Mapping {
  public:
   Mapping() = default;
@@ -26,14 +26,15 @@ class Mapping {
   ~Mapping();
 
   enum class Access : std::uint8_t { Read, ReadWrite };
-  /// A whole file, shared with everybody who maps it.
+  /// Maps a whole file, shared with everybody who maps it.
   static Result<Mapping> of_file(int descriptor, std::size_t size, Access access);
-  /// Zeros of this process alone.
+  /// Private zero-filled memory.
   static Result<Mapping> anonymous(std::size_t size);
 
   [[nodiscard]] std::byte* data() const noexcept { return base_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  /// Makes the first `bytes` present, so that touching them costs nothing.
+  /// Makes the first `bytes` present and locks them where permitted, so that touching them causes no page
+  /// fault.
   void populate(std::size_t bytes) const noexcept;
 
  private:
@@ -42,18 +43,21 @@ class Mapping {
   std::size_t size_ = 0;
 };
 
-/// Memory as a file without a name, of a size that nobody can change any more.
+/// An unnamed memory file (memfd) whose size is sealed.
 struct SealedFile {
   Descriptor descriptor;
-  Mapping mapping;  ///< the maker's, for reading and writing
+  Mapping mapping;  ///< for its creator, readable and writable
 };
 
-enum class Writers : std::uint8_t { Everybody, MakerOnly };
+/// Who may write: every process that has the file, or only its creator through the mapping that it has.
+enum class Writers : std::uint8_t { Everybody, CreatorOnly };
 
-/// `size` is rounded up to whole pages. MakerOnly: nobody can map it for writing again. ResourceExhausted.
+/// `size` is rounded up to whole pages. CreatorOnly: nobody can map it for writing any more.
+/// ResourceExhausted.
 Result<SealedFile> make_sealed_file(const std::string& name, std::size_t size, Writers writers);
 
-/// Its size, if `descriptor` is a file of memory that cannot shrink under whoever maps it; InvalidArgument.
+/// The size of the file if it is a memory file that cannot shrink under those who map it; else
+/// InvalidArgument.
 Result<std::size_t> check_sealed_file(int descriptor, Writers writers);
 
 }  // namespace segue::link

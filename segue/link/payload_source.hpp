@@ -11,30 +11,31 @@
 
 namespace segue::link {
 
-/// How samples of a port look in shared memory.
+/// How the samples of a port are laid out in shared memory: not at all (ports of any type), as they are in
+/// memory, or flattened (type/flat.hpp).
 enum class SampleForm : std::uint8_t { Untyped, Raw, Flat };
 SampleForm form_of(const type::TypeInfo* info);
 
-/// A payload that a connection holds: of a slot in the pool, or a block of its own.
+/// A reference to the payload of a sample: to a slot whose value lies in the pool, or to a block with a copy.
 struct Payload {
   task::SampleSlot* slot = nullptr;  ///< retained
   std::uint64_t offset = RingEntry::kNoPayload;
   std::uint64_t size = 0;
 };
 
-/// Brings the samples of one output port into the payload pool: once, however many connections take them.
-/// Samples that already lie there are only counted.
+/// Puts the samples of one output port into the payload pool, once for all its connections. A sample that
+/// lies there already is only referenced.
 class PayloadSource {
  public:
-  /// `info`: of the port; nullptr where it is of any type.
+  /// `info`: the type of the port; nullptr where it is of any type.
   PayloadSource(std::shared_ptr<PayloadPool> pool, const type::TypeInfo* info);
   ~PayloadSource();
   PayloadSource(const PayloadSource&) = delete;
   PayloadSource& operator=(const PayloadSource&) = delete;
 
-  /// A reference to the payload; nullopt where the pool is full. The writer; real-time safe.
+  /// A reference to the payload; nullopt where the pool is full. The writer only; real-time safe.
   std::optional<Payload> take(task::SampleSlot& sample) noexcept;
-  /// The same from any thread, for one connection alone.
+  /// The same from any thread, without sharing a copy among connections.
   std::optional<Payload> take_apart(task::SampleSlot& sample) const noexcept;
   /// Gives a reference back. Any thread; real-time safe.
   void give_back(const Payload& payload) const noexcept;
@@ -46,7 +47,7 @@ class PayloadSource {
   const std::shared_ptr<PayloadPool> pool_;
   const type::TypeInfo* const info_;
   const SampleForm form_;
-  std::uint64_t newest_ = 0;  ///< the writer's: sequence of the sample that block_ holds
+  std::uint64_t newest_ = 0;  ///< writer only: sequence of the sample that block_ holds
   Payload block_;
 };
 

@@ -31,7 +31,7 @@ SampleRef SampleQueue::pull() noexcept {
   if (token == 0) return {};
   SampleRef sample = SampleRef::adopt(slot_of(token));
   if (kind_ != BufferKind::Data) return sample;
-  // offer_older() may come after a newer sample was read.
+  // offer_older() may have put it in after a newer sample was read.
   if (sample->sequence <= newest_read_) return {};
   newest_read_ = sample->sequence;
   return sample;

@@ -11,7 +11,7 @@ namespace segue::link {
 
 namespace {
 
-/// Maps of a pool begin at a page.
+/// Mappings begin at page boundaries, so no larger alignment can be kept.
 constexpr std::size_t kMostAlignment = 4096;
 
 Result<void> check_shared_policy(const Policy& policy) {
@@ -31,8 +31,8 @@ Result<std::shared_ptr<const PeerMemory>> find_peer(const SharedState& state, In
   auto peer = state.peer(incarnation);
   if (peer) return peer;
   return fail(ErrorCode::NotFound, "cannot connect " + port +
-                                       ": the memory of the other process was never admitted, or was "
-                                       "forgotten since it is gone");
+                                       ": the memory of the other process has not been admitted, or has "
+                                       "been forgotten because that process is gone");
 }
 
 Result<void> check_samples(const task::PortBase& port) {
@@ -41,7 +41,7 @@ Result<void> check_samples(const task::PortBase& port) {
   if (form_of(info) == SampleForm::Flat && !type::can_flatten(*info)) {
     return fail(ErrorCode::Unsupported, "samples of " + port.full_name() + " cannot leave their process: " +
                                             quote(std::string(info->name())) +
-                                            " has parts that are not described");
+                                            " has members without a description");
   }
   if (info->alignment <= kMostAlignment) return {};
   return fail(ErrorCode::Unsupported, "samples of " + port.full_name() +
@@ -58,7 +58,8 @@ Result<void> check_place_type(const InputPlace& place, const task::OutputPortBas
                                            "\nconnect ports of one type, or put a converter between them");
 }
 
-/// The ring's memory, if there is such a ring at that place.
+/// The memory of the ring, if there is a ring of this generation and policy at the place. The acquire load of
+/// the generation pairs with the release store by OwnedRing, which makes the rest of the header visible.
 Result<std::byte*> find_ring(const PeerMemory& reader, const InputPlace& place, const Policy& policy) {
   std::byte* memory = reader.control(place.offset, SharedRing::bytes(policy));
   if (memory != nullptr && place.offset >= sizeof(PoolHeader) && place.generation != 0) {
@@ -70,9 +71,8 @@ Result<std::byte*> find_ring(const PeerMemory& reader, const InputPlace& place, 
       return memory;
     }
   }
-  return fail(ErrorCode::InvalidArgument,
-              "at the place that " + place.port +
-                  " names there is no connection of this policy; open the reader's endpoint again");
+  return fail(ErrorCode::InvalidArgument, "there is no connection of this policy at the place that " +
+                                              place.port + " names; open the reader's endpoint again");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <segue/base/policy.hpp>
 #include <segue/base/result.hpp>
-#include <segue/link/connection.hpp>
+#include <segue/link/port_connection.hpp>
 #include <segue/link/shared_memory.hpp>
 #include <segue/task/port.hpp>
 
@@ -11,41 +11,40 @@
 #include <memory>
 #include <string>
 
-/// A connection between ports of two processes of one host: a ring of the reader's control pool. The reader's
-/// endpoint is made first, the writer's endpoint next; they are taken off the other way round.
+/// A connection between ports of two processes of one host: a ring in the reader's control pool. The reader's
+/// endpoint is opened first, then the writer's is attached; they are closed in the reverse order.
 namespace segue::link {
 
-/// Where the ring of a connection lies, and what the reader takes: all that the writer's process needs to
-/// know.
+/// Where the ring of a connection lies and which type the reader takes: all that the writer's process needs
+/// to attach to it.
 struct InputPlace {
   Incarnation reader = 0;
   std::uint64_t offset = 0;      ///< in the reader's control pool
-  std::uint64_t generation = 0;  ///< of this use of that place
+  std::uint64_t generation = 0;  ///< tells this use of the place from earlier ones
   bool any_type = false;
   std::string type;        ///< name
   std::uint64_t hash = 0;  ///< structural_hash
-  std::string definition;  ///< for a message where it does not match
+  std::string definition;  ///< for the message where types do not match
   std::string port;        ///< "task.port"
 };
 
-/// What the writer's endpoint tells the reader's side in advance.
+/// The writer's side of a connection, as the reader's process needs to know it before opening its endpoint.
 struct OutputOrigin {
   Incarnation writer = 0;
-  std::size_t sample_size = 0;  ///< of its C++ type; 0 for any type (blank samples)
-  bool flat = false;            ///< samples travel in the flat layout (type/flat.hpp), else as they are
+  std::size_t sample_size = 0;  ///< sizeof its C++ type; 0 for a port of any type
+  bool flat = false;            ///< samples are flattened (type/flat.hpp), else copied as bytes
 };
 
-/// What the process of the writer says of an output port, for the reader's endpoint. NotFound is the
-/// caller's.
+/// Describes an output port for the process of the reader.
 OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortBase& port);
 
-/// One endpoint of a connection. As Connection; disconnect() is of this endpoint alone. counters(): written,
-/// dropped and overwritten are the writer's, read is the reader's; both endpoints see all of them.
-class SharedEndpoint : public Connection {
+/// One endpoint of a connection between processes. disconnect() ends this endpoint alone. Both endpoints see
+/// all counters, of which the writer keeps written, dropped and overwritten and the reader keeps read.
+class SharedEndpoint : public PortConnection {
  public:
   [[nodiscard]] virtual Incarnation peer() const = 0;
-  /// Samples that were dropped, and entries left alone, since what the peer wrote made no sense. 0 always
-  /// unless it is broken or hostile.
+  /// Samples dropped and entries ignored because the peer wrote invalid data. Always 0 unless the peer is
+  /// broken or hostile.
   [[nodiscard]] virtual std::uint64_t corrupt() const = 0;
 };
 
@@ -54,18 +53,18 @@ struct InputEndpoint {
   InputPlace place;
 };
 
-/// Makes the reader's endpoint; samples come once the writer's endpoint stands. The writer must have been
-/// admitted. The ring's place is used again only when the writer's process has confirmed its end
-/// (release_input) or is gone.
+/// Opens the reader's endpoint; samples arrive once the writer's is attached. The writer's process must have
+/// been admitted. The place of the ring is reused only after the writer's process has confirmed that its
+/// endpoint is closed (release_input) or is gone.
 Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origin, task::InputPortBase& port,
                                  const Policy& policy);
 
-/// Says that the writer's endpoint is gone, or never was: the place of a disconnected reader's endpoint is
-/// free.
+/// Confirms that the writer's endpoint is closed or never existed, so the place of a disconnected reader's
+/// endpoint may be reused.
 void release_input(SharedMemory& memory, const InputPlace& place);
 
-/// Makes the writer's endpoint. TypeMismatch with both definitions; the place is untrusted and checked. With
-/// policy.init the last sample written follows at once.
+/// Attaches the writer's endpoint. TypeMismatch shows both definitions. The place is untrusted and checked.
+/// With policy.init the last sample written is sent at once.
 Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, const InputPlace& place,
                                                       task::OutputPortBase& port, const Policy& policy);
 

@@ -39,8 +39,8 @@ Result<void> SharedInput::open() {
     const std::lock_guard lock(mutex_);
     open_ = true;
   }
-  // Not under the mutex, since the port tells who listens; kept after it, so that forgetting the writer
-  // meanwhile is either refused here or finds it in place.
+  // Without the mutex, since the port calls set_listener(). Registered afterwards, so that a concurrent
+  // forget() of the writer either makes keep() fail or finds this endpoint.
   port_.attach(shared_from_this());
   auto kept = keep();
   if (!kept) disconnect();
@@ -76,7 +76,7 @@ SampleRef SharedInput::pull() noexcept {
     spare = SampleRef::adopt(decoded_->acquire());
     if (!spare) return {};  // the component holds them all: what waits goes on waiting, by the policy
   }
-  // Each word that makes no sense costs one round; there are not more of them than places.
+  // Each invalid word costs one round; there are no more of them than places.
   for (std::size_t i = 0; i <= ring.words().places(); ++i) {
     const std::uint64_t token = ring.words().pull();
     if (token == 0) return {};
@@ -94,7 +94,8 @@ SampleRef SharedInput::pull() noexcept {
   return {};
 }
 
-/// Everything in the entry is read once, and checked before it is used.
+/// The entry lies in memory that the writer can change at any time: every field is read once and checked
+/// before use.
 SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
   const RingEntry& found = (*ring_)->entries()[entry];
   const std::uint64_t offset = found.offset.load(std::memory_order_relaxed);
@@ -106,7 +107,7 @@ SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
     corrupt_.fetch_add(1, std::memory_order_relaxed);
     return {};
   }
-  // The last sample before the connection may come after a newer one was read.
+  // The last sample from before the connection may arrive after a newer one was read.
   if (policy_.kind == BufferKind::Data && sequence <= newest_read_) {
     (*ring_)->give_back(entry);
     return {};
@@ -132,7 +133,7 @@ SampleRef SharedInput::decode(std::size_t entry, const void* bytes, std::size_t 
   try {
     valid = type::read_flat(*info_, spare.value, {static_cast<const std::byte*>(bytes), size});
   } catch (const std::exception&) {
-    valid = false;  // no memory for what it holds
+    valid = false;  // out of memory
   }
   if (!valid) {
     reject(entry);
@@ -162,7 +163,7 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   announced.store(DoorbellLine{*offset, line_}.word(), std::memory_order_seq_cst);
 }
 
-/// A line of the doorbell of `runner`, which may be another than before. Under mutex_.
+/// Gets a line of the doorbell of `runner`, which may differ from the last one. Requires mutex_.
 void SharedInput::take_line(task::Executor& runner) {
   auto doorbell = runner.doorbell([this] { return state_->control()->make_doorbell(); });
   if (doorbell && *doorbell == doorbell_) return;
@@ -171,7 +172,7 @@ void SharedInput::take_line(task::Executor& runner) {
   const auto line = is_ours ? (*doorbell)->add(port_) : std::nullopt;
   if (!line) {
     log(LogLevel::Error, port_name_,
-        doorbell ? "cannot be woken by another process: its thread hears too many connections already"
+        doorbell ? "cannot be woken by another process: its thread serves too many connections already"
                  : "cannot be woken by another process: " + to_string(doorbell.error()));
     return;
   }

@@ -15,7 +15,8 @@
 
 namespace segue::link {
 
-/// The reader's endpoint of a connection between processes.
+/// The reader's endpoint of a connection between processes. Lock order: listener_mutex_ of the input port,
+/// then `mutex_`, then those of the doorbell, the executor and SharedState.
 class SharedInput final : public RegisteredEndpoint,
                           public task::ReaderEnd,
                           public std::enable_shared_from_this<SharedInput> {
@@ -58,19 +59,19 @@ class SharedInput final : public RegisteredEndpoint,
   const SampleForm form_;
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
-  const std::uint64_t offset_;  ///< of the ring
+  const std::uint64_t offset_;  ///< of the ring in the control pool
   const std::uint64_t generation_;
   const std::string port_name_;
 
-  SharedSamples::Handle samples_;          ///< of blank and raw samples
-  task::SamplePool::Handle decoded_;       ///< of flat samples
-  std::uint64_t newest_read_ = 0;          ///< the reader's, Data: that sample's sequence
-  std::atomic<std::uint64_t> corrupt_{0};  ///< words and entries that no writer of Segue makes
+  SharedSamples::Handle samples_;          ///< for untyped and raw samples
+  task::SamplePool::Handle decoded_;       ///< for flat samples
+  std::uint64_t newest_read_ = 0;          ///< reader only, policy data: sequence of the newest sample
+  std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
 
-  mutable std::mutex mutex_;         ///< guards what follows
-  std::shared_ptr<OwnedRing> ring_;  ///< until it has ended; the reader's thread reads it while attached
+  mutable std::mutex mutex_;         ///< guards the members below
+  std::shared_ptr<OwnedRing> ring_;  ///< reset only after detach(), so the reader's thread needs no lock
   bool open_ = false;
-  bool released_ = false;  ///< the writer will not touch the ring any more
+  bool released_ = false;  ///< the writer's endpoint is closed: the place may be reused
   std::shared_ptr<task::Doorbell> doorbell_;
   unsigned line_ = 0;
   Counters final_;

@@ -12,7 +12,7 @@ namespace segue::link {
 
 namespace {
 
-/// Ends all connections when it goes.
+/// The only implementation; its destructor ends all connections.
 class Memory final : public SharedMemory {
  public:
   explicit Memory(std::shared_ptr<SharedState> state) : state_(std::move(state)) {}
@@ -70,7 +70,7 @@ Result<std::shared_ptr<SharedMemory>> SharedMemory::create(const SharedMemoryOpt
   return std::shared_ptr<SharedMemory>(std::make_shared<Memory>(std::move(state)));
 }
 
-/// create() makes all there are.
+/// The cast is safe because create() makes every SharedMemory there is.
 std::shared_ptr<SharedState> SharedState::of(const SharedMemory& memory) {
   return static_cast<const Memory&>(memory).state();
 }
@@ -101,7 +101,7 @@ void SharedState::forget(Incarnation incarnation) {
     peer = std::move(found->second);
     peers_.erase(found);
   }
-  for (const Endpoints* some : {&standing_, &ended_}) {
+  for (const Endpoints* some : {&connected_, &ended_}) {
     for (const auto& endpoint : snapshot(*some)) {
       if (endpoint->peer() == incarnation) endpoint->abandon();
     }
@@ -124,19 +124,19 @@ Result<void> SharedState::keep(std::shared_ptr<RegisteredEndpoint> endpoint) {
   const std::lock_guard lock(mutex_);
   if (!peers_.contains(endpoint->peer())) {
     return fail(ErrorCode::NotFound,
-                "the memory of the other process was never admitted, or was forgotten meanwhile");
+                "the memory of the other process has not been admitted, or has been forgotten meanwhile");
   }
-  standing_.push_back(std::move(endpoint));
+  connected_.push_back(std::move(endpoint));
   return {};
 }
 
 void SharedState::end(const RegisteredEndpoint& endpoint) {
   {
     const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(standing_, &endpoint, &std::shared_ptr<RegisteredEndpoint>::get);
-    if (found != standing_.end()) {
+    const auto found = std::ranges::find(connected_, &endpoint, &std::shared_ptr<RegisteredEndpoint>::get);
+    if (found != connected_.end()) {
       ended_.push_back(std::move(*found));
-      standing_.erase(found);
+      connected_.erase(found);
     }
   }
   settle();
@@ -153,7 +153,7 @@ void SharedState::settle() {
 }
 
 void SharedState::release(const InputPlace& place) {
-  for (const Endpoints* some : {&standing_, &ended_}) {
+  for (const Endpoints* some : {&connected_, &ended_}) {
     for (const auto& endpoint : snapshot(*some))
       endpoint->release(place);
   }
@@ -184,7 +184,7 @@ MemoryUsage SharedState::usage() {
   usage.payload_touched = payload_->blocks().cut();
   usage.control_used = control_->blocks().used();
   const std::lock_guard lock(mutex_);
-  usage.connections = standing_.size();
+  usage.connections = connected_.size();
   usage.peers = peers_.size();
   return usage;
 }

@@ -7,7 +7,7 @@
 namespace segue::link {
 
 namespace {
-/// Words of returned bits that a push looks at while it is not short of entries.
+/// How many words of returned bits a push checks unless it is short of entries.
 constexpr std::size_t kWordsPerPush = 4;
 }  // namespace
 
@@ -24,7 +24,7 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       ring_(ring, policy, place.generation),
       in_flight_before_(state_->in_flight(port)),
       lent_(std::make_unique<LentEntry[]>(ring_.entries().size())) {
-  // The last one is kept for offer_last().
+  // The last entry is reserved for offer_last().
   const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
   free_.reserve(ring_.entries().size());
   for (auto entry = static_cast<std::uint32_t>(count); entry-- > 0;)
@@ -75,7 +75,7 @@ bool SharedOutput::push(task::SampleSlot& sample) noexcept {
   count_one(header.written);
   const bool taken = deliver(sample) == Delivery::Taken;
   if (!taken) count_one(header.dropped);
-  // Also where it was refused: a reader that did not empty its buffer in its last turn gets another one.
+  // Also where it was refused, so that a reader that has not emptied its buffer gets another turn.
   ring_reader();
   return taken;
 }
@@ -114,7 +114,7 @@ void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t
   lent_[entry].out.store(true, std::memory_order_release);
 }
 
-/// False: it is not out; the reader told nonsense.
+/// False: the entry is not lent, so the reader's claim is invalid.
 bool SharedOutput::reclaim(std::size_t entry) noexcept {
   LentEntry& lent = lent_[entry];
   if (!lent.out.load(std::memory_order_acquire)) return false;
@@ -153,8 +153,9 @@ void SharedOutput::ring_reader() const noexcept {
   if (words != nullptr) task::ring(*reinterpret_cast<task::DoorbellWords*>(words), doorbell.line);
 }
 
-/// While the writer may already push: the entry is one that only this uses, the word goes in only where
-/// nothing waits, and nothing of it is touched any more once it is in.
+/// Runs while the writing task may already push. That is safe because the entry is reserved for this
+/// function, the token goes in only where none waits, and nothing of the entry is touched once the token is
+/// in.
 void SharedOutput::offer_last(task::SampleSlot& last) noexcept {
   const std::size_t entry = ring_.entries().size() - 1;
   const auto payload = untyped_ ? Payload{} : source_->take_apart(last);
@@ -197,7 +198,7 @@ void SharedOutput::abandon() {
   disconnect();
 }
 
-/// The reader may go on reading what it holds and what waits, until it has ended, too.
+/// The reader may use the samples that it holds and read those that wait until its endpoint has ended, too.
 bool SharedOutput::settle() {
   const std::lock_guard lock(mutex_);
   if (attached_) return false;

@@ -16,13 +16,14 @@
 
 namespace segue::link {
 
-/// The writer's endpoint of a connection between processes. What it has given to the reader is written down
-/// here, where the reader cannot spoil it.
+/// The writer's endpoint of a connection between processes. It records which entries are lent to the reader
+/// in private memory, where the reader cannot corrupt it. Lock order: `mutex_`, then attach_mutex_ of the
+/// output port, then the mutex of SharedState. The writing task takes none of them.
 class SharedOutput final : public RegisteredEndpoint,
                            public task::WriterEnd,
                            public std::enable_shared_from_this<SharedOutput> {
  public:
-  /// `ring`: where it lies in the map of the reader's memory; checked.
+  /// `ring`: the checked address of the ring in the mapping of the reader's memory.
   SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> reader, std::byte* ring,
                const InputPlace& place, task::OutputPortBase& port, const Policy& policy);
   Result<void> attach();
@@ -44,7 +45,8 @@ class SharedOutput final : public RegisteredEndpoint,
   void release(const InputPlace& /*place*/) override {}
 
  private:
-  /// An entry of the ring. While `out`, the payload belongs to whoever clears that.
+  /// The private record of an entry of the ring. `payload` is written before `out` is set (release); whoever
+  /// clears `out` by an exchange (acquire) owns the payload and gives it back, so that happens once.
   struct LentEntry {
     std::atomic<bool> out{false};
     Payload payload;
@@ -69,17 +71,17 @@ class SharedOutput final : public RegisteredEndpoint,
   const Policy policy_;
   const std::string reader_port_;
   const bool untyped_;
-  std::shared_ptr<PayloadSource> source_;  ///< until it has settled
+  std::shared_ptr<PayloadSource> source_;  ///< reset when settled
   SharedRing ring_;
-  std::size_t in_flight_before_;  ///< of earlier connections of the port, when this one was made
+  std::size_t in_flight_before_;  ///< samples of the port that ended connections had not got back at first
 
-  // The writer's, and nobody's once it has ended.
+  // Used by the writing task while attached; afterwards under mutex_ by settle(). detach() separates the two.
   std::unique_ptr<LentEntry[]> lent_;
-  std::vector<std::uint32_t> free_;  ///< entries that are not out
-  std::size_t next_word_ = 0;        ///< of the returned bits, to be looked at
+  std::vector<std::uint32_t> free_;  ///< entries that are not lent
+  std::size_t next_word_ = 0;        ///< of the returned bits, to be checked next
   std::atomic<std::uint64_t> corrupt_{0};
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   bool attached_ = false;
   bool abandoned_ = false;
   Counters final_;

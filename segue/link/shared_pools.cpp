@@ -45,8 +45,9 @@ bool is_inside(const Mapping& mapping, std::uint64_t offset, std::uint64_t size,
 Result<Mapping> map_pool(const Descriptor& file, Incarnation owner, Writers writers) {
   auto size = check_sealed_file(file.get(), writers);
   if (!size) return std::move(size.error());
-  auto mapping = Mapping::of_file(
-      file.get(), *size, writers == Writers::MakerOnly ? Mapping::Access::Read : Mapping::Access::ReadWrite);
+  auto mapping =
+      Mapping::of_file(file.get(), *size,
+                       writers == Writers::CreatorOnly ? Mapping::Access::Read : Mapping::Access::ReadWrite);
   if (!mapping) return mapping;
   PoolHeader header;
   std::memcpy(&header, mapping->data(), sizeof(header));
@@ -62,7 +63,7 @@ Result<Mapping> map_pool(const Descriptor& file, Incarnation owner, Writers writ
 
 Result<std::shared_ptr<PayloadPool>> PayloadPool::create(Incarnation owner, std::size_t size,
                                                          std::size_t prefault) {
-  auto pool = make_pool("segue-payload", owner, size, prefault, Writers::MakerOnly);
+  auto pool = make_pool("segue-payload", owner, size, prefault, Writers::CreatorOnly);
   if (!pool) return std::move(pool.error());
   return std::make_shared<PayloadPool>(std::move(pool->file), std::move(pool->blocks));
 }
@@ -108,7 +109,7 @@ std::optional<std::uint64_t> ControlPool::offset_of(const void* address) const n
 
 Result<std::shared_ptr<const PeerMemory>> PeerMemory::map(const MemoryOffer& offer) {
   if (offer.incarnation == 0) return fail(ErrorCode::InvalidArgument, "the other process offers no memory");
-  auto payload = map_pool(offer.payload, offer.incarnation, Writers::MakerOnly);
+  auto payload = map_pool(offer.payload, offer.incarnation, Writers::CreatorOnly);
   if (!payload) return std::move(payload.error());
   auto control = map_pool(offer.control, offer.incarnation, Writers::Everybody);
   if (!control) return std::move(control.error());

@@ -16,14 +16,14 @@
 
 namespace segue::link {
 
-/// What begins every pool, so that a peer can tell what it maps.
+/// Begins every pool, so that a peer can check what it maps.
 struct PoolHeader {
   std::uint64_t magic = 0;
-  std::uint64_t layout = 0;  ///< version of everything that lies in these pools
+  std::uint64_t layout = 0;  ///< version of all layouts used in the pools
   Incarnation incarnation = 0;
 };
 
-/// Where this process's samples lie that others read. It alone writes there.
+/// Holds the samples of this process that others read. Only this process can write to it.
 class PayloadPool final : public task::SampleMemory {
  public:
   static Result<std::shared_ptr<PayloadPool>> create(Incarnation owner, std::size_t size,
@@ -31,7 +31,7 @@ class PayloadPool final : public task::SampleMemory {
   void* allocate(std::size_t size, std::size_t alignment) noexcept override;
   void deallocate(void* memory) noexcept override;
 
-  /// Where a value lies; nullopt if not in this pool.
+  /// The offset of a value; nullopt if it is not in this pool.
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* value) const noexcept;
   [[nodiscard]] std::byte* at(std::uint64_t offset) const noexcept { return file_.mapping.data() + offset; }
   [[nodiscard]] BlockPool& blocks() noexcept { return *blocks_; }
@@ -46,13 +46,13 @@ class PayloadPool final : public task::SampleMemory {
   std::unique_ptr<BlockPool> blocks_;
 };
 
-/// Where the rings of connections into this process lie, and its doorbells. Peers write there, too.
+/// Holds the rings of connections into this process and its doorbells. Peers can write to it, too.
 class ControlPool : public std::enable_shared_from_this<ControlPool> {
  public:
   static Result<std::shared_ptr<ControlPool>> create(Incarnation owner, std::size_t size);
-  /// Zeros; nullptr where no room is left. Given back when the last copy goes.
+  /// Zero-filled; nullptr where the pool is full. Freed when the last copy of the pointer goes.
   std::shared_ptr<std::byte> allocate(std::size_t size);
-  /// A doorbell whose words lie here; nullptr where no room is left.
+  /// A doorbell whose words lie in this pool; nullptr where the pool is full.
   std::shared_ptr<task::Doorbell> make_doorbell();
 
   [[nodiscard]] std::optional<std::uint64_t> offset_of(const void* address) const noexcept;
@@ -67,17 +67,17 @@ class ControlPool : public std::enable_shared_from_this<ControlPool> {
   std::unique_ptr<BlockPool> blocks_;
 };
 
-/// The pools of another process, mapped.
+/// The mapped pools of another process.
 class PeerMemory {
  public:
   /// The offer is untrusted.
   static Result<std::shared_ptr<const PeerMemory>> map(const MemoryOffer& offer);
   [[nodiscard]] Incarnation incarnation() const noexcept { return incarnation_; }
 
-  /// Bytes of its payload pool; nullptr where the range is not inside, or not aligned.
+  /// Bytes of its payload pool; nullptr where the range is outside the pool or misaligned.
   [[nodiscard]] const std::byte* payload(std::uint64_t offset, std::uint64_t size,
                                          std::size_t alignment) const noexcept;
-  /// Likewise of its control pool, aligned to 64.
+  /// The same for its control pool, with an alignment of 64.
   [[nodiscard]] std::byte* control(std::uint64_t offset, std::uint64_t size) const noexcept;
 
   PeerMemory(Incarnation incarnation, Mapping payload, Mapping control)
@@ -89,7 +89,7 @@ class PeerMemory {
   Mapping control_;
 };
 
-/// A line of a doorbell as one word, for the header of a ring.
+/// A line of a doorbell, packed into one word of a ring's header.
 struct DoorbellLine {
   static constexpr unsigned kLineBits = 12;
   static_assert(task::DoorbellWords::kLines == 1U << kLineBits);

@@ -6,7 +6,7 @@ namespace segue::link {
 namespace {
 
 using Word = std::atomic<std::uint64_t>;
-static_assert(Word::is_always_lock_free && sizeof(Word) == 8, "processes share them");
+static_assert(Word::is_always_lock_free && sizeof(Word) == 8, "processes share these words");
 
 constexpr std::size_t kLine = 64;
 
@@ -14,7 +14,7 @@ constexpr std::size_t whole_lines(std::size_t bytes) {
   return (bytes + kLine - 1) / kLine * kLine;
 }
 
-/// Where each part begins, and the whole.
+/// The offsets of the parts, and the total size.
 struct Layout {
   explicit Layout(const Policy& policy)
       : entry_count(policy.size + SharedRing::kExtra + (policy.init ? 1 : 0)),

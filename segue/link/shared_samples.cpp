@@ -18,7 +18,7 @@ OwnedRing::OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, st
 }
 
 OwnedRing::~OwnedRing() {
-  // Tells a writer that still waits for entries that all have come back.
+  // Tells a writer that still waits for entries that no sample is in use any more.
   ring_.header().generation.store(0, std::memory_order_release);
 }
 
@@ -39,11 +39,11 @@ SharedSamples::SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRi
 
 SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept {
   SampleSlot& slot = slots_[entry];
-  // Nobody writes to it: the map is for reading only.
+  // The const_cast is safe because readers never write, and the mapping is read-only.
   slot.value = const_cast<void*>(value);
   slot.sequence = sequence;
   slot.references.store(1, std::memory_order_relaxed);
-  holders_.fetch_add(1, std::memory_order_relaxed);
+  holders_.fetch_add(1, std::memory_order_relaxed);  // the connection still holds one
   return SampleRef::adopt(&slot);
 }
 

@@ -12,7 +12,7 @@
 
 namespace segue::link {
 
-/// A ring in this process's control pool; the place is free when the last holder lets go.
+/// A ring in this process's control pool. Its place becomes free when the last holder releases it.
 class OwnedRing {
  public:
   OwnedRing(std::shared_ptr<std::byte> memory, const Policy& policy, std::uint64_t generation);
@@ -27,8 +27,8 @@ class OwnedRing {
   SharedRing ring_;
 };
 
-/// The samples that a reader holds of another process's pool, a slot for each entry of its ring. Stays, with
-/// the ring and the map of the pool, until the connection and the last sample are gone.
+/// The samples that a reader holds in another process's pool: one slot for each entry of its ring. Lives, and
+/// keeps the ring and the mapping of the pool alive, until the connection and the last sample are gone.
 class SharedSamples final : public task::SampleOwner {
  public:
   struct Leave {
@@ -38,11 +38,13 @@ class SharedSamples final : public task::SampleOwner {
   static Handle create(const type::TypeInfo* info, std::shared_ptr<OwnedRing> ring,
                        std::shared_ptr<const PeerMemory> writer);
 
-  /// Whether the reader still holds this entry.
+  /// Whether this process still holds a sample of this entry. The writer reuses an entry only after recycle()
+  /// has returned it, which is ordered after the count became 0; so true means that the writer broke the
+  /// protocol.
   [[nodiscard]] bool held(std::size_t entry) const noexcept {
     return slots_[entry].references.load(std::memory_order_acquire) != 0;
   }
-  /// The sample of an entry that is not held. The reader; real-time safe.
+  /// The sample of an entry that is not held. The reader only; real-time safe.
   task::SampleRef lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept;
   void recycle(task::SampleSlot& slot) noexcept override;
 
@@ -57,7 +59,7 @@ class SharedSamples final : public task::SampleOwner {
   const std::shared_ptr<OwnedRing> ring_;
   const std::shared_ptr<const PeerMemory> writer_;
   const std::unique_ptr<task::SampleSlot[]> slots_;
-  std::atomic<std::size_t> holders_{1};  ///< samples that are lent, and the connection
+  std::atomic<std::size_t> holders_{1};  ///< samples in use, plus one for the connection
 };
 
 }  // namespace segue::link

@@ -15,21 +15,22 @@ namespace segue::link {
 
 class PayloadSource;
 
-/// An endpoint as the memory knows it.
+/// An endpoint as SharedState manages it.
 class RegisteredEndpoint : public SharedEndpoint {
  public:
-  /// Ends it; the peer never answers again.
+  /// Disconnects; the peer is dead and gives nothing back any more.
   virtual void abandon() = 0;
-  /// It has ended: takes back what the peer has given back meanwhile. True: it waits for nothing any more.
+  /// After its end: reclaims what the peer has given back meanwhile. True: nothing is outstanding.
   virtual bool settle() = 0;
-  /// Samples of `port` that it has not got back although it has ended.
+  /// Samples of `port` that the reader still holds after this endpoint has ended.
   [[nodiscard]] virtual std::size_t in_flight(const task::OutputPortBase& port) const = 0;
-  /// The peer will not touch its ring any more.
+  /// The peer will not touch the ring at this place any more.
   virtual void release(const InputPlace& place) = 0;
 };
 
-/// What a SharedMemory and the endpoints of its connections have in common: lives until the last of them is
-/// gone. Any thread; never calls an endpoint while it holds its mutex.
+/// State shared by a SharedMemory and the endpoints of its connections; lives until the last of them is gone.
+/// Any thread. Lock order: an endpoint may call this while it holds its own mutex, so this never calls an
+/// endpoint while it holds `mutex_`; it works on copies of its lists instead.
 class SharedState final {
  public:
   SharedState(Incarnation incarnation, std::shared_ptr<PayloadPool> payload,
@@ -43,21 +44,21 @@ class SharedState final {
   std::uint64_t next_generation() { return generation_.fetch_add(1) + 1; }
 
   void add_peer(std::shared_ptr<const PeerMemory> peer);
-  /// nullptr where it was not admitted.
+  /// nullptr where the peer has not been admitted.
   [[nodiscard]] std::shared_ptr<const PeerMemory> peer(Incarnation incarnation) const;
   void forget(Incarnation incarnation);
   void forget_all();
 
-  /// Keeps an endpoint until it has ended and settled. NotFound where its peer was forgotten meanwhile.
+  /// Keeps an endpoint until it has ended and settled. NotFound where its peer has been forgotten meanwhile.
   Result<void> keep(std::shared_ptr<RegisteredEndpoint> endpoint);
-  /// An endpoint has ended.
+  /// Called by an endpoint that has ended.
   void end(const RegisteredEndpoint& endpoint);
-  /// Lets go of those that have ended and settled.
+  /// Drops the endpoints that have ended and settled.
   void settle();
   void release(const InputPlace& place);
-  /// Samples of a port that ended endpoints have not got back yet.
+  /// Samples of a port that readers of ended endpoints still hold.
   [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& port) const;
-  /// What the shared connections of an output port have in common.
+  /// The payload source that all shared connections of an output port use.
   std::shared_ptr<PayloadSource> source_of(const task::OutputPortBase& port);
   [[nodiscard]] MemoryUsage usage();
 
@@ -69,9 +70,9 @@ class SharedState final {
   const std::shared_ptr<PayloadPool> payload_;
   const std::shared_ptr<ControlPool> control_;
   std::atomic<std::uint64_t> generation_{0};
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_;
-  Endpoints standing_;
+  Endpoints connected_;
   Endpoints ended_;
   std::map<const task::OutputPortBase*, std::weak_ptr<PayloadSource>> sources_;
 };

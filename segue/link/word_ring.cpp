@@ -8,15 +8,15 @@ namespace segue::link {
 WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexcept {
   const std::uint64_t position = next_;
   std::atomic<Word>& place = word(position);
-  // Sequentially consistent, so that either a starting reader finds the sample or the writer finds the reader
-  // to be woken.
+  // Sequentially consistent for the wake-up protocol, see the class.
   if (kind_ == BufferKind::Buffer) {
     if (place.load(std::memory_order_acquire) != 0) return Push::Refused;
     place.store(pack(token, position), std::memory_order_seq_cst);
-    head_->store(++next_, std::memory_order_relaxed);
+    head_->store(++next_, std::memory_order_relaxed);  // nobody reads it with this policy
     return Push::Taken;
   }
   const Word replaced = place.exchange(pack(token, position), std::memory_order_seq_cst);
+  // Release: a reader that sees this head sees the word above, so it cannot take the place for empty.
   head_->store(++next_, std::memory_order_release);
   before = replaced >> kPositionBits;
   return replaced == 0 ? Push::Taken : Push::Replaced;
@@ -35,7 +35,7 @@ std::uint64_t WordRing::pull() noexcept {
 }
 
 std::uint64_t WordRing::pull_newest() noexcept {
-  if (word(0).load(std::memory_order_relaxed) == 0) return 0;
+  if (word(0).load(std::memory_order_relaxed) == 0) return 0;  // saves the exchange; it decides nothing
   return word(0).exchange(0, std::memory_order_acq_rel) >> kPositionBits;
 }
 
@@ -43,14 +43,14 @@ std::uint64_t WordRing::pull_next() noexcept {
   std::atomic<Word>& place = word(tail_);
   const Word found = place.load(std::memory_order_acquire);
   if (found == 0) return 0;
-  place.store(0, std::memory_order_release);
+  place.store(0, std::memory_order_release);  // only the reader takes out, so no exchange is needed
   ++tail_;
   return found >> kPositionBits;
 }
 
 std::uint64_t WordRing::pull_oldest() noexcept {
-  // A writer at full rate overtakes now and then; only words that no writer wrote could keep it busy for
-  // ever.
+  // A writer at full rate overtakes now and then. The limit is for words that no proper writer wrote: they
+  // could keep the reader busy for ever.
   const std::size_t most_tries = 2 * size_ + 16;
   for (std::size_t tries = 0; tries < most_tries; ++tries) {
     const std::uint64_t head = head_->load(std::memory_order_acquire);
@@ -60,10 +60,12 @@ std::uint64_t WordRing::pull_oldest() noexcept {
     if (found == 0) return 0;
     const std::uint64_t ahead = (found - tail_) & kPositionMask;
     if (ahead != 0) {
-      // Overtaken since head was read: the oldest left is the one after what was overwritten last.
+      // Overtaken since head was read: the oldest token left is the one after the last that was overwritten.
+      // (Only a multiple of 2^22 pushes since then would go unnoticed.)
       tail_ += ahead - size_ + 1;
       continue;
     }
+    // Fails where the writer has just replaced the word: whoever takes it out owns the token.
     if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;
     ++tail_;
     return found >> kPositionBits;

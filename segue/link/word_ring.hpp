@@ -9,37 +9,45 @@
 
 namespace segue::link {
 
-/// The places of a connection's samples on their way, by a policy, wherever the words lie: in this process,
-/// or in memory that another one may fill with anything. A word is what it carries, never 0, and the low part
-/// of its position, so that the reader sees whether it was overtaken. A reader or writer that dies inside a
-/// function leaves every word whole.
+/// A single-writer, single-reader queue of words for one buffer policy. The words may lie in this process or
+/// in shared memory that another process can overwrite with anything. A word packs a token, which is never 0
+/// and names a sample, with the low bits of its position, so that the reader notices when it was overtaken. A
+/// reader or writer that dies inside a function leaves every word whole.
+///
+/// Memory order: every word is published with (at least) release and taken with acquire, so whatever the
+/// writer wrote about a sample before push() is visible after pull(). Each word has one owner of its token at
+/// any time: the one whose exchange or compare-exchange took it out. push(), offer() and pending() are
+/// sequentially consistent because they are one side of the wake-up protocol: the writer stores a word and
+/// then loads who listens, a reader that starts to listen stores that and then loads the word; at least one
+/// of them sees the other's store.
 class WordRing {
  public:
   using Word = std::uint64_t;  ///< 0: empty
   static constexpr unsigned kTokenBits = 42;
   enum class Push { Taken, Replaced, Refused };
 
-  /// `words`: as many as places(); `head`: how many were ever put in, 0 at first like the words.
+  /// `words`: places() of them; `head`: the number of tokens ever pushed. All must be 0 at first.
   WordRing(BufferKind kind, std::size_t size, std::atomic<Word>* words, std::atomic<std::uint64_t>* head)
       : kind_(kind), size_(places(kind, size)), words_(words), head_(head) {}
   static constexpr std::size_t places(BufferKind kind, std::size_t size) {
     return kind == BufferKind::Data ? 1 : size;
   }
 
-  /// The writer; real-time safe. Replaced: `before` is the token that was pushed out.
+  /// The writer only; real-time safe. Replaced: `before` is the token that was pushed out.
   Push push(std::uint64_t token, std::uint64_t& before) noexcept;
-  /// The writer: whether push() would refuse.
+  /// The writer only: whether push() would refuse. Acquire pairs with the reader's release in pull_next().
   [[nodiscard]] bool full() const noexcept {
     return kind_ == BufferKind::Buffer && word(next_).load(std::memory_order_acquire) != 0;
   }
-  /// The reader; real-time safe: the token whose turn it is, 0 where nothing waits, or where words that make
-  /// no sense are in the way.
+  /// The reader only; real-time safe: the next token; 0 where nothing waits, or where the words make no
+  /// sense.
   std::uint64_t pull() noexcept;
-  /// The reader's thread, or any where the policy is data.
+  /// Whether a token waits. The reader's thread; with policy data, any thread.
   [[nodiscard]] bool pending() const noexcept { return word(tail_).load(std::memory_order_seq_cst) != 0; }
-  /// Data only, any thread but at most one: puts it in unless something waits. True: it waits now.
+  /// Policy data only; one thread at a time, also beside push(): puts a token in unless one waits. True: it
+  /// is in.
   bool offer(std::uint64_t token) noexcept;
-  /// Takes the token at a place (below places()) out, 0 where there is none. The reader must not pull().
+  /// Takes out the token at `place` < places(); 0 where there is none. Requires that the reader has ended.
   std::uint64_t remove(std::size_t place) noexcept {
     return words_[place].exchange(0, std::memory_order_acq_rel) >> kPositionBits;
   }
@@ -59,9 +67,9 @@ class WordRing {
   const BufferKind kind_;
   const std::size_t size_;
   std::atomic<Word>* const words_;
-  std::atomic<std::uint64_t>* const head_;  ///< written by the writer
-  alignas(64) std::uint64_t next_ = 0;      ///< the writer's own copy of *head_
-  alignas(64) std::uint64_t tail_ = 0;      ///< the reader's: the next position
+  std::atomic<std::uint64_t>* const head_;  ///< written by the writer, read by the reader
+  alignas(64) std::uint64_t next_ = 0;      ///< writer only: its own copy of *head_
+  alignas(64) std::uint64_t tail_ = 0;      ///< reader only: the position that it reads next
 };
 
 }  // namespace segue::link

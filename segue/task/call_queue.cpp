@@ -14,7 +14,7 @@ std::optional<Error> run_guarded(OperationCall& call, const std::string& operati
     return fail(ErrorCode::HookFailed, "operation " + quote(operation) + " threw: " + thrown.what());
   } catch (...) {
     return fail(ErrorCode::HookFailed,
-                "operation " + quote(operation) + " threw something that is no std::exception");
+                "operation " + quote(operation) + " threw something other than a std::exception");
   }
 }
 

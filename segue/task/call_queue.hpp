@@ -13,17 +13,21 @@
 
 namespace segue::task::detail {
 
-/// A call on its way to the task's thread. Caller and thread share it, so either may leave first.
+/// A call that waits for the task's thread. Caller and thread share it, so either may leave first.
+///
+/// Memory order: whoever changes state_ from kWaiting by compare-exchange decides what becomes of the call:
+/// the thread runs it or the caller abandons it, never both. kDone is stored with release after the result
+/// was written and loaded with acquire before it is read; an abandoned call's result is never touched.
 class PendingCall {
  public:
   explicit PendingCall(std::unique_ptr<OperationCall> call, std::string operation)
       : call_(std::move(call)), operation_(std::move(operation)) {}
 
-  /// In the task's thread. Does nothing where the caller has given up.
+  /// In the task's thread. Does nothing if the caller has abandoned the call.
   void run() noexcept;
-  /// The task goes away before the call's turn.
+  /// Ends the call because the task goes away before its turn.
   void cancel() noexcept;
-  /// In the caller's thread.
+  /// In the caller's thread: waits for the result. A call that has not begun by the deadline never will.
   Result<type::Value> wait(TimePoint deadline);
 
  private:
@@ -35,10 +39,15 @@ class PendingCall {
   std::atomic<std::uint32_t> state_{kWaiting};
 };
 
-/// Runs a call and catches what it throws.
+/// Runs a call and turns exceptions into an error.
 std::optional<Error> run_guarded(OperationCall& call, const std::string& operation);
 
-/// Calls in the order they came. Any thread pushes; the holder of the task takes, without waiting.
+/// Calls in the order in which they were pushed. Any thread pushes; the owner of the task takes them, without
+/// waiting.
+///
+/// Memory order: newest_ is a stack. push() releases its node, and take_all() takes the whole stack with one
+/// acquiring exchange; since pushes are read-modify-writes, that synchronizes with all of them, not just the
+/// last. Taking all at once also rules out ABA. waiting_ only limits the length and is relaxed.
 class CallQueue {
  public:
   static constexpr int kLimit = 256;
@@ -48,7 +57,7 @@ class CallQueue {
   CallQueue& operator=(const CallQueue&) = delete;
   ~CallQueue();
 
-  /// False: too many wait already.
+  /// False: kLimit calls wait already.
   bool push(std::shared_ptr<PendingCall> call);
   [[nodiscard]] bool empty() const noexcept { return newest_.load(std::memory_order_acquire) == nullptr; }
   template <class Use>

@@ -19,7 +19,7 @@ void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t be
     if (tries < kYields) {
       std::this_thread::yield();
     } else {
-      // Yielding alone would starve an interrupted writer of lower priority on the same processor.
+      // Yielding alone would starve a preempted reader of lower priority on the same processor.
       std::this_thread::sleep_for(std::chrono::microseconds(20));
     }
   }

@@ -14,14 +14,14 @@ namespace segue::task {
 
 class SampleListener;
 
-/// What an output port knows of one of its connections. Links implement it.
+/// The writer's end of a connection, as the output port sees it. Links implement it.
 class WriterEnd {
  public:
   virtual ~WriterEnd() = default;
-  /// Passes a sample on, with a reference of its own, and wakes the reader. False: refused, and counted.
-  /// Called by the writer only; real-time safe.
+  /// Passes a sample on, adding a reference of its own, and wakes the reader. False: refused and counted. The
+  /// writer only; real-time safe.
   virtual bool push(SampleSlot& sample) noexcept = 0;
-  /// Takes the connection off both ports. Idempotent; any thread; waits for a write or read in progress.
+  /// Removes the connection from its ports. Idempotent; any thread; waits for a write or read in progress.
   virtual void disconnect() = 0;
   /// How many samples of the writer's pool it may hold at once, the reader's included.
   [[nodiscard]] virtual std::size_t capacity() const = 0;
@@ -29,19 +29,19 @@ class WriterEnd {
   [[nodiscard]] virtual bool same_as(const WriterEnd& other) const = 0;
 };
 
-/// What an input port knows of one of its connections.
+/// The reader's end of a connection, as the input port sees it. Links implement it.
 class ReaderEnd {
  public:
   virtual ~ReaderEnd() = default;
-  /// The oldest sample that waits, or none. Called by the reader only; real-time safe.
+  /// The oldest sample that waits, or none. The reader only; real-time safe.
   virtual SampleRef pull() noexcept = 0;
-  /// Whether pull() would find one. Any thread that holds this end.
+  /// Whether pull() would find a sample. Any thread that holds this end.
   [[nodiscard]] virtual bool pending() const noexcept = 0;
   virtual void disconnect() = 0;
-  /// Who wants to be told of samples from now on; nullptr: nobody. For links whose writers cannot see the
+  /// The listener to notify of samples from now on; nullptr: none. For links whose writers cannot call the
   /// port. Any thread, one at a time.
   virtual void set_listener(SampleListener* /*listener*/) {}
-  /// Never used twice in a process.
+  /// Unique within the process.
   [[nodiscard]] virtual std::uint64_t number() const noexcept = 0;
 };
 
@@ -49,12 +49,19 @@ class ReaderEnd {
 std::uint64_t next_connection_number() noexcept;
 
 namespace detail {
-/// Waits until `section` has left the value `begin`. Never burns a processor that the one inside might need.
+/// Waits until `section` differs from `begin`. Yields and then sleeps, since the thread inside may need this
+/// processor.
 void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept;
 }  // namespace detail
 
 /// The connections of a port: read by one real-time thread at a time without ever waiting, changed by any
-/// other. When add() or remove() return, the reader has stopped using the list as it was before.
+/// other. When add() or remove() return, the reader has stopped using the previous list.
+///
+/// Memory order: the reader stores section_ (odd) and then loads ends_; a change exchanges ends_ and then
+/// loads section_. All four are sequentially consistent, so either the reader loads the new list or the
+/// change sees it inside and waits. Leaving a section releases and the change acquires, so the old list is
+/// deleted after its last use. Readers that are different threads over time are ordered by their owner (a
+/// task's ownership).
 template <class End>
 class ConnectionList {
  public:
@@ -65,7 +72,7 @@ class ConnectionList {
   ConnectionList& operator=(const ConnectionList&) = delete;
   ~ConnectionList() { delete ends_.load(std::memory_order_relaxed); }
 
-  /// The real-time side's view, valid as long as this object lives. No two at a time.
+  /// The reader's view, valid as long as this object lives. One at a time.
   class Section {
    public:
     explicit Section(ConnectionList& list) noexcept
@@ -95,7 +102,7 @@ class ConnectionList {
     swap(next.release());
   }
 
-  /// False if it was not there.
+  /// False if `end` is not in the list.
   bool remove(const End* end) {
     const std::lock_guard lock(mutex_);
     const Ends* now = ends_.load(std::memory_order_relaxed);
@@ -108,7 +115,7 @@ class ConnectionList {
     return true;
   }
 
-  /// For everybody but the real-time side.
+  /// A copy of the list, for any thread but the real-time reader.
   [[nodiscard]] Ends snapshot() const {
     const std::lock_guard lock(mutex_);
     const Ends* now = ends_.load(std::memory_order_relaxed);
@@ -124,9 +131,9 @@ class ConnectionList {
     if (seen % 2 == 1) detail::wait_until_left(section_, seen);
   }
 
-  alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the real-time side is inside
-  std::atomic<const Ends*> ends_{nullptr};             ///< nullptr when there is none
-  mutable std::mutex mutex_;
+  alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the reader is inside
+  std::atomic<const Ends*> ends_{nullptr};             ///< nullptr: no connections
+  mutable std::mutex mutex_;                           ///< serializes changes of ends_
 };
 
 }  // namespace segue::task

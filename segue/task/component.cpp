@@ -49,7 +49,7 @@ HeldPorts::HeldPorts(const Component& component, const Component& other)
     return;
   }
   other_ = std::unique_lock(other.ports_mutex_, std::defer_lock);
-  std::lock(one_, other_);  // in whatever order others hold them
+  std::lock(one_, other_);  // free of deadlock, whatever order others use
 }
 
 InputPortBase* HeldPorts::find_input(const Component& component, std::string_view name) const {
@@ -82,14 +82,14 @@ Result<void> Component::on_recover() {
   return {};
 }
 
-std::optional<State> Component::save_state() {
+std::optional<SavedState> Component::save_state() {
   return std::nullopt;
 }
 
-Result<void> Component::restore_state(const State& state) {
+Result<void> Component::restore_state(const SavedState& state) {
   return fail(ErrorCode::Unsupported, "component " + quote(component_name_) +
-                                          " continues no other's state; it got " + quote(state.name) +
-                                          " version " + std::to_string(state.version));
+                                          " cannot take over the state of another task; it got " +
+                                          quote(state.name) + " version " + std::to_string(state.version));
 }
 
 void Component::declare_states(std::vector<std::string> nominal, std::vector<std::string> error) {

@@ -23,7 +23,7 @@ namespace segue::task {
 
 class Component;
 
-/// Dynamic ports that have names of a pattern.
+/// Dynamic ports whose names match a pattern.
 struct PortFamily {
   std::string pattern;
   Direction direction = Direction::Input;
@@ -31,7 +31,7 @@ struct PortFamily {
   std::string doc;
 };
 
-/// What a component's hooks can ask of the task that runs them. Tasks implement it.
+/// The task as the hooks of its component see it. Tasks implement it.
 class TaskContext {
  public:
   [[nodiscard]] virtual const std::string& id() const = 0;
@@ -58,14 +58,14 @@ class Component {
   Component& operator=(const Component&) = delete;
   virtual ~Component();
 
-  /// What the component consists of, in the order of construction; dynamic ports come and go with configure
-  /// and cleanup, and when the task breaks. Any thread; pointers are valid as long as the port is: outside of
-  /// the component's own hooks, use HeldPorts.
+  /// The parts of the component, in the order of construction. Dynamic ports are created by configure, and
+  /// destroyed by cleanup or an exception. Any thread; pointers are valid as long as the port, so outside the
+  /// component's own hooks use HeldPorts.
   [[nodiscard]] std::vector<InputPortBase*> inputs() const;
   [[nodiscard]] std::vector<OutputPortBase*> outputs() const;
   [[nodiscard]] InputPortBase* find_input(std::string_view name) const;
   [[nodiscard]] OutputPortBase* find_output(std::string_view name) const;
-  /// What on_configure may make beyond these, as the constructor declared it.
+  /// The dynamic ports that on_configure may create, as the constructor declared them.
   [[nodiscard]] const std::vector<PortFamily>& port_families() const { return families_; }
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const { return properties_; }
   [[nodiscard]] const std::vector<OperationBase*>& operations() const { return operations_; }
@@ -80,16 +80,16 @@ class Component {
   /// Inputs that trigger a port-driven task; empty: all.
   [[nodiscard]] const std::vector<std::string>& trigger_ports() const { return trigger_ports_; }
   [[nodiscard]] const std::string& doc() const { return doc_; }
-  /// The name it is registered under; empty if it was not made through the registry.
+  /// The name under which it is registered; empty if it was not created by the registry.
   [[nodiscard]] const std::string& component_name() const { return component_name_; }
   void set_component_name(std::string name) { component_name_ = std::move(name); }
   /// The task that runs it; nullptr before there is one.
   [[nodiscard]] const TaskContext* context() const { return context_; }
 
  protected:
-  /// PreOperational -> Stopped: take the configuration, make dynamic ports, open devices.
+  /// PreOperational -> Stopped: apply the configuration, create dynamic ports, open devices.
   virtual Result<void> on_configure();
-  /// Stopped -> Running. Descriptors that drive the task are named here (trigger_fd).
+  /// Stopped -> Running. Names the descriptors that drive the task (trigger_fd).
   virtual Result<void> on_start();
   virtual void on_update();
   /// Instead of on_update while in RunTimeError.
@@ -98,12 +98,13 @@ class Component {
   virtual void on_cleanup();
   /// Before RunTimeError -> Running and Exception -> PreOperational.
   virtual Result<void> on_recover();
-  /// What the task that takes over from this one shall know (state.hpp); nothing: it begins afresh. While
-  /// Stopped. Must leave the component as it is, since it may be started again: a throw does no harm.
-  virtual std::optional<State> save_state();
-  /// Before the first start, when on_configure is done: the state of the task that this one continues.
-  /// Refuses what it does not know (the default: everything); a refusal or throw fails the transition.
-  virtual Result<void> restore_state(const State& state);
+  /// The state for the task that takes over from this one (state.hpp); nothing: that task starts afresh.
+  /// Called while Stopped. Must not change the component, since it may be started again; an exception has no
+  /// consequences for it.
+  virtual std::optional<SavedState> save_state();
+  /// Takes over the state of another task, after on_configure and before the first start. Must refuse a state
+  /// that it does not know (the default refuses all); an error or exception fails the transition.
+  virtual Result<void> restore_state(const SavedState& state);
 
   /// For constructors.
   void default_activity(Activity activity) { activity_ = std::move(activity); }
@@ -111,8 +112,8 @@ class Component {
   void claims(std::vector<std::string> devices) { claims_ = std::move(devices); }
   void trigger_on(std::vector<std::string> inputs) { trigger_ports_ = std::move(inputs); }
   void doc(std::string text) { doc_ = std::move(text); }
-  /// Dynamic ports that on_configure may make: `pattern` is an ECMAScript regular expression that their whole
-  /// names match. Networks are checked against it.
+  /// Declares dynamic ports that on_configure may create. `pattern` is an ECMAScript regular expression for
+  /// their whole names; networks are checked against it.
   template <class T>
   void dynamic_inputs(std::string pattern, std::string text = {}) {
     add_family({std::move(pattern), Direction::Input, &type::type_info<T>(), std::move(text)});
@@ -122,23 +123,23 @@ class Component {
     add_family({std::move(pattern), Direction::Output, &type::type_info<T>(), std::move(text)});
   }
 
-  /// For hooks; real-time safe. Require a task.
-  /// A declared nominal sub-state of Running; "" is plain Running.
+  /// The functions below are for hooks, real-time safe, and require a task.
+  /// Enters a declared nominal sub-state of Running; "" is plain Running.
   void set_state(std::string_view name);
-  /// To RunTimeError with a declared sub-state ("" for none). For on_start, on_update and on_error.
+  /// Enters RunTimeError with a declared sub-state ("" for none). For on_start, on_update and on_error.
   void error(std::string_view name, std::string_view message);
-  /// Back from RunTimeError to Running. For on_error.
+  /// Returns from RunTimeError to Running. For on_error.
   void recovered();
-  /// To Exception, or to Fatal (which nothing leaves), as soon as the hook returns.
+  /// Enters Exception, or Fatal (which cannot be left), as soon as the hook returns.
   void exception(std::string_view message);
   void fatal(std::string_view message);
-  /// Into a preallocated ring; longer messages are cut at 200 bytes, and lines are counted where the ring is
-  /// full.
+  /// Writes to a preallocated ring. Messages are cut at 200 bytes; lines that find the ring full are lost and
+  /// counted.
   void log(LogLevel level, std::string_view message) const;
   [[nodiscard]] TimePoint now() const;
   [[nodiscard]] const std::string& id() const;
-  /// FileDescriptorDriven, in on_start: update whenever `descriptor` is readable. Several may be named; they
-  /// are forgotten at stop. The component keeps owning it and must not close it before on_stop.
+  /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be named;
+  /// stop forgets them. The component keeps ownership and must not close a descriptor before on_stop.
   Result<void> trigger_fd(int descriptor);
 
  private:
@@ -152,7 +153,8 @@ class Component {
 
   void add_family(PortFamily family);
 
-  mutable std::mutex ports_mutex_;  ///< of the two lists; ports leave them before they go
+  mutable std::mutex
+      ports_mutex_;  ///< guards inputs_ and outputs_; ports leave them before they are destroyed
   std::vector<InputPortBase*> inputs_;
   std::vector<OutputPortBase*> outputs_;
   std::vector<PortFamily> families_;
@@ -166,7 +168,7 @@ class Component {
   std::string doc_;
   std::string component_name_;
   TaskContext* context_ = nullptr;
-  /// Every component's state as a number: TaskState, nominal sub-states from 100, error ones from 200.
+  /// The state as a number: TaskState; nominal sub-states from 100, error sub-states from 200.
   OutputPort<std::int32_t> state_port_{*this, "state"};
 };
 
@@ -175,7 +177,7 @@ inline constexpr std::int32_t kFirstErrorState = 200;
 
 }  // namespace segue::task
 
-/// Offers a component under its full name ("demo::Filter"). At global scope, in a program or a library.
+/// Registers a component under its full name ("demo::Filter"). At global scope, in a program or a library.
 #define SEGUE_COMPONENT(Type)                                                                     \
   static const ::segue::task::detail::Registration SEGUE_DETAIL_NAME(segue_component_, __LINE__){ \
       #Type, ::segue::task::kComponentAbi,                                                        \

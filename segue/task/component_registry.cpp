@@ -11,7 +11,7 @@ namespace segue::task {
 
 namespace {
 
-/// Made at first use: registrations run before main.
+/// Created at first use, since registrations run before main.
 struct Registry {
   std::mutex mutex;
   std::map<std::string, ComponentEntry, std::less<>> entries;
@@ -44,7 +44,7 @@ Result<std::unique_ptr<Component>> ComponentEntry::create() const {
     return fail(ErrorCode::HookFailed, "the constructor of " + quote(name) + " threw: " + thrown.what());
   } catch (...) {
     return fail(ErrorCode::HookFailed,
-                "the constructor of " + quote(name) + " threw something that is no std::exception");
+                "the constructor of " + quote(name) + " threw something other than a std::exception");
   }
 }
 

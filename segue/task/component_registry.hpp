@@ -13,31 +13,32 @@ namespace segue::task {
 
 class Component;
 
-/// Changes whenever a library must be compiled anew to work with this Segue.
+/// Changes whenever component libraries must be recompiled to work with this Segue.
 inline constexpr std::string_view kComponentAbi = "segue-0.1/1";
 
-/// A component that can be made in this process.
+/// A component that can be created in this process.
 struct ComponentEntry {
   std::string name;
-  std::string library;  ///< the one whose loading brought it; empty: this program
+  std::string library;  ///< the library that registered it; empty: this program
   std::string abi;      ///< kComponentAbi of the Segue it was compiled against
   std::unique_ptr<Component> (*make)() = nullptr;
 
-  /// A new one, which knows its name. Constructors that throw are an error, as is another ABI.
+  /// Creates a component and sets its name. Fails where the constructor throws and for another ABI
+  /// (Unsupported).
   [[nodiscard]] Result<std::unique_ptr<Component>> create() const;
 };
 
-/// All thread safe.
+/// These functions are thread safe.
 std::optional<ComponentEntry> find_component(std::string_view name);
 /// Sorted by name.
 std::vector<ComponentEntry> registered_components();
-/// The first of a name stays; false if it was taken. Names are normalised: "::demo::Filter" is
+/// False if the name is taken, by an entry that stays. Names are normalised: "::demo::Filter" is
 /// "demo::Filter".
 bool register_component(ComponentEntry entry);
-/// Registrations that found their name taken since the last call.
+/// The registrations since the last call whose names were taken.
 std::vector<ComponentEntry> take_rejected_components();
 
-/// While it lives, components registered by this thread (during dlopen) belong to `library`.
+/// While an object lives, components registered by this thread (during dlopen) belong to `library`.
 class LibraryScope {
  public:
   explicit LibraryScope(std::string library);

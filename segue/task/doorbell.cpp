@@ -15,7 +15,7 @@ using detail::futex_wake;
 using detail::FutexScope;
 
 constexpr std::uint32_t kModeMask = 3;
-constexpr std::uint32_t kWoken = 3;  ///< as mode: was InFutex, has not run yet
+constexpr std::uint32_t kWoken = 3;  ///< as mode: was InFutex and has not run since
 
 std::uint64_t bit_of(std::size_t index) {
   return std::uint64_t{1} << (index % 64);
@@ -38,15 +38,15 @@ void ring(DoorbellWords& words, unsigned line) noexcept {
   const std::uint32_t mode = seen & kModeMask;
   if (mode == 0) return;
   if (mode == static_cast<std::uint32_t>(Doorbell::Sleep::InPoll)) {
-    // First the wake, then the note that it was woken: who dies in between leaves the next one to wake it
+    // Wake first, then clear the mode: if this process dies in between, the next ringer wakes the thread
     // again.
     words.rings.fetch_add(1, std::memory_order_seq_cst);
     futex_wake(words.rings, 1, FutexScope::Host);
     words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
     return;
   }
-  // First the word, so that it does not fall asleep between the wake and the note. It goes on saying that
-  // there is somebody to wake: who dies in between leaves the next one to do so.
+  // Change the word first, so that the thread cannot fall asleep after the wake. The mode stays nonzero: if
+  // this process dies in between, the next ringer still wakes the thread.
   words.sleeping.compare_exchange_strong(seen, seen | kWoken, std::memory_order_seq_cst);
   futex_wake(words.sleeping, 1, FutexScope::Host);
 }
@@ -84,6 +84,10 @@ void Doorbell::remove(unsigned line) {
   free_.push_back(line);
 }
 
+// remove() stores nullptr and then loads section_; this stores section_ and then loads the port (both
+// sequentially consistent). So either this does not find the port, or remove() waits until this has left. A
+// ringer sets the leaf before the summary, so a bit of the summary that is taken here comes with the bit of
+// its leaf.
 void Doorbell::answer() noexcept {
   const std::uint64_t count = section_.load(std::memory_order_relaxed);
   section_.store(count + 1, std::memory_order_seq_cst);

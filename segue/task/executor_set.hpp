@@ -19,7 +19,7 @@ class ExecutorSet {
   /// group decides its scheduler, priority and processors; InvalidArgument where a later one wants others.
   Result<std::shared_ptr<Executor>> executor_for(const std::string& task_id, const Activity& activity);
 
-  /// The one that Task::create uses.
+  /// The instance that Task::create uses.
   static ExecutorSet& of_process();
 
  private:
@@ -28,7 +28,7 @@ class ExecutorSet {
     Activity activity;
     std::string first_task;
   };
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< guards groups_
   std::map<std::string, Group> groups_;
 };
 

@@ -9,11 +9,10 @@
 
 namespace segue::task {
 
-/// Holds the ports of one or two components still: while this lives, none of them is made or destroyed, so
-/// that their pointers are safe in any thread, even though a task that breaks unmakes its dynamic ports at
-/// any time. Whoever wants to, waits: hold them briefly. What may be done meanwhile is to read the ports and
-/// to connect them; not to make or destroy ports of these components, nor to ask them (inputs(), find_...),
-/// nor to wait for a task.
+/// Keeps one or two components from creating or destroying ports while an object lives, so that pointers to
+/// ports are safe in any thread even though an exception can destroy dynamic ports at any time. Hold it
+/// briefly, since others wait. Meanwhile ports may be read and connected; creating or destroying ports of
+/// these components, calling their inputs() or find_...(), and waiting for a task would deadlock.
 class HeldPorts {
  public:
   explicit HeldPorts(const Component& component) : one_(component.ports_mutex_) {}

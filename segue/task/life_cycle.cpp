@@ -18,7 +18,7 @@ Task::Implementation::HookEnd Task::Implementation::run_hook(std::string_view ho
   } catch (const std::exception& thrown) {
     exception(std::string(hook_name) + " threw: " + thrown.what());
   } catch (...) {
-    exception(std::string(hook_name) + " threw something that is no std::exception");
+    exception(std::string(hook_name) + " threw something other than a std::exception");
   }
   end.broke = request != Request::None;
   return end;
@@ -26,7 +26,7 @@ Task::Implementation::HookEnd Task::Implementation::run_hook(std::string_view ho
 
 namespace {
 
-/// Hooks that cannot refuse, in the form of those that can.
+/// Adapts hooks that cannot fail.
 template <void (*kHook)(Component&)>
 Result<void> always(Component& component) {
   kHook(component);
@@ -114,8 +114,8 @@ Result<void> Task::Implementation::recover() {
   return {};
 }
 
-/// A hook that throws has changed nothing that counts: whoever hands over may be needed again.
-Result<void> Task::Implementation::save_state(std::optional<State>& saved) {
+/// An exception does not change the state, since the task may be started again if the hand-over fails.
+Result<void> Task::Implementation::save_state(std::optional<SavedState>& saved) {
   if (state() != TaskState::Stopped) return illegal("save the state", "stopped");
   request = Request::None;
   try {
@@ -123,13 +123,13 @@ Result<void> Task::Implementation::save_state(std::optional<State>& saved) {
   } catch (const std::exception& thrown) {
     return fail(ErrorCode::HookFailed, std::string("save_state threw: ") + thrown.what(), name);
   } catch (...) {
-    return fail(ErrorCode::HookFailed, "save_state threw something that is no std::exception", name);
+    return fail(ErrorCode::HookFailed, "save_state threw something other than a std::exception", name);
   }
   if (request != Request::None) return collapse("save_state", Reached::Configured);
   return {};
 }
 
-Result<void> Task::Implementation::restore_state(const State& given) {
+Result<void> Task::Implementation::restore_state(const SavedState& given) {
   if (state() != TaskState::Stopped) return illegal("restore a state", "stopped");
   HookEnd end = run_hook("restore_state",
                          [&](Component& target) { return ComponentAccess::restore_state(target, given); });
@@ -148,7 +148,7 @@ void Task::Implementation::shut_down() {
   state_word.store(static_cast<std::uint32_t>(TaskState::PreOperational), std::memory_order_release);
 }
 
-/// A hook broke: leaves nothing running and ends in Exception or Fatal.
+/// After a hook threw or asked for it: undoes what was reached and enters Exception or Fatal.
 Result<void> Task::Implementation::collapse(std::string_view hook_name, Reached reached) {
   const bool is_fatal = request == Request::Fatal;
   const std::string why = message.load();
@@ -174,7 +174,7 @@ Result<void> Task::Implementation::refused(std::string_view hook_name, Error why
   return fail(ErrorCode::HookFailed, std::string(hook_name) + " failed", name).because_of(std::move(why));
 }
 
-/// From now on samples, descriptors and time make the task update.
+/// Connects the task to its triggers: samples, descriptors and time.
 Result<void> Task::Implementation::arm() {
   trigger_inputs.clear();
   if (activity.trigger == Trigger::PortDriven) {
@@ -202,7 +202,7 @@ Result<void> Task::Implementation::arm() {
   }
   if (activity.trigger == Trigger::FileDescriptorDriven && descriptors.empty()) {
     segue::log(LogLevel::Warning, name,
-               "is driven by file descriptors, but on_start named none: it never updates");
+               "is driven by file descriptors, but on_start named none, so it never updates");
   }
   return {};
 }
@@ -216,7 +216,7 @@ void Task::Implementation::disarm() {
   descriptors.clear();
 }
 
-/// The state, its number on the state port, and whoever wants to know.
+/// Sets the state, writes it to the state port and calls the listener.
 void Task::Implementation::enter(TaskState state, std::uint32_t sub_state) {
   state_word.store(static_cast<std::uint32_t>(state) | (sub_state << 8U), std::memory_order_release);
   std::int32_t number = static_cast<std::int32_t>(state);

@@ -336,7 +336,7 @@ TEST_F(LifeCycle, PeriodOfZeroIsRefused) {
 
 class HandOverTest : public test::TaskTest {
  protected:
-  static inline const State kState{"/probe/Count", 2, type::Value(7)};
+  static inline const SavedState kState{"/probe/Count", 2, type::Value(7)};
 };
 
 TEST_F(HandOverTest, theStateOfAStoppedTaskIsSaved) {
@@ -433,22 +433,22 @@ TEST_F(HandOverTest, aComponentThatKnowsNoStateRefusesEveryOne) {
   EXPECT_THAT(to_string(done.error()), HasSubstr("'/probe/Count' version 2"));
 }
 
-TEST(State, ofATypeCarriesItsNameAndVersion) {
-  const State state = make_state(std::vector<double>{1.5, 2.0}, 3);
+TEST(SavedState, ofATypeCarriesItsNameAndVersion) {
+  const SavedState state = make_state(std::vector<double>{1.5, 2.0}, 3);
   EXPECT_EQ(state.version, 3U);
   const auto read = read_state<std::vector<double>>(state, 3);
   ASSERT_TRUE(read) << to_string(read.error());
   EXPECT_THAT(*read, ElementsAre(1.5, 2.0));
 }
 
-TEST(State, ofAnotherTypeOrVersionIsRefused) {
-  const State state = make_state(std::vector<double>{1.5}, 1);
+TEST(SavedState, ofAnotherTypeOrVersionIsRefused) {
+  const SavedState state = make_state(std::vector<double>{1.5}, 1);
   const auto newer = read_state<std::vector<double>>(state, 2);
   ASSERT_FALSE(newer);
   EXPECT_EQ(newer.error().code, ErrorCode::TypeMismatch);
   EXPECT_THAT(newer.error().message, HasSubstr("version 2, got"));
   EXPECT_FALSE(read_state<int>(state));
-  EXPECT_FALSE(read_state<std::vector<double>>(State{state.name, 1, type::Value("text")}));
+  EXPECT_FALSE(read_state<std::vector<double>>(SavedState{state.name, 1, type::Value("text")}));
 }
 
 }  // namespace

@@ -20,13 +20,13 @@ struct ManualExecutor::Implementation {
     bool armed;
   };
   explicit Implementation(VirtualClock& time) : clock(time) {}
-  void look_at_descriptors();
+  void poll_descriptors();
 
   VirtualClock& clock;
   std::thread::id owner = std::this_thread::get_id();
   detail::RunQueue queue;
   std::vector<Watched> watched;
-  std::mutex doorbell_mutex;
+  std::mutex doorbell_mutex;           ///< guards doorbell
   std::shared_ptr<Doorbell> doorbell;  ///< set once
   std::atomic<Doorbell*> rung{nullptr};
   std::size_t jobs = 0;
@@ -36,7 +36,7 @@ ManualExecutor::ManualExecutor(VirtualClock& clock)
     : implementation_(std::make_unique<Implementation>(clock)) {}
 ManualExecutor::~ManualExecutor() = default;
 
-void ManualExecutor::Implementation::look_at_descriptors() {
+void ManualExecutor::Implementation::poll_descriptors() {
   for (Watched& one : watched) {
     pollfd asked{one.descriptor, POLLIN, 0};
     if (!one.armed || poll(&asked, 1, 0) <= 0) continue;
@@ -50,7 +50,7 @@ std::size_t ManualExecutor::run_ready(std::size_t limit) {
   while (count < limit) {
     TimePoint now = implementation_->clock.now();
     if (Doorbell* doorbell = implementation_->rung.load(std::memory_order_acquire)) doorbell->answer();
-    implementation_->look_at_descriptors();
+    implementation_->poll_descriptors();
     implementation_->queue.fire(now);
     if (!implementation_->queue.run_one(now)) break;
     ++count;

@@ -13,22 +13,22 @@ class VirtualClock;
 
 namespace segue::task {
 
-/// Runs jobs when it is told to, on a virtual clock: for tests, simulation and single stepping. Any thread
-/// may trigger; the thread that made it runs them, and counts as the executor's own.
+/// Runs jobs only when told to, on a virtual clock: for tests, simulation and single stepping. Any thread may
+/// trigger; the thread that created it runs the jobs and counts as the executor's own.
 class ManualExecutor final : public Executor {
  public:
   explicit ManualExecutor(VirtualClock& clock);
   ~ManualExecutor() override;
 
-  /// Runs whatever is ready now, and what that makes ready, at most `limit` jobs. Returns how many.
+  /// Runs the jobs that are ready, and those that become ready, up to `limit`. Returns their number.
   std::size_t run_ready(std::size_t limit = 1'000'000);
-  /// Moves time on step by step, running every job at its time.
+  /// Advances the clock, running every timed job at its time.
   void advance(Duration step);
 
   void trigger(Job& job, Job::Reason reason) noexcept override;
   void add(Job& job) override;
   void remove(Job& job) override;
-  /// Descriptors are looked at in run_ready().
+  /// Descriptors are polled in run_ready().
   Result<void> watch(Job& job, int descriptor) override;
   void rearm(Job& job, int descriptor) noexcept override;
   void unwatch(int descriptor) noexcept override;
@@ -36,7 +36,7 @@ class ManualExecutor final : public Executor {
   Result<std::shared_ptr<Doorbell>> doorbell(const DoorbellMaker& make) override;
   [[nodiscard]] bool is_current() const noexcept override;
   [[nodiscard]] Clock& clock() noexcept override;
-  /// Nothing: virtual time takes no processor.
+  /// Always zero, since virtual time uses no processor.
   [[nodiscard]] Usage usage() const override { return {}; }
 
  private:

@@ -22,8 +22,9 @@ namespace segue::task {
 
 class Component;
 
-/// Which thread carries an operation out. CallerThread: at once and beside the update, so its author guards
-/// what both touch. TaskThread: on the task's executor, never beside an update or a hook.
+/// The thread that runs an operation. CallerThread: at once and concurrently with the update, so the
+/// component must guard shared data. TaskThread: on the task's executor, never concurrently with an update or
+/// a hook.
 enum class RunsIn : std::uint8_t { TaskThread, CallerThread };
 
 struct OperationArgument {
@@ -32,7 +33,7 @@ struct OperationArgument {
   std::string type_name;
 };
 
-/// What is known of an operation without calling it.
+/// The signature of an operation.
 struct OperationInfo {
   std::string name;
   std::vector<OperationArgument> arguments;
@@ -41,16 +42,16 @@ struct OperationInfo {
   std::string doc;
 };
 
-/// A call with its arguments converted and checked. Independent of who waits for it.
+/// A call with converted and checked arguments. Independent of who waits for it.
 class OperationCall {
  public:
   virtual ~OperationCall() = default;
-  virtual void run() = 0;  ///< may throw what the component's function throws
-  /// After run().
+  virtual void run() = 0;  ///< may throw whatever the component's function throws
+  /// Requires that run() has returned.
   virtual Result<type::Value> result() = 0;
 };
 
-/// Something a component can be asked to do.
+/// A function that a component offers to callers by name.
 class OperationBase {
  public:
   OperationBase(const OperationBase&) = delete;
@@ -59,13 +60,13 @@ class OperationBase {
 
   [[nodiscard]] const OperationInfo& info() const { return info_; }
   [[nodiscard]] const std::string& name() const { return info_.name; }
-  /// Checks arguments: a map by name, a list in order, null for none. All must be given.
+  /// Checks and converts arguments: a map by name, a list in order, null for none. All are required.
   [[nodiscard]] virtual Result<std::unique_ptr<OperationCall>> prepare(
       const type::Value& arguments) const = 0;
 
  protected:
   OperationBase(Component& component, OperationInfo info);
-  /// The arguments in order, whatever way they were given.
+  /// The arguments in order, whether they were given by name or in order.
   [[nodiscard]] Result<std::vector<const type::Value*>> ordered(const type::Value& arguments) const;
 
  private:
@@ -73,7 +74,7 @@ class OperationBase {
   OperationInfo info_;
 };
 
-/// An operation on values, for components made at run time.
+/// An operation on dynamic values, for components defined at run time.
 class DynamicOperation final : public OperationBase {
  public:
   using Function = std::function<Result<type::Value>(const std::vector<type::Value>& arguments)>;

@@ -23,11 +23,11 @@ bool Ownership::acquire(TimePoint deadline, bool& retry) noexcept {
     std::uint32_t next = 0;
     do {
       next = word - kOneWaiter;
-      // Nobody is left who would tell the update that it missed its turn.
+      // Nobody else is left to report the missed turn, so this verb does.
       if (next == kMissed) next = 0;
     } while (!word_.compare_exchange_weak(word, next, std::memory_order_acq_rel));
     retry = next == 0 && word == kOneWaiter + kMissed;
-    // Whoever released it may have woken this waiter instead of one that still waits.
+    // The release may have woken this waiter instead of one that still waits: pass the wake-up on.
     if (next >= kOneWaiter && (next & kHeld) == 0) futex_wake(word_, 1);
     return false;
   }

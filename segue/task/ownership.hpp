@@ -8,11 +8,17 @@
 
 namespace segue::task::detail {
 
-/// Who may touch a component now: its update, or one life-cycle verb. The update only ever tries, since its
-/// thread must not wait; it is told afterwards that it missed its turn. Verbs wait, and go first.
+/// The lock of a component, held by its update or by one life-cycle verb. The update only ever tries, since
+/// its thread must not wait; if it misses its turn, that is noted and it is triggered again afterwards. Verbs
+/// wait and have priority.
+///
+/// Memory order: every change of word_ is an acquire-release read-modify-write, so whatever a holder did
+/// happens before what the next holder does. A verb that waits compares word_ in the futex, so a release in
+/// between is not missed. holder_ is relaxed: a thread only asks whether it is itself the holder, and it sees
+/// its own stores.
 class Ownership {
  public:
-  /// For the update. False: release() will answer Retry to whoever holds or waits for it.
+  /// For the update. False: the missed turn is noted, and release() reports it to the last holder.
   bool try_acquire() noexcept {
     std::uint32_t word = word_.load(std::memory_order_relaxed);
     while (true) {
@@ -24,8 +30,8 @@ class Ownership {
     }
   }
 
-  /// For verbs. Requires that the caller does not hold it. `retry`: as for release(), when the deadline has
-  /// passed.
+  /// For verbs: waits until `deadline`. Requires that the caller does not hold it. `retry` is set as
+  /// release() returns it where the deadline has passed and nobody else is left to report the missed turn.
   bool acquire(TimePoint deadline, bool& retry) noexcept;
 
   /// True: an update missed its turn and must be triggered again.
@@ -34,7 +40,7 @@ class Ownership {
     std::uint32_t word = word_.load(std::memory_order_relaxed);
     std::uint32_t next = 0;
     do {
-      // With verbs waiting, the missed turn stays noted until the last of them is done.
+      // While verbs wait, the missed turn stays noted until the last of them is done.
       next = word >= kOneWaiter ? word & ~kHeld : 0;
     } while (!word_.compare_exchange_weak(word, next, std::memory_order_acq_rel));
     if (word >= kOneWaiter) futex_wake(word_, 1);
@@ -51,7 +57,7 @@ class Ownership {
 
   static constexpr std::uint32_t kHeld = 1;
   static constexpr std::uint32_t kMissed = 2;
-  static constexpr std::uint32_t kOneWaiter = 4;  ///< waiting verbs are counted from here
+  static constexpr std::uint32_t kOneWaiter = 4;  ///< the bits from here on count waiting verbs
   std::atomic<std::uint32_t> word_{0};
   std::atomic<const void*> holder_{nullptr};
 };

@@ -11,13 +11,14 @@ namespace segue::task {
 
 namespace {
 
-constexpr std::size_t kWriterSlots = 2;  // the one being written, and the last one
+constexpr std::size_t kWriterSlots = 2;  // the one being written and the last one
 
 std::string declared_name(const type::TypeInfo* type, std::string type_name) {
   return type == nullptr ? std::move(type_name) : std::string(type->name());
 }
 
-void increment(std::atomic<std::uint64_t>& counter) {  // of one writer
+/// For counters with one writing thread; readers may see an older value.
+void increment(std::atomic<std::uint64_t>& counter) {
   counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
@@ -52,7 +53,7 @@ OutputPortBase::OutputPortBase(Component& component, std::string name, const typ
 
 OutputPortBase::~OutputPortBase() {
   {
-    // First: waits for whoever holds the ports still, and nobody finds this one any more.
+    // First: waits for HeldPorts, and makes sure that nobody finds this port any more.
     const std::lock_guard lock(component_.ports_mutex_);
     std::erase(component_.outputs_, this);
   }
@@ -84,9 +85,10 @@ WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
     count = ends.size();
     for (std::size_t i = 0; i < count; ++i)
       refused |= !ends[i].push(*slot);
-    // Inside, so that show_last() after attach() cannot miss a sample that the new connection did not get.
-    SampleSlot* given_up = options().keep_last ? last_.exchange(slot, std::memory_order_acq_rel) : slot;
-    if (given_up != nullptr) given_up->release();
+    // Within the section, so that attach() waits for it: show_last() then finds the sample if the new
+    // connection did not get it.
+    SampleSlot* replaced = options().keep_last ? last_.exchange(slot, std::memory_order_acq_rel) : slot;
+    if (replaced != nullptr) replaced->release();
   }
   if (count == 0) return WriteResult::NotConnected;
   return refused ? WriteResult::Refused : WriteResult::Written;
@@ -159,7 +161,7 @@ InputPortBase::InputPortBase(Component& component, std::string name, const type:
 
 InputPortBase::~InputPortBase() {
   {
-    // First, as above.
+    // First, as for outputs.
     const std::lock_guard lock(component_.ports_mutex_);
     std::erase(component_.inputs_, this);
   }
@@ -209,7 +211,7 @@ ReadStatus InputPortBase::fetch() noexcept {
     return ReadStatus::NewData;
   }
   if (!last_) return ReadStatus::NoData;
-  // What a connection delivered is gone with it.
+  // A sample is dropped with the connection that delivered it.
   const ConnectionList<ReaderEnd>::Section ends(ends_);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (ends[i].number() == last_connection_) return ReadStatus::OldData;

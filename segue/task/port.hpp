@@ -19,9 +19,9 @@ class Component;
 class Executor;
 
 struct PortOptions {
-  bool dynamic = false;  ///< made in on_configure, gone after on_cleanup
+  bool dynamic = false;  ///< created in on_configure, destroyed in on_cleanup
   std::string doc{};
-  /// Outputs: hold the last sample, so that a connection with Policy::init begins with it. Costs one slot.
+  /// Outputs: keep the last sample, so that a connection with Policy::init can begin with it. Costs one slot.
   bool keep_last = true;
 };
 
@@ -29,31 +29,30 @@ enum class Direction : std::uint8_t { Input, Output };
 
 enum class WriteResult : std::uint8_t {
   Written,       ///< every connection took it
-  NotConnected,  ///< nobody listens
-  Refused,       ///< at least one buffer was full; the others took it
-  NoSlot         ///< every slot is held by readers; nobody got it
+  NotConnected,  ///< there is no connection
+  Refused,       ///< at least one buffer was full; other connections took it
+  NoSlot         ///< readers hold all slots; no connection got it
 };
 
 enum class ReadStatus : std::uint8_t {
-  NoData,   ///< nothing has come yet
+  NoData,   ///< nothing has arrived yet
   OldData,  ///< the sample that was read last
-  NewData   ///< one that was not read before
+  NewData   ///< a sample that has not been read before
 };
 
-/// Who is told that a new sample waits at an input port.
+/// Notified when a new sample waits at an input port.
 class SampleListener {
  public:
   virtual void sample_arrived() noexcept = 0;
-  /// Where sample_arrived() leads to.
+  /// The executor on which sample_arrived() makes something run.
   [[nodiscard]] virtual Executor& runner() noexcept = 0;
 
  protected:
   ~SampleListener() = default;
 };
 
-/// What all ports have in common. A port belongs to a component, whose task alone writes or reads it, from
-/// one thread at a time; everything here may be called from any thread. Destroying a port takes its
-/// connections off.
+/// Base of all ports. A port belongs to a component, and only its task writes or reads it, from one thread at
+/// a time; everything here may be called from any thread. Destroying a port disconnects it.
 class PortBase {
  public:
   PortBase(const PortBase&) = delete;
@@ -61,7 +60,7 @@ class PortBase {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] Direction direction() const { return direction_; }
-  /// nullptr: any type; type_name() is then what was declared, or empty.
+  /// nullptr: any type; type_name() is then the declared name, or empty.
   [[nodiscard]] const type::TypeInfo* type() const { return type_; }
   [[nodiscard]] const std::string& type_name() const { return type_name_; }
   [[nodiscard]] bool dynamic() const { return options_.dynamic; }
@@ -85,34 +84,35 @@ class PortBase {
   Direction direction_;
 };
 
-/// An output port of a type known by its TypeInfo only, or of any type (samples are then blank).
+/// An output port whose type is known by its TypeInfo only, or of any type (its samples carry no value then).
 class OutputPortBase : public PortBase {
  public:
   OutputPortBase(Component& component, std::string name, const type::TypeInfo* type,
                  std::string type_name = {}, PortOptions options = {});
   ~OutputPortBase();
 
-  /// Real-time safe: whether anybody listens, samples written, samples lost for want of a slot.
+  /// Whether there is a connection; samples written; samples lost because no slot was free. Real-time safe.
   [[nodiscard]] bool connected() const { return !ends_.empty(); }
   [[nodiscard]] std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t exhausted() const { return exhausted_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::size_t connection_count() const { return ends_.snapshot().size(); }
   void disconnect_all();
 
-  /// Writes a default value (blank for any type). Real-time safe once every slot was written.
+  /// Writes a default value (none for any type). Real-time safe once every slot was written.
   WriteResult write_default();
-  /// Writes what `value` says. Allocates; not for update paths.
+  /// Writes a dynamic value. Allocates; not for update paths.
   Result<WriteResult> write_value(const type::Value& value);
   /// Writes a copy of an object of the port's type. Real-time safe as far as the type's assignment is.
   WriteResult write_object(const void* object);
 
-  /// For links: puts an end in (AlreadyExists if one leads to the same `reader`, "task.port", with the same
-  /// policy), takes it out and waits for the write in progress.
+  /// For links: adds an end (AlreadyExists if one leads to the same `reader`, "task.port", with the same
+  /// policy); removes it and waits for the write in progress.
   Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader);
   void detach(const WriterEnd& end);
-  /// For links: from now on samples lie in `memory`, where there was none before. ResourceExhausted.
+  /// For links: from now on samples lie in `memory`, unless another memory was set before. ResourceExhausted.
   Result<void> share(const std::shared_ptr<SampleMemory>& memory);
-  /// For links: shows the last sample to `accept` while later ones cannot be mistaken for older ones.
+  /// For links: passes the last sample to `accept`, if there is one. The sample is taken out of last_
+  /// meanwhile, so that it cannot be released; it is put back unless the writer has published a newer one.
   template <class Accept>
   void show_last(Accept accept) {
     const std::lock_guard lock(attach_mutex_);
@@ -124,8 +124,8 @@ class OutputPortBase : public PortBase {
   }
 
  protected:
-  /// The writer's side: a slot to write to, nullptr (counted) if none is free; then exactly one of the
-  /// others.
+  /// For the writer: a slot to write to, which publish() or SampleSlot::release() must follow; nullptr,
+  /// counted, if none is free.
   SampleSlot* acquire() noexcept;
   WriteResult publish(SampleSlot* slot) noexcept;
   SamplePool& pool() { return *pool_; }
@@ -137,12 +137,13 @@ class OutputPortBase : public PortBase {
   ConnectionList<WriterEnd> ends_;
   std::atomic<std::uint64_t> written_{0};
   std::atomic<std::uint64_t> exhausted_{0};
+  /// Owns a reference. Whoever takes a slot out by an exchange (acquire-release) owns that reference.
   std::atomic<SampleSlot*> last_{nullptr};
-  std::mutex attach_mutex_;
+  std::mutex attach_mutex_;  ///< serializes attach() and show_last()
   void* default_value_ = nullptr;
 };
 
-/// An input port of a type known by its TypeInfo only, or of any type.
+/// An input port whose type is known by its TypeInfo only, or of any type.
 class InputPortBase : public PortBase {
  public:
   InputPortBase(Component& component, std::string name, const type::TypeInfo* type,
@@ -154,9 +155,9 @@ class InputPortBase : public PortBase {
   [[nodiscard]] std::size_t connection_count() const { return ends_.snapshot().size(); }
   void disconnect_all();
 
-  /// Reads as a dynamic value. Allocates; not for update paths. Blank samples are null.
+  /// Reads as a dynamic value; untyped samples are null. Allocates; not for update paths.
   ReadStatus read_value(type::Value& value);
-  /// Drops everything that waits and tells how much it was. Real-time safe.
+  /// Drops all waiting samples and returns their number. Real-time safe.
   std::size_t drain() noexcept;
   /// Whether a sample waits. The reader's thread only; real-time safe.
   [[nodiscard]] bool pending() noexcept;
@@ -164,23 +165,25 @@ class InputPortBase : public PortBase {
   /// For links.
   void attach(std::shared_ptr<ReaderEnd> end);
   void detach(const ReaderEnd& end);
-  /// For links: wakes the task if this port triggers it. Real-time safe.
+  /// For links: wakes the task if this port triggers it. Real-time safe. Sequentially consistent: a link
+  /// stores the sample and then loads the listener, a task that starts stores the listener and then checks
+  /// for samples.
   void notify() noexcept {
     if (SampleListener* listener = listener_.load(std::memory_order_seq_cst)) listener->sample_arrived();
   }
-  /// For the task: whom notify() tells; nullptr for nobody.
+  /// For the task: sets the listener of notify(); nullptr for none.
   void set_listener(SampleListener* listener);
 
  protected:
-  /// The next sample, connections taking turns; empty if none waits.
+  /// The next sample, taking turns among connections; empty if none waits.
   SampleRef pull() noexcept;
-  /// pull(), and what came last if there is nothing new and its connection still stands.
+  /// Like pull(), but keeps the last sample if there is no new one and its connection still exists.
   ReadStatus fetch() noexcept;
   [[nodiscard]] const SampleRef& last() const { return last_; }
 
  private:
   ConnectionList<ReaderEnd> ends_;
-  std::mutex listener_mutex_;  ///< held while ends are told of a listener
+  std::mutex listener_mutex_;  ///< serializes changes of listener_, so that all ends get the same one
   std::atomic<SampleListener*> listener_{nullptr};
   std::atomic<std::uint64_t> read_{0};
   SampleRef last_;

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-/// For tests only: a component that notes which hooks ran and does in them what the test wants.
+/// For tests only: a component that records which hooks ran and does in them what the test wants.
 namespace segue::task::test {
 
 class Probe : public Component {
@@ -43,9 +43,9 @@ class Probe : public Component {
   using Component::trigger_fd;
 
   std::vector<std::string> hooks;
-  std::optional<State> saved;     ///< what it hands over
-  std::optional<State> restored;  ///< what it was given
-  /// What to do in a hook, by its name ("start"). Throwing is fine.
+  std::optional<SavedState> saved;     ///< returned by save_state
+  std::optional<SavedState> restored;  ///< passed to restore_state
+  /// Called in every hook with its name ("start"); may throw.
   std::function<Result<void>(const std::string& hook)> act = [](const std::string&) -> Result<void> {
     return {};
   };
@@ -58,11 +58,11 @@ class Probe : public Component {
   void on_stop() override { static_cast<void>(note("stop")); }
   void on_cleanup() override { static_cast<void>(note("cleanup")); }
   Result<void> on_recover() override { return note("recover"); }
-  std::optional<State> save_state() override {
+  std::optional<SavedState> save_state() override {
     static_cast<void>(note("save_state"));
     return saved;
   }
-  Result<void> restore_state(const State& state) override {
+  Result<void> restore_state(const SavedState& state) override {
     restored = state;
     return note("restore_state");
   }
@@ -74,7 +74,7 @@ class Probe : public Component {
   }
 };
 
-/// Time enough for anything a test waits for.
+/// A deadline that is far enough for anything a test waits for.
 inline TimePoint soon() {
   return RealClock::instance().now() + std::chrono::seconds(60);
 }
@@ -92,7 +92,7 @@ class TaskTest : public ::testing::Test {
     ASSERT_TRUE(made) << to_string(made.error());
     task = std::move(*made);
   }
-  /// Into `state` by the straight way; hooks that ran until then are forgotten.
+  /// Brings the task to `state` directly and clears the record of hooks.
   void bring_to(TaskState state) {
     if (state == TaskState::Exception || state == TaskState::Fatal) {
       probe->act = [this, state](const std::string&) -> Result<void> {

@@ -21,8 +21,8 @@ struct PropertyOptions {
   std::string doc{};
 };
 
-/// A named setting of a component. Set from outside through its task only, between updates; a hook reads it
-/// as a plain variable.
+/// A named setting of a component. Set through its task only, between updates; hooks read it like a plain
+/// variable.
 class PropertyBase {
  public:
   PropertyBase(const PropertyBase&) = delete;
@@ -30,7 +30,7 @@ class PropertyBase {
   virtual ~PropertyBase();
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// nullptr: any value; type_name() is then what was declared, or empty.
+  /// nullptr: any value; type_name() is then the declared name, or empty.
   [[nodiscard]] const type::TypeInfo* type() const { return type_; }
   [[nodiscard]] const std::string& type_name() const { return type_name_; }
   [[nodiscard]] bool live() const { return options_.live; }
@@ -38,16 +38,16 @@ class PropertyBase {
 
   [[nodiscard]] virtual type::Value value() const = 0;
   [[nodiscard]] virtual type::Value default_value() const = 0;
-  /// Whether a map changes only the fields that it names (compounds); else it replaces the whole value.
+  /// Whether a map sets only the fields that it names (compounds) instead of replacing the whole value.
   [[nodiscard]] virtual bool takes_parts() const { return true; }
-  /// A checked value that waits to take effect. apply() swaps it in and never fails.
+  /// A checked value that is not in effect yet. apply() swaps it in and never fails.
   class Staged {
    public:
     virtual ~Staged() = default;
     virtual void apply() noexcept = 0;
   };
-  /// Checks `value` (compounds may be given in part, see takes_parts()) without touching the property. `path`
-  /// begins the message.
+  /// Checks `value` (compounds may be partial, see takes_parts()) without changing the property. `path`
+  /// begins the error message.
   virtual Result<std::unique_ptr<Staged>> stage(const type::Value& value, std::string_view path) = 0;
 
  protected:
@@ -62,7 +62,7 @@ class PropertyBase {
   const type::TypeInfo* type_;
 };
 
-/// A property of a C++ type. get() is a plain read: real-time safe inside hooks, not for other threads.
+/// A property of a C++ type. get() is a plain read: real-time safe in hooks, not for other threads.
 template <class T>
 class Property : public PropertyBase {
  public:
@@ -95,8 +95,8 @@ class Property : public PropertyBase {
   T value_;
 };
 
-/// A property whose type no C++ code knows: holds any value, or what `check` accepts. For stand-ins. Of a
-/// compound, that it is one must be said.
+/// A property without a C++ type: holds any value that `check` accepts. For stand-ins. `is_compound` must be
+/// set where its type is a compound.
 class DynamicProperty final : public PropertyBase {
  public:
   using Check = std::function<Result<void>(const type::Value& value, std::string_view path)>;

@@ -20,8 +20,10 @@ RealtimeLog::RealtimeLog() : lines_(std::make_unique<std::array<Line, kLines>>()
     (*lines_)[i].turn.store(i, std::memory_order_relaxed);
 }
 
-// A bounded queue in which a line's `turn` tells whose it is: equal to the position, the next writer's; one
-// more, the reader's; the writer of the next round waits for position + kLines.
+// A bounded queue with many writers and readers (Vyukov). A line's `turn` says whose it is: at `position` the
+// writer's, at position + 1 the reader's, at position + kLines the writer's of the next round. Its release
+// store hands the line over and pairs with the acquire load; head_ and tail_ only distribute positions and
+// are relaxed.
 bool RealtimeLog::push(LogLevel level, std::string_view source, std::string_view message) noexcept {
   std::size_t position = head_.load(std::memory_order_relaxed);
   Line* line = nullptr;
@@ -75,16 +77,16 @@ std::size_t RealtimeLog::drain() {
     ++count;
   }
   const std::uint64_t lost = lost_.load(std::memory_order_relaxed);
-  const std::uint64_t told = told_.exchange(lost, std::memory_order_relaxed);
-  if (lost > told) {
+  const std::uint64_t reported = lost_reported_.exchange(lost, std::memory_order_relaxed);
+  if (lost > reported) {
     segue::log(LogLevel::Warning, "log",
-               std::to_string(lost - told) + " lines of tasks were lost: too many at once");
+               std::to_string(lost - reported) + " lines of tasks were lost: too many at once");
   }
   return count;
 }
 
 struct RealtimeLogDrain::Implementation {
-  std::mutex mutex;
+  std::mutex mutex;  ///< guards stop
   std::condition_variable stopped;
   bool stop = false;
   std::thread thread;

@@ -13,21 +13,21 @@
 
 namespace segue::task {
 
-/// The process's ring of log lines from update paths: many threads put lines in without waiting or
-/// allocating, drain() passes them on to segue::log.
+/// The process's ring of log lines from update paths: threads add lines without waiting or allocating, and
+/// drain() passes them on to segue::log.
 class RealtimeLog {
  public:
   static constexpr std::size_t kLines = 1024;
   static constexpr std::size_t kMessageBytes = 200;
   static constexpr std::size_t kSourceBytes = 40;
 
-  /// The one that components log to. Its lines are made with the first task.
+  /// The instance for components. Its memory is allocated with the first task.
   static RealtimeLog& instance();
   RealtimeLog();
 
-  /// Cuts what is too long. False, and counted, where the ring is full. Real-time safe.
+  /// Cuts text that is too long. False, and counted, where the ring is full. Real-time safe.
   bool push(LogLevel level, std::string_view source, std::string_view message) noexcept;
-  /// Passes all lines on, and tells of those that were lost. Returns how many there were. Any thread.
+  /// Passes all lines on and reports how many were lost. Returns the number of lines. Any thread.
   std::size_t drain();
   [[nodiscard]] std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
@@ -46,10 +46,10 @@ class RealtimeLog {
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};
   std::atomic<std::uint64_t> lost_{0};
-  std::atomic<std::uint64_t> told_{0};
+  std::atomic<std::uint64_t> lost_reported_{0};
 };
 
-/// Drains the ring every `period` on a thread of its own as long as it lives.
+/// Drains the ring every `period` on a thread of its own, as long as an object lives.
 class RealtimeLogDrain {
  public:
   explicit RealtimeLogDrain(std::chrono::milliseconds period = std::chrono::milliseconds(50));

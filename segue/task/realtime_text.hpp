@@ -4,14 +4,21 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <thread>
 
 namespace segue::task::detail {
 
 /// A short text that one real-time thread at a time sets, without waiting, and any thread reads.
+///
+/// A sequence lock: version_ is odd while the text changes, and a reader starts over if it has changed. The
+/// text itself is atomic, so there is no data race; all is sequentially consistent, since this is no hot
+/// path. A reader that starts over often sleeps in between, so that it cannot keep a writer of lower priority
+/// from finishing.
 class RealtimeText {
  public:
   static constexpr std::size_t kBytes = 256;
@@ -30,7 +37,9 @@ class RealtimeText {
   }
 
   [[nodiscard]] std::string load() const {
-    while (true) {
+    constexpr int kTriesAwake = 50;
+    for (int tries = 0;; ++tries) {
+      if (tries > kTriesAwake) std::this_thread::sleep_for(std::chrono::microseconds(20));
       const std::uint32_t version = version_.load(std::memory_order_seq_cst);
       if (version % 2 == 1) continue;
       std::array<std::uint64_t, kBytes / sizeof(std::uint64_t)> words{};

@@ -50,12 +50,13 @@ bool RunQueue::run_one(TimePoint& now) noexcept {
   first_ = job->next_;
   if (first_ == nullptr) last_ = nullptr;
   job->running_since_ = job->wanted_since_;
-  // From here on others may queue it again.
+  // From here on others may queue the job again.
   const std::uint32_t flags = job->flags_.exchange(0, std::memory_order_acq_rel);
   if ((flags & Job::kRetire) != 0) {
     clear_timer(*job);
     job->retired_.store(1, std::memory_order_release);
-    // The job may be gone by now; waking an address that nobody waits at does no harm.
+    // The job may be destroyed by now; the system only uses the address, so a wake that nobody waits for is
+    // harmless.
     futex_wake(job->retired_, 1);
     return true;
   }

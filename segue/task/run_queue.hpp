@@ -8,33 +8,43 @@
 
 namespace segue::task::detail {
 
-/// What is ready to run, and what will be at a given time. Any thread may post(); everything else belongs to
-/// the thread that runs the jobs. Nothing but make_room() allocates.
+/// The jobs that are ready to run, and those that will be at a given time. Any thread may post(); everything
+/// else is for the thread that runs the jobs (the runner). Only make_room() allocates.
+///
+/// Memory order: whoever sets kQueued in Job::flags_ (acquire-release) alone writes the job's next_ and
+/// wanted_since_ and pushes it to the stack posted_; the runner takes the whole stack with an acquiring
+/// exchange. The runner reads both members before it clears flags_ (acquire-release), so the next poster
+/// writes them afterwards. A poster that finds kQueued set relies on the runner's exchange of flags_: its
+/// reason and all that it wrote before are seen by the run. posted_ is pushed and has_posted() loads with
+/// sequential consistency, because executors combine them with the word that says whether they sleep: a
+/// poster pushes and then loads that word, the runner stores it and then checks has_posted().
 class RunQueue {
  public:
-  /// Puts the job in unless it is in already. True: it was not, and the runner may have to be woken.
+  /// Queues the job unless it is queued already. True: it was not, so the runner may have to be woken.
   bool post(Job& job, std::uint32_t reason, TimePoint now) noexcept;
-  /// The same from the runner's thread, without telling other processors.
+  /// The same from the runner's thread, without the shared stack.
   void post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept;
   [[nodiscard]] bool has_posted() const noexcept {
     return posted_.load(std::memory_order_seq_cst) != nullptr;
   }
 
-  /// Runs the longest ready job, if any, and sets its timer by its answer.
+  /// Runs the job that has been ready longest, if any, and sets its timer as it returns. False: none was
+  /// ready.
   bool run_one(TimePoint& now) noexcept;
-  /// Makes the jobs ready whose time has come.
+  /// Queues the jobs whose time has come.
   void fire(TimePoint now) noexcept;
   [[nodiscard]] TimePoint next_due() const noexcept {
     return timers_.empty() ? kNever : timers_.front()->due_;
   }
 
-  /// From any thread: the runner will forget the job. Then wait_retired() tells when it has.
+  /// From any thread: asks the runner to forget the job; wait_retired() waits until it has. True as for
+  /// post().
   bool post_retire(Job& job) noexcept;
   static void wait_retired(Job& job) noexcept;
-  /// From the runner's thread: forgets it at once.
+  /// From the runner's thread: forgets the job at once.
   void forget(Job& job) noexcept;
 
-  /// Room for timers of so many jobs. From the runner's thread, or before it runs.
+  /// Reserves room for the timers of so many jobs. From the runner's thread, or before it runs.
   void make_room(std::size_t jobs) { timers_.reserve(jobs); }
   [[nodiscard]] std::size_t room() const { return timers_.capacity(); }
 
@@ -47,7 +57,7 @@ class RunQueue {
   void sift_down(std::size_t position) noexcept;
   void place(Job* job, std::size_t position) noexcept;
 
-  Job* first_ = nullptr;  ///< ready jobs in order
+  Job* first_ = nullptr;  ///< ready jobs, oldest first
   Job* last_ = nullptr;
   std::vector<Job*> timers_;                       ///< binary heap by due time
   alignas(64) std::atomic<Job*> posted_{nullptr};  ///< a stack, newest first

@@ -8,7 +8,7 @@ namespace segue::task {
 
 namespace {
 
-/// The free list of a retired pool: whoever sees it counts down instead of pushing.
+/// The free list of a retired pool: a thread that finds it counts its slot instead of pushing it.
 SampleSlot* retired_mark() {
   static SampleSlot mark;
   return &mark;
@@ -66,7 +66,7 @@ bool SamplePool::reserve_usable(std::size_t slots) {
   return slots <= usable || add_slots(slots - usable);
 }
 
-/// Under mutex_. Makes fewer where the memory is full.
+/// Requires mutex_. Adds fewer slots where the memory is full.
 bool SamplePool::add_slots(std::size_t count) {
   chunks_.reserve(chunks_.size() + 1);
   const std::size_t inside = info() == nullptr || memory_ ? 0 : info()->size;
@@ -109,7 +109,7 @@ SampleSlot* SamplePool::make_slot(std::byte* memory) {
 
 void SamplePool::prime(const void* example) {
   {
-    // First, so that slots that come meanwhile are filled in one way or the other.
+    // First, so that slots that are added meanwhile are filled either here or by reserve().
     const std::lock_guard lock(mutex_);
     if (example_ == nullptr) {
       example_ = ::operator new(info()->size, std::align_val_t(alignment_of(info())));
@@ -148,7 +148,7 @@ SampleSlot* SamplePool::pop() noexcept {
 
 SampleSlot* SamplePool::acquire() noexcept {
   SampleSlot* slot = pop();
-  // Slots from before share(): there are as many new ones.
+  // Slots from before share() are dropped; it has added as many new ones.
   while (slot != nullptr && !slot->shared && shares_.load(std::memory_order_relaxed)) {
     ++replaced_;
     slot = pop();
@@ -180,8 +180,8 @@ void SamplePool::retire() noexcept {
   account(static_cast<std::int64_t>(size()) - home);
 }
 
-/// Slots come back one by one, before or after retire() has counted how many are out; the change that brings
-/// the balance to zero is the last.
+/// Slots are recycled one by one, before or after retire() has counted how many are out. The change that
+/// brings the balance to zero is the last access to the pool.
 void SamplePool::account(std::int64_t outstanding) noexcept {
   if (outstanding_.fetch_add(outstanding, std::memory_order_acq_rel) + outstanding == 0) delete this;
 }

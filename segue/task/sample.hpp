@@ -12,34 +12,34 @@
 #include <utility>
 #include <vector>
 
-/// The real-time side: components, their ports, properties and operations, their life cycle, and what runs
-/// them.
+/// The real-time side: components, their ports, properties and operations, their life cycle and their
+/// executors.
 namespace segue::task {
 
 struct SampleSlot;
 
-/// Memory that other processes can read, for the values of samples. Real-time safe but for the first touch of
-/// a page; any thread.
+/// Memory for the values of samples that other processes can read. Any thread; real-time safe except for page
+/// faults.
 class SampleMemory {
  public:
   SampleMemory() = default;
   SampleMemory(const SampleMemory&) = delete;
   SampleMemory& operator=(const SampleMemory&) = delete;
   virtual ~SampleMemory() = default;
-  /// nullptr: there is none left.
+  /// nullptr: no memory is left.
   virtual void* allocate(std::size_t size, std::size_t alignment) noexcept = 0;
   virtual void deallocate(void* memory) noexcept = 0;
 };
 
-/// Whose memory a sample lies in, and where it goes when nobody holds it any more.
+/// Owns the memory of samples, and gets each one back when nobody holds it any more.
 class SampleOwner {
  public:
   explicit SampleOwner(const type::TypeInfo* info) : info_(info) {}
   SampleOwner(const SampleOwner&) = delete;
   SampleOwner& operator=(const SampleOwner&) = delete;
-  /// The last reference is gone. Called from any thread; real-time safe.
+  /// Called when the last reference is gone. Any thread; real-time safe.
   virtual void recycle(SampleSlot& slot) noexcept = 0;
-  /// nullptr: samples are blank, they count but carry nothing.
+  /// nullptr: untyped samples, which count but carry no value.
   [[nodiscard]] const type::TypeInfo* info() const { return info_; }
 
  protected:
@@ -49,19 +49,24 @@ class SampleOwner {
   const type::TypeInfo* info_;
 };
 
-/// A place for one sample. Whoever holds a reference may read the value; only its writer, before it publishes
-/// the slot, may write it.
+/// A place for one sample. Whoever holds a reference may read the value; only the writer may write it, before
+/// it publishes the slot.
+///
+/// Memory order: retain() is relaxed, since the caller holds a reference already and the slot is passed on by
+/// other means (a ring's word). release() is acquire-release, so every holder's use of the value happens
+/// before recycle(), and with the owner's free list before the writer uses the slot again.
 struct alignas(64) SampleSlot {
   std::atomic<std::uint32_t> references{0};
-  std::uint64_t sequence = 0;  ///< how many samples its port had written, this one included
-  void* value = nullptr;       ///< nullptr: blank
+  std::uint64_t sequence = 0;  ///< the number of this sample at its port, from 1
+  void* value = nullptr;       ///< nullptr: untyped
   SampleOwner* owner = nullptr;
-  SampleSlot* next = nullptr;  ///< of the owner, while the slot is free
+  SampleSlot* next = nullptr;  ///< for the owner, while the slot is free
   bool shared = false;         ///< the value lies in the owner's SampleMemory
 
   void retain() noexcept { references.fetch_add(1, std::memory_order_relaxed); }
   void release() noexcept {
-    // The only holder needs no atomic subtraction: nobody else can add a reference.
+    // The only holder needs no atomic decrement: nobody else can add a reference. Acquire pairs with the
+    // decrement of the holders before it.
     if (references.load(std::memory_order_acquire) == 1) {
       references.store(0, std::memory_order_relaxed);
       owner->recycle(*this);
@@ -71,13 +76,13 @@ struct alignas(64) SampleSlot {
   }
 };
 
-/// One counted reference to a sample. Real-time safe; thread safe as far as int is.
+/// A counted reference to a sample. Real-time safe; an object may be used by one thread at a time.
 class SampleRef {
  public:
   SampleRef() = default;
-  /// Takes over a reference that is already counted.
+  /// Takes over a counted reference.
   static SampleRef adopt(SampleSlot* slot) noexcept { return SampleRef(slot); }
-  /// Counts a new one.
+  /// Adds a reference.
   static SampleRef share(SampleSlot& slot) noexcept {
     slot.retain();
     return SampleRef(&slot);
@@ -96,7 +101,7 @@ class SampleRef {
   explicit operator bool() const noexcept { return slot_ != nullptr; }
   [[nodiscard]] SampleSlot* get() const noexcept { return slot_; }
   SampleSlot* operator->() const noexcept { return slot_; }
-  /// Gives the reference away.
+  /// Gives up the reference without releasing it.
   SampleSlot* detach() noexcept { return std::exchange(slot_, nullptr); }
 
  private:
@@ -104,8 +109,13 @@ class SampleRef {
   SampleSlot* slot_ = nullptr;
 };
 
-/// The samples of one output port: slots made beforehand, a lock-free list of the free ones. Outlives its
-/// port until the last sample has come back.
+/// The samples of one output port: preallocated slots and a lock-free list of the free ones. Outlives its
+/// port until the last sample has been recycled.
+///
+/// Memory order: any thread pushes recycled slots to the stack free_ with release; the writer takes the whole
+/// stack with one acquiring exchange, which synchronizes with all pushes and rules out ABA. Retiring
+/// exchanges free_ for a mark: a slot pushed before is counted there, a slot that finds the mark counts
+/// itself in outstanding_, whose last acquire-release change deletes the pool after everybody's last access.
 class SamplePool final : public SampleOwner {
  public:
   struct Retire {
@@ -115,15 +125,15 @@ class SamplePool final : public SampleOwner {
 
   static Handle create(const type::TypeInfo* info);
 
-  /// Makes sure that there are at least `slots` in all. Any thread; allocates. False: the SampleMemory is
-  /// full, and there are fewer.
+  /// Makes sure that the pool has at least `slots`. Any thread; allocates. False: the SampleMemory is full,
+  /// and there are fewer.
   bool reserve(std::size_t slots);
-  /// From now on values lie in `memory`: slots made before are replaced as they come back. The type must be
-  /// trivially copyable. The first memory stays. Any thread; allocates. False as for reserve().
+  /// From now on values lie in `memory`; earlier slots are replaced as they are recycled. The type must be
+  /// trivially copyable. Only the first memory counts. Any thread; allocates. False as for reserve().
   bool share(const std::shared_ptr<SampleMemory>& memory);
   [[nodiscard]] std::size_t size() const;
   /// Fills every free slot, and every slot that reserve() adds from now on, with a copy of `example`, an
-  /// object of the pool's type (which it must have). The writer only; allocates.
+  /// object of the pool's type. Requires a typed pool. The writer only; allocates.
   void prime(const void* example);
 
   /// A free slot with one reference, holding an old or a default value; nullptr if there is none. One thread
@@ -148,18 +158,20 @@ class SamplePool final : public SampleOwner {
   SampleSlot* pop() noexcept;
   void forget_example() noexcept;
 
-  SampleSlot* reserved_ = nullptr;  ///< free slots that the writer has already fetched
-  std::size_t replaced_ = 0;        ///< the writer's: slots outside of the memory that it will not use again
-  std::size_t offset_;              ///< of the value in its slot, where it lies there
+  SampleSlot* reserved_ = nullptr;  ///< writer only: free slots that it has already fetched
+  std::size_t replaced_ = 0;        ///< writer only: slots outside memory_ that it will not use again
+  std::size_t offset_;              ///< of the value in its slot, unless it lies in memory_
+  /// Whether values lie in memory_. Relaxed for the writer: if it misses the change, it uses an old slot once
+  /// more.
   std::atomic<bool> shares_{false};
-  mutable std::mutex mutex_;  ///< guards what follows, down to example_
+  mutable std::mutex mutex_;  ///< guards the members down to example_
   std::shared_ptr<SampleMemory> memory_;
   std::vector<Chunk> chunks_;
   std::size_t size_ = 0;
-  std::size_t outside_ = 0;  ///< slots made before there was a memory_
-  void* example_ = nullptr;  ///< of prime(), for slots to come
+  std::size_t outside_ = 0;  ///< slots outside memory_
+  void* example_ = nullptr;  ///< set by prime(), for later slots
   alignas(64) std::atomic<SampleSlot*> free_{nullptr};
-  /// After retirement: slots that have not come back. Negative while some came before they were counted.
+  /// After retirement: slots that are still out. Negative while slots came back before they were counted.
   std::atomic<std::int64_t> outstanding_{0};
 };
 

@@ -11,26 +11,25 @@
 
 namespace segue::task {
 
-/// What a task remembers, for the one that continues its work. A plain value: it travels between processes
-/// and computers.
-struct State {
-  std::string name;           ///< what it is, usually its type's name: "/demo/FilterState"
-  std::uint32_t version = 1;  ///< counted up when its meaning changes
+/// The state of a task, for the one that takes over its work. A plain value that can be sent to other
+/// processes and computers.
+struct SavedState {
+  std::string name;           ///< usually the name of its type: "/demo/FilterState"
+  std::uint32_t version = 1;  ///< increased when its meaning changes
   type::Value value;
-  friend bool operator==(const State&, const State&) = default;
+  friend bool operator==(const SavedState&, const SavedState&) = default;
 };
 
-/// A described value as a state that has its type's name.
+/// A described value as a state with the name of its type.
 template <class T>
-State make_state(const T& value, std::uint32_t version = 1) {
+SavedState make_state(const T& value, std::uint32_t version = 1) {
   const type::TypeInfo& info = type::type_info<T>();
   return {std::string(info.name()), version, info.to_value(&value)};
 }
 
-/// The value of a state of that type and version. Fails (TypeMismatch) for every other state, and says what
-/// it is.
+/// The value of a state of type T and this version. TypeMismatch, naming both, for every other state.
 template <class T>
-Result<T> read_state(const State& state, std::uint32_t version = 1) {
+Result<T> read_state(const SavedState& state, std::uint32_t version = 1) {
   const type::TypeInfo& info = type::type_info<T>();
   if (state.name != info.name() || state.version != version) {
     return fail(ErrorCode::TypeMismatch, "expected " + quote(info.name()) + " version " +

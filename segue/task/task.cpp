@@ -126,7 +126,7 @@ Result<type::Value> Task::Implementation::call_in_thread(std::unique_ptr<Operati
     return fail(ErrorCode::ResourceExhausted, "too many calls wait for the task; try again later", name);
   }
   if (executor->is_current()) {
-    // Nobody else would serve it while this thread waits.
+    // This is the task's own thread, so nobody else would serve the call while it waits.
     auto served = exclusive("call an operation of", deadline, [this]() -> Result<void> {
       serve_calls();
       return {};
@@ -209,15 +209,15 @@ Result<void> Task::recover(TimePoint deadline) {
   return implementation_->exclusive("recover", deadline, [this] { return implementation_->recover(); });
 }
 
-Result<std::optional<State>> Task::save_state(TimePoint deadline) {
-  std::optional<State> state;
+Result<std::optional<SavedState>> Task::save_state(TimePoint deadline) {
+  std::optional<SavedState> state;
   auto done = implementation_->exclusive("save the state of", deadline,
                                          [&] { return implementation_->save_state(state); });
   if (!done) return std::move(done.error());
   return state;
 }
 
-Result<void> Task::restore_state(const State& state, TimePoint deadline) {
+Result<void> Task::restore_state(const SavedState& state, TimePoint deadline) {
   return implementation_->exclusive("restore the state of", deadline,
                                     [&] { return implementation_->restore_state(state); });
 }
@@ -245,7 +245,7 @@ Result<void> Task::set_properties(const type::Value& values, TimePoint deadline)
                 self.name);
   }
   const std::lock_guard lock(*self.properties_mutex);
-  // Checked before and freed after the task is held, so that its updates wait for the swap only.
+  // Staged before the task is locked and freed afterwards, so that updates wait for the swap only.
   std::vector<std::unique_ptr<PropertyBase::Staged>> staged;
   std::vector<std::string> not_live;
   for (const auto& [name, value] : values.as_map()) {

@@ -20,7 +20,7 @@
 
 namespace segue::task {
 
-/// Calls the hooks of a component, which are nobody else's business.
+/// Gives tasks, and nobody else, access to the hooks of a component.
 class ComponentAccess {
  public:
   static Result<void> configure(Component& component) { return component.on_configure(); }
@@ -30,23 +30,23 @@ class ComponentAccess {
   static void error(Component& component) { component.on_error(); }
   static void stop(Component& component) { component.on_stop(); }
   static void cleanup(Component& component) { component.on_cleanup(); }
-  static std::optional<State> save_state(Component& component) { return component.save_state(); }
-  static Result<void> restore_state(Component& component, const State& state) {
+  static std::optional<SavedState> save_state(Component& component) { return component.save_state(); }
+  static Result<void> restore_state(Component& component, const SavedState& state) {
     return component.restore_state(state);
   }
   static void set_context(Component& component, TaskContext* context) { component.context_ = context; }
   static OutputPort<std::int32_t>& state_port(Component& component) { return component.state_port_; }
 };
 
-/// A task as a job of its executor. Everything without a comment belongs to whoever holds `ownership`.
+/// A task as a job of its executor. Members without another remark are guarded by `ownership`.
 struct Task::Implementation final : Job, TaskContext, SampleListener {
   Implementation(std::string task_id, std::unique_ptr<Component> made, Activity wanted,
                  std::shared_ptr<Executor> runner);
-  /// Takes the component of another one over, which must be retired then.
+  /// Takes over the component of `old`, which must then be retired.
   Implementation(const Implementation& old, Activity wanted, std::shared_ptr<Executor> runner);
   ~Implementation();
 
-  // What hooks may ask for (TaskContext).
+  // TaskContext, for hooks.
   [[nodiscard]] const std::string& id() const override { return name; }
   [[nodiscard]] TimePoint now() const override { return executor->clock().now(); }
   void set_state(std::string_view sub_state) override;
@@ -67,10 +67,10 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   Result<void> cleanup();
   Result<void> recover();
   void shut_down();
-  Result<void> save_state(std::optional<State>& state);
-  Result<void> restore_state(const State& state);
+  Result<void> save_state(std::optional<SavedState>& state);
+  Result<void> restore_state(const SavedState& state);
 
-  /// How far a component has come, and so which hooks undo it.
+  /// How far the life cycle has come, which decides the hooks that undo it.
   enum class Reached { Nothing, Configured, Started };
   struct HookEnd {
     std::optional<Error> refused;
@@ -90,7 +90,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   [[nodiscard]] bool active() const;
   [[nodiscard]] bool due(std::uint32_t reasons, TimePoint now) const;
   void update(TimePoint& now) noexcept;
-  void look_again() noexcept;
+  void retrigger_if_pending() noexcept;
   [[nodiscard]] std::uint64_t trigger_samples_read() const noexcept;
   void serve_calls() noexcept;
   void release() noexcept;
@@ -99,7 +99,8 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
     return static_cast<TaskState>(state_word.load(std::memory_order_acquire) & 0xFFU);
   }
   [[nodiscard]] std::string state_name() const;
-  /// Runs `body` with the ownership, or says why not. From any thread.
+  /// Runs `body` while holding the ownership. From any thread; InvalidState inside own hooks,
+  /// DeadlineExceeded.
   template <class Body>
   Result<void> exclusive(std::string_view verb, TimePoint deadline, Body body);
   Result<type::Value> call(std::string_view operation, const type::Value& arguments, TimePoint deadline);
@@ -111,35 +112,37 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   const std::string name;
   const Activity activity;
   const std::shared_ptr<Executor> executor;
-  const std::shared_ptr<Component> component;  ///< of this one, and of retired ones
+  const std::shared_ptr<Component> component;  ///< shared with retired implementations
   Task* task = nullptr;
 
-  detail::Ownership ownership;               ///< any thread
-  std::atomic<std::uint32_t> state_word{0};  ///< any thread reads; TaskState, then sub-state's index + 1
-  detail::RealtimeText message;              ///< any thread reads
-  detail::TimingRecorder recorder;           ///< any thread reads
-  detail::CallQueue calls;                   ///< any thread
-  /// Held to set properties and to read them from outside; goes with the component.
+  detail::Ownership ownership;  ///< any thread
+  /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. Changes are
+  /// released and reads acquired, so whoever sees a state sees what led to it.
+  std::atomic<std::uint32_t> state_word{0};
+  detail::RealtimeText message;     ///< any thread reads
+  detail::TimingRecorder recorder;  ///< any thread reads
+  detail::CallQueue calls;          ///< any thread
+  /// Guards the properties against concurrent setting and reading from outside; shared along with the
+  /// component.
   const std::shared_ptr<std::mutex> properties_mutex;
 
   Task::StateListener listener;
   Request request = Request::None;
   bool starting = false;
-  bool retired = false;              ///< the component is another task's now
+  bool retired = false;              ///< the component has moved to another task
   std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
   std::vector<InputPortBase*> trigger_inputs;
   std::vector<int> descriptors;
   TimePoint due_at{};
-  std::uint32_t trigger_on_release = 0;  ///< reasons to run as soon as the verb is done
-  std::uint32_t deferred = 0;            ///< of the executor: reasons that met a held ownership
+  std::uint32_t trigger_on_release = 0;  ///< reasons to run when the ownership is released
+  std::uint32_t deferred = 0;            ///< executor's thread only: reasons of turns that were missed
 };
 
 template <class Body>
 Result<void> Task::Implementation::exclusive(std::string_view verb, TimePoint deadline, Body body) {
   if (ownership.is_mine()) {
     return fail(ErrorCode::InvalidState,
-                "cannot " + std::string(verb) + " a task from inside its own hook; ask from another thread",
-                name);
+                "cannot " + std::string(verb) + " a task from inside its own hook; use another thread", name);
   }
   bool retry = false;
   if (!ownership.acquire(deadline, retry)) {
@@ -152,7 +155,7 @@ Result<void> Task::Implementation::exclusive(std::string_view verb, TimePoint de
     ~Releaser() { owned.release(); }
   } const releaser{*this};
   if (retired) {
-    return fail(ErrorCode::InvalidState, "the task has been made anew; ask again", name);
+    return fail(ErrorCode::InvalidState, "the task has been replaced; look it up again", name);
   }
   return body();
 }

@@ -23,7 +23,7 @@ bool Task::Implementation::active() const {
 
 TimePoint Task::Implementation::run(std::uint32_t reasons, TimePoint& now) noexcept {
   deferred |= reasons;
-  // Whoever holds it triggers this again when done.
+  // The holder triggers this job again when it is done.
   if (!ownership.try_acquire()) return detail::kNever;
   reasons = std::exchange(deferred, 0);
   if (!calls.empty()) serve_calls();
@@ -68,8 +68,8 @@ void Task::Implementation::update(TimePoint& now) noexcept {
   } catch (const std::exception& thrown) {
     exception(std::string(hook_name) + " threw: " + thrown.what());
   } catch (...) {
-    exception(in_error ? "on_error threw something that is no std::exception"
-                       : "on_update threw something that is no std::exception");
+    exception(in_error ? "on_error threw something other than a std::exception"
+                       : "on_update threw something other than a std::exception");
   }
   now = executor->clock().now();
   recorder.record(wanted, begin, now, activity.period, missed);
@@ -80,7 +80,8 @@ void Task::Implementation::update(TimePoint& now) noexcept {
   for (const int descriptor : descriptors)
     executor->rearm(*this, descriptor);
   const bool has_recovered = in_error && state() == TaskState::Running;
-  if (!trigger_inputs.empty() && (has_recovered || trigger_samples_read() != read_before)) look_again();
+  if (!trigger_inputs.empty() && (has_recovered || trigger_samples_read() != read_before))
+    retrigger_if_pending();
 }
 
 std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
@@ -90,9 +91,9 @@ std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
   return count;
 }
 
-/// One wake-up may stand for several samples. A component that takes one at a time gets its next turn as long
+/// One trigger may stand for several samples. A component that takes one at a time gets another turn as long
 /// as it makes progress.
-void Task::Implementation::look_again() noexcept {
+void Task::Implementation::retrigger_if_pending() noexcept {
   const auto waits = [](InputPortBase* input) { return input->pending(); };
   if (std::ranges::any_of(trigger_inputs, waits)) executor->trigger(*this, Job::kSample);
 }
@@ -164,11 +165,11 @@ void Task::Implementation::fatal(std::string_view text) {
 
 Result<void> Task::Implementation::trigger_fd(int descriptor) {
   if (!starting || activity.trigger != Trigger::FileDescriptorDriven) {
-    return fail(
-        ErrorCode::InvalidState,
-        "trigger_fd() belongs into on_start of a task that is driven by file descriptors; this one is " +
-            std::string(to_string(activity.trigger)),
-        name);
+    return fail(ErrorCode::InvalidState,
+                "trigger_fd() can only be called in on_start of a task that is driven by file descriptors; "
+                "this one is " +
+                    std::string(to_string(activity.trigger)),
+                name);
   }
   descriptors.push_back(descriptor);
   return {};

@@ -27,7 +27,7 @@ constexpr std::uint32_t kInFutex = 1;
 constexpr std::uint32_t kInPoll = 2;
 constexpr std::uint32_t kInDoorbell = 3;  ///< a futex that other processes can wake
 
-/// After so many jobs without a pause, descriptors are looked at all the same.
+/// After so many jobs in a row, descriptors are polled even though jobs are ready.
 constexpr int kJobsBetweenPolls = 32;
 
 timespec to_timespec(Duration duration) {
@@ -38,6 +38,12 @@ timespec to_timespec(Duration duration) {
 }  // namespace
 
 /// Shared with the thread, so that an executor may be destroyed from inside one of its own jobs.
+///
+/// Memory order of the wake-up: the thread stores `sleeping` and then checks for posted jobs, stop, changes
+/// of how to wait, and rings; a waker changes one of these and then loads `sleeping`. All are sequentially
+/// consistent, so either the thread stays awake or the waker sees that it must wake it. The waker's exchange
+/// to kAwake makes sure that one of several wakes, and changes the futex word, so a thread that is about to
+/// sleep does not.
 struct ThreadExecutor::State {
   ~State() {
     if (poll_descriptor >= 0) close(poll_descriptor);
@@ -59,26 +65,27 @@ struct ThreadExecutor::State {
   static void* bridge_main(void* argument);
 
   detail::RunQueue queue;
-  TimePoint now{};  ///< of the thread, for jobs that trigger each other
+  TimePoint now{};  ///< used by the thread only, for jobs that trigger each other
   alignas(64) std::atomic<std::uint32_t> sleeping{kAwake};
   std::atomic<bool> stop{false};
-  std::atomic<bool> polls{false};  ///< the thread must also wait for descriptors
+  std::atomic<bool> polls{false};  ///< the thread must wait for descriptors, too
   std::atomic<std::size_t> jobs{0};
   std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
   std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
   std::atomic<Doorbell*> doorbell{nullptr};  ///< set once
-  std::mutex descriptors_mutex;              ///< guards what follows
+  std::mutex descriptors_mutex;              ///< guards the members below, which are set once each
   int poll_descriptor = -1;
   int wake_descriptor = -1;
-  std::shared_ptr<Doorbell> hung;
-  std::optional<pthread_t> bridge;  ///< passes rings on while the thread waits for descriptors
+  std::shared_ptr<Doorbell> owned_doorbell;
+  std::optional<pthread_t>
+      bridge;  ///< helper thread that passes rings on while this one waits for descriptors
   std::string name;
   Activity activity;
   pthread_t thread{};
 };
 
 namespace {
-/// The executor whose thread this is.
+/// The executor that runs on this thread.
 thread_local const void* current_executor = nullptr;
 }  // namespace
 
@@ -95,7 +102,7 @@ Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string
     executor->state_.reset();
     return std::move(started.error());
   }
-  static_cast<void>(argument.release());  // the thread's now
+  static_cast<void>(argument.release());  // owned by the thread now
   state->thread = started->thread;
   executor->granted_ = started->scheduler_granted;
   return executor;
@@ -106,7 +113,7 @@ ThreadExecutor::~ThreadExecutor() {
   const pthread_t thread = state_->thread;
   state_->stop.store(true, std::memory_order_seq_cst);
   if (state_->bridge) {
-    state_->hung->ring_through();
+    state_->owned_doorbell->ring_through();
     pthread_join(*state_->bridge, nullptr);
   }
   if (is_current()) {
@@ -271,7 +278,7 @@ Result<void> ThreadExecutor::State::prepare_poll(const std::shared_ptr<State>& s
   if (poll_descriptor < 0) {
     if (auto opened = open_poll(); !opened) return opened;
   }
-  if (hung) {
+  if (owned_doorbell) {
     if (auto started = start_bridge(self); !started) return started;
   }
   polls.store(true, std::memory_order_seq_cst);
@@ -280,7 +287,7 @@ Result<void> ThreadExecutor::State::prepare_poll(const std::shared_ptr<State>& s
 }
 
 Result<void> ThreadExecutor::State::start_bridge(const std::shared_ptr<State>& self) {
-  // With the same scheduler and priority, or the rings would wait for others.
+  // With the same scheduler and priority, or rings would be delayed by other threads.
   auto argument = std::make_unique<std::shared_ptr<State>>(self);
   auto started = detail::start_thread(name, activity, &State::bridge_main, argument.get());
   if (!started) return std::move(started.error());
@@ -289,11 +296,11 @@ Result<void> ThreadExecutor::State::start_bridge(const std::shared_ptr<State>& s
   return {};
 }
 
-/// Other processes cannot write to an eventfd of this one; a futex cannot end epoll_wait.
+/// Needed because other processes cannot write to an eventfd of this one, and a futex cannot end epoll_wait.
 void* ThreadExecutor::State::bridge_main(void* argument) {
   const std::unique_ptr<std::shared_ptr<State>> owner(static_cast<std::shared_ptr<State>*>(argument));
   State& state = **owner;
-  const std::shared_ptr<Doorbell> doorbell = state.hung;  // set before this thread was started
+  const std::shared_ptr<Doorbell> doorbell = state.owned_doorbell;  // set before this thread was started
   while (!state.stop.load(std::memory_order_seq_cst)) {
     const std::uint32_t seen = doorbell->rings();
     if (state.stop.load(std::memory_order_seq_cst)) break;
@@ -306,19 +313,19 @@ void* ThreadExecutor::State::bridge_main(void* argument) {
 Result<std::shared_ptr<Doorbell>> ThreadExecutor::doorbell(const DoorbellMaker& make) {
   State& state = *state_;
   const std::lock_guard lock(state.descriptors_mutex);
-  if (state.hung) return state.hung;
+  if (state.owned_doorbell) return state.owned_doorbell;
   auto made = check_doorbell(make());
   if (!made) return made;
-  state.hung = std::move(*made);
+  state.owned_doorbell = std::move(*made);
   if (state.polls.load(std::memory_order_relaxed)) {
     if (auto started = state.start_bridge(state_); !started) {
-      state.hung.reset();
+      state.owned_doorbell.reset();
       return std::move(started.error());
     }
   }
-  state.doorbell.store(state.hung.get(), std::memory_order_seq_cst);
+  state.doorbell.store(state.owned_doorbell.get(), std::memory_order_seq_cst);
   state.wake();
-  return state.hung;
+  return state.owned_doorbell;
 }
 
 Result<void> ThreadExecutor::watch(Job& job, int descriptor) {

@@ -9,14 +9,14 @@
 
 namespace segue::task {
 
-/// Runs jobs on a thread of its own, which sleeps when there is nothing to do. While jobs on it trigger each
-/// other they follow without a wake-up.
+/// Runs jobs on a thread of its own, which sleeps when there is nothing to do. Jobs that trigger others on
+/// the same executor need no wake-up.
 class ThreadExecutor final : public Executor {
  public:
-  /// The thread gets `name` (cut at 15 bytes) and what `activity` says of scheduler, priority and processors.
-  /// PermissionDenied where the system refuses, unless it is optional.
+  /// The thread gets `name` (cut at 15 bytes) and the scheduler, priority and processors of `activity`.
+  /// PermissionDenied where the system refuses these, unless they are optional.
   static Result<std::shared_ptr<ThreadExecutor>> create(const std::string& name, const Activity& activity);
-  /// All jobs must have been removed. Waits for the thread, unless it is the caller's.
+  /// Requires that all jobs were removed. Waits for the thread, unless called from it.
   ~ThreadExecutor() override;
 
   void trigger(Job& job, Job::Reason reason) noexcept override;
@@ -29,7 +29,7 @@ class ThreadExecutor final : public Executor {
   [[nodiscard]] bool is_current() const noexcept override;
   [[nodiscard]] Clock& clock() noexcept override { return RealClock::instance(); }
   [[nodiscard]] Usage usage() const override;
-  /// Whether the thread runs under the scheduler that was asked for (false: optional and not permitted).
+  /// Whether the thread runs under the requested scheduler (false: optional and not permitted).
   [[nodiscard]] bool scheduler_granted() const { return granted_; }
 
  private:

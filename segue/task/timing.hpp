@@ -12,21 +12,22 @@ namespace segue::task {
 /// Timing of a task's updates since its last start. Durations are wall-clock.
 struct Timing {
   std::uint64_t cycles = 0;
-  std::uint64_t missed = 0;  ///< periodic: points in time that passed without an update
+  std::uint64_t missed = 0;  ///< periodic: times that passed without an update
   Duration last{0};          ///< of the last update
   Duration mean{0};
   Duration worst{0};
-  Duration latency_mean{0};  ///< from due time (periodic) or wake-up (others) to the begin of the update
+  Duration latency_mean{0};  ///< from due time (periodic) or trigger (others) to the start of the update
   Duration latency_worst{0};
   Duration jitter{0};  ///< mean absolute deviation of the time between updates from the period
-  /// Processor time of all updates: their share of what their thread used, so that it costs them nothing.
+  /// Processor time of all updates, estimated from their share of their thread's time, so that measuring is
+  /// free.
   Duration cpu{0};
 };
 
 namespace detail {
 
-/// Collects Timing: written by updates, one at a time, read by any thread. Figures of one answer may be one
-/// update apart.
+/// Collects Timing: written by updates, one at a time, read by any thread. All counters are relaxed with one
+/// writer, so the figures of one reading may be one update apart.
 class TimingRecorder {
  public:
   void reset(const Executor& executor);

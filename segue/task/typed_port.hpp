@@ -13,8 +13,8 @@ namespace segue::task {
 template <class T>
 class OutputPort;
 
-/// A sample being written in place. Its value is what an earlier sample left there: set every part. Must not
-/// outlive its port; given up unless it is published. Real-time safe.
+/// A sample that is written in place. It still holds the value of an earlier sample, so every part must be
+/// set. Must not outlive its port; discarded unless it is published. Real-time safe.
 template <class T>
 class Loan {
  public:
@@ -29,8 +29,8 @@ class Loan {
   SampleRef slot_;
 };
 
-/// A sample as it was written, shared with every other reader: never changes, stays valid as long as it is
-/// held. Holding many starves the writer (WriteResult::NoSlot). Real-time safe.
+/// A sample as it was written, shared with all other readers: immutable, and valid as long as it is held.
+/// Holding many starves the writer (WriteResult::NoSlot). Real-time safe.
 template <class T>
 class Sample {
  public:
@@ -40,7 +40,7 @@ class Sample {
   const T& operator*() const noexcept { return *value_; }
   const T* operator->() const noexcept { return value_; }
   [[nodiscard]] const T* get() const noexcept { return value_; }
-  /// The how-manieth sample of its port this is, counted from 1.
+  /// The number of this sample at its output port, from 1.
   [[nodiscard]] std::uint64_t sequence() const noexcept { return reference_->sequence; }
 
  private:
@@ -48,15 +48,15 @@ class Sample {
   const T* value_ = nullptr;
 };
 
-/// Writes samples to all connections. Used by its task only, by one thread at a time.
+/// Writes samples to all connections. For its task only, one thread at a time.
 template <class T>
 class OutputPort : public OutputPortBase {
  public:
   OutputPort(Component& component, std::string name, PortOptions options = {})
       : OutputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
 
-  /// Copies `value` by assignment into a free slot. Real-time safe as far as that assignment is: containers
-  /// keep their capacity, see prime().
+  /// Copies `value` by assignment into a free slot. As real-time safe as that assignment: containers keep
+  /// their capacity, see prime().
   WriteResult write(const T& value) {
     SampleSlot* slot = acquire();
     if (slot == nullptr) return WriteResult::NoSlot;
@@ -69,23 +69,23 @@ class OutputPort : public OutputPortBase {
     SampleSlot* slot = acquire();
     return slot == nullptr ? Loan<T>{} : Loan<T>{slot};
   }
-  /// Sends what was written. Requires a loan of this port. Real-time safe.
+  /// Sends the sample. Requires a loan of this port. Real-time safe.
   WriteResult publish(Loan<T> loan) noexcept { return OutputPortBase::publish(loan.slot_.detach()); }
 
-  /// Fills every free slot with `example`, and all slots that later connections add, so that writes of values
-  /// no larger allocate nothing. For hooks, not for updates.
+  /// Fills every free slot, and all slots that later connections add, with `example`, so that writing values
+  /// that are not larger allocates nothing. For hooks, not for updates.
   void prime(const T& example) { pool().prime(&example); }
 };
 
-/// Reads samples from all connections, which take turns. Used by its task only, by one thread at a time.
+/// Reads samples from all connections in turn. For its task only, one thread at a time.
 template <class T>
 class InputPort : public InputPortBase {
  public:
   InputPort(Component& component, std::string name, PortOptions options = {})
       : InputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
 
-  /// Copies the next sample, or the last one again (OldData), into `value`; NoData leaves it as it is.
-  /// Real-time safe as far as T's assignment is.
+  /// Copies the next sample, or the last one again (OldData), into `value`; NoData leaves it unchanged. As
+  /// real-time safe as T's assignment.
   ReadStatus read(T& value) {
     const ReadStatus status = fetch();
     if (status != ReadStatus::NoData) value = value_of(*last().get());
@@ -99,11 +99,11 @@ class InputPort : public InputPortBase {
   }
 
  private:
-  /// A blank sample of an untyped output stands for a default value.
+  /// A sample of an untyped output has no value and stands for a default value.
   static const T& value_of(const SampleSlot& slot) noexcept {
     if (slot.value != nullptr) return *static_cast<const T*>(slot.value);
-    static const T blank{};
-    return blank;
+    static const T default_value{};
+    return default_value;
   }
 };
 

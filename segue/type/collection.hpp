@@ -9,17 +9,18 @@
 
 namespace segue::type::detail {
 
-/// A list or map while a reader of text builds it: entries in order, duplicate keys found in linear time.
+/// A list or map under construction by a reader of text: keeps the order, and finds duplicate keys in linear
+/// time.
 class Collection {
  public:
   Collection(bool is_map, Mark mark) : is_map_(is_map), mark_(mark) {}
 
   [[nodiscard]] bool expects_key() const { return is_map_ && !key_; }
-  /// The key of the value to come; false, and nothing taken, where the map has it already.
+  /// Sets the key of the next value; false, without effect, where the map has that key already.
   bool take_key(const std::string& key);
-  /// The next item, or the value of the key. Requires !expects_key().
+  /// Adds the next item, or the value of the key. Requires !expects_key().
   void add(Value value);
-  /// The whole, with its mark. The collection is empty afterwards.
+  /// The finished list or map, with its mark. Leaves the collection empty.
   Value finish();
 
  private:
@@ -28,7 +29,7 @@ class Collection {
   Value::List items_;
   ValueMap entries_;
   std::optional<std::string> key_;
-  std::unordered_set<std::string> keys_;  // only of large maps
+  std::unordered_set<std::string> keys_;  // for large maps only
 };
 
 }  // namespace segue::type::detail

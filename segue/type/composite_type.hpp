@@ -8,8 +8,8 @@
 
 namespace segue::type::detail {
 
-/// What a name such as "/double[3]", "/base/Pose*" or "/std/vector</double>" says: of what it is made. Null
-/// for all other names.
+/// The parts of a composite name such as "/double[3]", "/base/Pose*" or "/std/vector</double>". Kind Null for
+/// all other names.
 struct CompositeName {
   TypeKind kind = TypeKind::Null;
   std::string_view element;
@@ -19,8 +19,7 @@ struct CompositeName {
 
 CompositeName split_composite(std::string_view name);
 
-/// The array, container or pointer of that element, named after it; nothing where it would not fit into any
-/// memory.
+/// The array, container or pointer type with that element; nothing where its size would overflow.
 std::optional<Type> make_composite(const CompositeName& composite, const Type& element);
 
 }  // namespace segue::type::detail

@@ -14,9 +14,9 @@ namespace segue::type {
 /// ("properties.range.max: expected a number, got 'far'"); the place, from the value's mark, is in `where`.
 /// Compounds may be given in part, durations as text ("100ms") or ticks, enums as symbol (":SYMBOL", too) or
 /// number, lists of numbers also as {data: [...]}; null is an optional without value; a text property takes a
-/// plain number as it was written. Opaque and unknown parts accept anything. Of a list's items no more are
-/// checked once ten are wrong. Codes: type-mismatch, out-of-range, unknown-symbol, unknown-field,
-/// wrong-count, more-mismatches.
+/// plain number as it was written. Opaque and unknown parts accept anything. A list is not checked further
+/// after ten invalid items. Codes: type-mismatch, out-of-range, unknown-symbol, unknown-field, wrong-count,
+/// more-mismatches.
 void check_value(const Value& value, const Type& type, std::string_view path, const std::string& file,
                  Diagnostics& diagnostics);
 

@@ -49,8 +49,8 @@ concept Described = requires {
   Description<T>::kName;
 };
 
-/// How a C++ type is described: name(text), describe(shape), and where it needs them kSequence,
-/// kConversion and kGrid. Specialised below and in eigen.hpp.
+/// The description of a C++ type: name(text), describe(shape) and, where needed, kSequence, kConversion and
+/// kGrid. Specialised below and in eigen.hpp.
 template <class T>
 struct Describe {
   static_assert(Described<T>,
@@ -94,7 +94,8 @@ constexpr DescribedType make_described() {
   DescribedType described{};
   described.info.size = sizeof(T);
   described.info.alignment = alignof(T);
-  // A first guess, narrowed by complete(). Not is_trivially_copyable, which Eigen's fixed matrices are not.
+  // Preliminary, narrowed by complete(). Not is_trivially_copyable, which does not hold for Eigen's fixed
+  // matrices.
   described.info.trivially_copyable = std::is_trivially_destructible_v<T>;
   described.info.construct = &construct<T>;
   described.info.destroy = &destroy<T>;
@@ -122,7 +123,7 @@ Result<void> from_value_of(void* object, const Value& value, std::string_view pa
   return from_value(described_type<T>, object, value, path);
 }
 
-/// What the names in SEGUE_TYPE are handed to.
+/// Receives the names listed in SEGUE_TYPE.
 template <class T>
 class Visitor {
  public:

@@ -94,7 +94,7 @@ struct Describe<std::vector<T>> {
     vector.resize(size);
     return vector.data();
   }
-  static constexpr Sequence kSequence{&size, &item, &resize, &reuse};
+  static constexpr SequenceAccess kSequence{&size, &item, &resize, &reuse};
 };
 
 template <>
@@ -125,7 +125,7 @@ struct Describe<std::optional<T>> {
     if (size > 0 && !optional) optional.emplace();
     return size > 0 ? std::addressof(*optional) : nullptr;
   }
-  static constexpr Sequence kSequence{&size, &item, &resize, &resize};
+  static constexpr SequenceAccess kSequence{&size, &item, &resize, &resize};
 };
 
 template <class Number, class Period>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Values to objects and back, driven by the shape of the object's type.
+// Conversion between values and objects, driven by the shape of the object's type.
 #include <segue/base/text.hpp>
 #include <segue/type/described_type.hpp>
 #include <segue/type/typed_scalar.hpp>
@@ -84,7 +84,7 @@ std::int64_t enum_number(const Type& type, const void* object) {
              : static_cast<std::int64_t>(load_unsigned(object, type.size));
 }
 
-/// The symbol, or the number where no symbol has it.
+/// The symbol, or the number where it has none.
 Value enum_to_value(const Type& type, const void* object) {
   const std::int64_t number = enum_number(type, object);
   const auto symbol = std::ranges::find(type.symbols, number, &EnumSymbol::value);
@@ -126,7 +126,7 @@ std::string joined(std::string_view path, std::string_view name) {
   return text += name;
 }
 
-/// The scalar rules name no path and no place; here they are added.
+/// Adds path and place to an error of the scalar rules, which have neither.
 template <class T>
 Error placed(Result<T>& refused, const Value& value, std::string_view path) {
   return at_value(path, std::move(refused.error().message), value);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The machinery below describe.hpp that does not depend on the C++ type it handles, so that describing one
-// more type compiles little. Not for users.
+// The parts of describe.hpp that do not depend on the described C++ type, so that each described type adds
+// little code. Not for users.
 #pragma once
 
 #include <segue/type/type_info.hpp>
@@ -22,7 +22,7 @@ struct DescribedField {
   DescribedType* type = nullptr;
 };
 
-/// What describing a type tells. Made once and never destroyed.
+/// The structure of a described type. Created once and never destroyed.
 struct Shape {
   Type type;
   std::vector<DescribedField> fields;  ///< Compound
@@ -30,62 +30,63 @@ struct Shape {
 };
 
 /// Items of a container whose size may change, or of an optional (size 0 or 1).
-struct Sequence {
+struct SequenceAccess {
   std::size_t (*size)(const void* object) = nullptr;
   const void* (*item)(const void* object, std::size_t index) = nullptr;
-  /// Makes it hold `size` items and gives the first; items are default values, but an optional keeps what it
-  /// has.
+  /// Resizes to `size` items and returns the first; items are default values, but an optional keeps its
+  /// value.
   void* (*resize)(void* object, std::size_t size) = nullptr;
-  /// The same, but items that were there keep what they have, and with it their memory.
+  /// The same, but existing items keep their values and so their memory.
   void* (*reuse)(void* object, std::size_t size) = nullptr;
 };
 
-/// A matrix whose sizes may change. Its numbers lie together, by rows or by columns as the type's name says.
-struct Grid {
+/// A matrix of variable size. Its numbers are contiguous, by rows or by columns as the name of the type says.
+struct MatrixAccess {
   DescribedType* number = nullptr;
   std::array<std::size_t, 2> (*size)(const void* object) = nullptr;  ///< rows, columns
   const void* (*numbers)(const void* object) = nullptr;
-  /// Makes it that large, which fits the memory there can be, and gives the first number, unset. Answers
-  /// false where the type has fixed another number of rows or columns.
+  /// Resizes and returns the first number in `numbers`, uninitialized. False where the type fixes another
+  /// number of rows or columns. Requires that the size has been checked to be reasonable.
   bool (*resize)(void* object, const std::array<std::size_t, 2>& size, void*& numbers) = nullptr;
 };
 
-/// What flat.hpp needs to know of a type; set by plan_flat().
+/// Precomputed facts for flat.hpp; set by plan_flat().
 struct FlatPlan {
   bool possible = false;
-  bool checked = false;   ///< travels as bytes, but not every byte is allowed: has enums or booleans
-  std::size_t least = 0;  ///< the fewest bytes that an object takes, at least 1
+  bool checked =
+      false;  ///< copied as bytes, but contains enums or booleans, of which not every byte is valid
+  std::size_t least = 0;  ///< minimum size of an object in bytes, at least 1
 };
 
-/// Conversions of types whose values do not look like their type (matrices as lists of rows).
+/// Custom conversions, for types whose values differ from their structure (matrices as lists of rows).
 struct Conversion {
   Value (*to_value)(const void* object) = nullptr;
   Result<void> (*from_value)(void* object, const Value& value, std::string_view path) = nullptr;
 };
 
-/// One C++ type; constant initialised, one per type and process.
+/// A described C++ type; constant initialised, one per type and process.
 struct DescribedType {
   TypeInfo info;  ///< type, hash and described are set by complete()
   void (*name)(std::string& text) = nullptr;
   void (*describe)(Shape& shape) = nullptr;
-  Sequence sequence;
+  SequenceAccess sequence;
   Conversion conversion;
-  Grid grid;
+  MatrixAccess grid;
   FlatPlan flat;
   Shape* shape = nullptr;
   DescribedType* next_announced = nullptr;
 };
 
-/// Lets find_type_info() find the type although nothing has used it yet. Cheap: runs before main.
+/// Lets find_type_info() find the type before it is first used. Cheap, since it runs before main.
 bool announce(DescribedType& described);
 
-/// Describes and registers the type and all it is made of when it is first used. Thread safe.
+/// Describes and registers the type and its parts on first use. Thread safe.
 const TypeInfo& complete(DescribedType& described);
 
-/// Plans types that are complete but for this. They may refer to one another, and to others planned before.
+/// Sets FlatPlan for types that are otherwise complete. They may refer to one another and to planned types.
 void plan_flat(std::span<DescribedType* const> fresh);
 
-/// For describe(): the type of a part, which is described too if it has not been yet. Only within complete().
+/// For describe(), within complete() only: the type of a part, which is described as well if necessary.
 const Type* part(DescribedType& described);
 
 void describe_number(Shape& shape, NumericCategory category, std::size_t size,
@@ -97,7 +98,7 @@ void describe_compound(Shape& shape, std::size_t size);
 void add_symbol(Shape& shape, std::string_view name, std::int64_t value);
 void add_field(Shape& shape, std::string_view name, std::size_t offset, DescribedType& type);
 
-/// "demo::Pose" as "/demo/Pose".
+/// Appends "demo::Pose" as "/demo/Pose".
 void append_type_name(std::string& text, std::string_view cpp_name);
 std::string number_name(NumericCategory category, std::size_t size);
 
@@ -113,7 +114,7 @@ Result<void> bits_from_value(void* object, const Value& value, std::string_view 
 Value to_value(const DescribedType& described, const void* object);
 Result<void> from_value(const DescribedType& described, void* object, const Value& value,
                         std::string_view path);
-/// Converts in place; after a failure the object holds something between old and new.
+/// Converts in place; after a failure the object may be partly assigned.
 Result<void> assign(const DescribedType& described, void* object, const Value& value, std::string_view path);
 
 /// "path: expected a number, got 'far'", with the value's line and column.

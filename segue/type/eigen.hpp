@@ -108,10 +108,12 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
     }
   }
 
-  static constexpr Sequence kSequence = kVector ? Sequence{&size, &item, &resize, &reuse} : Sequence{};
+  static constexpr SequenceAccess kSequence =
+      kVector ? SequenceAccess{&size, &item, &resize, &reuse} : SequenceAccess{};
   static constexpr Conversion kConversion = kVector ? Conversion{} : Conversion{&to_value, &from_value};
-  static constexpr Grid kGrid =
-      kVector || kFixed ? Grid{} : Grid{&described_type<Number>, &grid_size, &numbers, &resize_grid};
+  static constexpr MatrixAccess kGrid =
+      kVector || kFixed ? MatrixAccess{}
+                        : MatrixAccess{&described_type<Number>, &grid_size, &numbers, &resize_grid};
 };
 
 template <class Number, int Options>

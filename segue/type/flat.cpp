@@ -23,7 +23,7 @@ using detail::Shape;
 
 using Count = std::uint64_t;
 
-/// How deep containers may nest in types that contain themselves, so that no input exhausts the stack.
+/// Limit for the nesting of containers in types that contain themselves, so that no input exhausts the stack.
 constexpr int kMostLevels = 100;
 
 const std::byte* at(const void* object, std::size_t offset) {
@@ -38,11 +38,11 @@ bool is_bits(const DescribedType& described) {
   return described.conversion.to_value == &detail::bits_to_value;
 }
 
-/// Members that lie side by side and travel as bytes. Gaps are left alone: who knows what is there.
+/// Adjacent members that are copied as bytes. Gaps are skipped, since an undescribed member may lie there.
 struct Run {
   std::size_t offset = 0;
   std::size_t size = 0;
-  std::size_t fields = 0;  ///< 0: the first member does not travel as bytes
+  std::size_t fields = 0;  ///< 0: the first member is not copied as bytes
 };
 
 Run run_from(std::span<const DescribedField> fields) {
@@ -56,7 +56,7 @@ Run run_from(std::span<const DescribedField> fields) {
   return run;
 }
 
-/// Where write_flat() and flat_size() put what they find: counts it, and without memory does no more.
+/// The output of write_flat() and flat_size(): counts bytes, and writes them where there is memory.
 class Sink {
  public:
   Sink() : limit_(std::numeric_limits<std::size_t>::max()) {}
@@ -100,7 +100,7 @@ bool put_bits(const std::vector<bool>& bits, Sink& sink) {
   return true;
 }
 
-bool put_grid(const detail::Grid& grid, const void* object, Sink& sink) {
+bool put_grid(const detail::MatrixAccess& grid, const void* object, Sink& sink) {
   const auto [rows, columns] = grid.size(object);
   return sink.put_count(rows) && sink.put_count(columns) &&
          put_items(*grid.number, grid.numbers(object), rows * columns, sink);
@@ -145,7 +145,7 @@ bool put(const DescribedType& described, const void* object, Sink& sink) {
   return put_container(described, object, sink);
 }
 
-/// What of the input is left.
+/// The unread input.
 class Source {
  public:
   explicit Source(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -158,17 +158,18 @@ class Source {
     bytes_ = bytes_.subspan(size);
     return true;
   }
-  /// Numbers that decide over memory: taken once, however often they are looked at then.
+  /// For numbers that bound memory accesses: reads them exactly once. The fence keeps the compiler from
+  /// reading shared memory again, which another process may change meanwhile.
   bool get_once(void* to, std::size_t size) {
     const bool done = get(to, size);
     std::atomic_signal_fence(std::memory_order_seq_cst);
     return done;
   }
-  /// A count of items that take at least `least` bytes each; more than are left is refused.
+  /// A count of items of at least `least` bytes each; false where the remaining input cannot hold so many.
   bool get_count(Count& count, std::size_t least) {
     return get_once(&count, sizeof count) && count <= bytes_.size() / least;
   }
-  /// The next bytes, which the caller knows to be there.
+  /// Skips bytes and returns the first. Requires that so many are left.
   const std::byte* skip(std::size_t size) {
     const std::byte* skipped = bytes_.data();
     bytes_ = bytes_.subspan(size);
@@ -192,8 +193,8 @@ std::int64_t load_enum(const Type& type, const void* object) {
 }
 static_assert(std::endian::native == std::endian::little);
 
-/// C++'s own rule for enums: what the bits that their symbols need can express, so that flags may be
-/// combined.
+/// The rule of C++ for enums without fixed type: valid is what the bits needed for the symbols can express,
+/// so that flags may be combined.
 bool is_expressible(const Type& type, std::int64_t number) {
   const bool is_signed = type.category == NumericCategory::Signed;
   const auto magnitude = [&](std::int64_t value) {
@@ -209,39 +210,39 @@ bool is_expressible(const Type& type, std::int64_t number) {
   return std::bit_width(magnitude(number)) <= std::bit_width(needed);
 }
 
-/// Whether all enums and booleans of an object that came as bytes are what they may be; those that are not
-/// are set to what they may be. The bytes are in the object already, since another process could change them
-/// between a look and the copy.
-bool mend(const DescribedType& described, void* object);
+/// Whether all enums and booleans of an object that was copied as bytes are valid; invalid ones are replaced
+/// by valid values. Done after the copy, since another process could change the bytes between a check and the
+/// copy.
+bool sanitize(const DescribedType& described, void* object);
 
-bool mend_items(const DescribedType& element, void* items, std::size_t count) {
-  bool sound = true;
+bool sanitize_items(const DescribedType& element, void* items, std::size_t count) {
+  bool valid = true;
   for (std::size_t i = 0; i < count; ++i)
-    sound = mend(element, at(items, i * element.info.size)) && sound;
-  return sound;
+    valid = sanitize(element, at(items, i * element.info.size)) && valid;
+  return valid;
 }
 
-bool mend_enum(const Type& type, void* object) {
+bool sanitize_enum(const Type& type, void* object) {
   if (type.symbols.empty() || is_expressible(type, load_enum(type, object))) return true;
   std::memcpy(object, &type.symbols.front().value, type.size);
   return false;
 }
 
-bool mend(const DescribedType& described, void* object) {
+bool sanitize(const DescribedType& described, void* object) {
   if (!described.flat.checked) return true;
   const Shape& shape = *described.shape;
-  if (shape.type.kind == TypeKind::Enum) return mend_enum(shape.type, object);
-  if (shape.type.kind == TypeKind::Array) return mend_items(*shape.element, object, shape.type.count);
+  if (shape.type.kind == TypeKind::Enum) return sanitize_enum(shape.type, object);
+  if (shape.type.kind == TypeKind::Array) return sanitize_items(*shape.element, object, shape.type.count);
   if (shape.type.kind == TypeKind::Numeric) {
     std::byte& boolean = *at(object, 0);
     if (boolean <= std::byte{1}) return true;
     boolean = std::byte{0};
     return false;
   }
-  bool sound = true;
+  bool valid = true;
   for (const DescribedField& field : shape.fields)
-    sound = mend(*field.type, at(object, field.offset)) && sound;
-  return sound;
+    valid = sanitize(*field.type, at(object, field.offset)) && valid;
+  return valid;
 }
 
 bool get(const DescribedType& described, void* object, Source& source);
@@ -249,7 +250,7 @@ bool get(const DescribedType& described, void* object, Source& source);
 bool get_items(const DescribedType& element, void* items, std::size_t count, Source& source) {
   if (element.info.trivially_copyable) {
     if (!source.get(items, count * element.info.size)) return false;
-    return !element.flat.checked || mend_items(element, items, count);
+    return !element.flat.checked || sanitize_items(element, items, count);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!get(element, at(items, i * element.info.size), source)) return false;
@@ -268,7 +269,7 @@ bool get_bits(std::vector<bool>& bits, Source& source) {
   return true;
 }
 
-bool get_grid(const detail::Grid& grid, void* object, Source& source) {
+bool get_grid(const detail::MatrixAccess& grid, void* object, Source& source) {
   std::array<std::size_t, 2> size{};
   auto& [rows, columns] = size;
   if (!source.get_once(size.data(), sizeof size)) return false;
@@ -305,10 +306,10 @@ bool get_container(const DescribedType& described, void* object, Source& source)
 
 bool get_run(std::span<const DescribedField> fields, const Run& run, void* object, Source& source) {
   if (!source.get(at(object, run.offset), run.size)) return false;
-  bool sound = true;
+  bool valid = true;
   for (const DescribedField& field : fields.first(run.fields))
-    sound = mend(*field.type, at(object, field.offset)) && sound;
-  return sound;
+    valid = sanitize(*field.type, at(object, field.offset)) && valid;
+  return valid;
 }
 
 bool get_compound(const Shape& shape, void* object, Source& source) {

@@ -7,7 +7,7 @@
 namespace segue::type::detail {
 namespace {
 
-/// Whether the type is one of those that flat.cpp knows; its parts are another question.
+/// Whether flat.cpp supports the type itself, apart from its parts.
 bool is_known(const DescribedType& described) {
   if (described.grid.size != nullptr || described.info.trivially_copyable) return true;
   switch (described.shape->type.kind) {
@@ -29,7 +29,7 @@ bool parts_are_possible(const DescribedType& described) {
   return std::ranges::all_of(shape.fields, [](const DescribedField& f) { return f.type->flat.possible; });
 }
 
-/// Types may contain themselves: all are possible until a part of them is not.
+/// Types may contain themselves, so all are assumed possible until one of their parts is not.
 void find_possible(std::span<DescribedType* const> fresh) {
   for (DescribedType* described : fresh)
     described->flat.possible = is_known(*described);
@@ -44,7 +44,7 @@ void find_possible(std::span<DescribedType* const> fresh) {
   }
 }
 
-/// Of a type that travels as bytes, and so does not contain itself.
+/// Requires a type that is copied as bytes, which cannot contain itself.
 bool has_enum_or_boolean(const DescribedType& described) {
   const Shape& shape = *described.shape;
   if (shape.type.kind == TypeKind::Enum) return true;

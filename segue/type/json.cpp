@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kDeepest = 200;
 
-/// Reads characters and tells outside how far it got: the parser's events carry no places.
+/// An input iterator that exposes how far the parser has read, since the parser's events carry no places.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -77,7 +77,7 @@ bool is_number_character(char c) {
 
 std::string without_prefix(std::string_view message) {
   if (const auto end = message.find("] "); end != std::string_view::npos) message.remove_prefix(end + 2);
-  // "parse error at line 1, column 2: what": the place is told apart.
+  // "parse error at line 1, column 2: what": the place is reported separately.
   if (message.starts_with("parse error")) {
     if (const auto end = message.find(": "); end != std::string_view::npos) message.remove_prefix(end + 2);
   }

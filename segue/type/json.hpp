@@ -12,8 +12,8 @@ namespace segue::type {
 /// RFC 8259. Refuses nesting beyond 200 and duplicate keys.
 Result<Value> parse_json(std::string_view text, const std::string& file = {});
 
-/// Indented by `indent` spaces, or on one line where it is negative. Text that is not UTF-8 gets replacement
-/// characters; NaN and infinities, which JSON lacks, become null.
+/// Indented by `indent` spaces, or on one line where that is negative. Invalid UTF-8 is replaced by U+FFFD;
+/// NaN and infinities, which JSON lacks, become null.
 std::string to_json(const Value& value, int indent = 2);
 
 }  // namespace segue::type

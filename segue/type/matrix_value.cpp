@@ -42,7 +42,7 @@ std::string short_name(int rows, int columns) {
   return {};
 }
 
-/// The row's items, which must be as many as the rows before have.
+/// The items of a row; all rows must have the same number of them.
 Result<void> append_row(const Value& row, std::size_t index, MatrixValue& matrix, std::string_view path) {
   const std::string place = std::string(path) + "[" + std::to_string(index) + "]";
   if (!row.is_list()) return unexpected_value(place, "a list of numbers", row);
@@ -94,7 +94,7 @@ void append_matrix_name(std::string& text, std::string_view number, int rows, in
 
 void describe_dynamic_matrix(Shape& shape, std::size_t size, DescribedType& index, DescribedType& data) {
   describe_compound(shape, size);
-  // Not members of the C++ object, but parts of its value: the offsets mean nothing.
+  // Parts of the value, not members of the C++ object: the offsets have no meaning.
   shape.type.fields = {{"rows", part(index), 0}, {"cols", part(index), 0}, {"data", part(data), 0}};
 }
 

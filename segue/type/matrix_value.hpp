@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What eigen.hpp needs that does not depend on Eigen. Not for users.
+// The parts of eigen.hpp that do not depend on Eigen. Not for users.
 #pragma once
 
 #include <segue/type/described_type.hpp>
@@ -11,14 +11,14 @@
 
 namespace segue::type::detail {
 
-/// "/Eigen/Vector3d" where Eigen has a short name, else "/Eigen/Matrix</double,6,1>", and with a last "1"
-/// where rows lie together. -1 stands for a size that may change.
+/// Appends "/Eigen/Vector3d" where Eigen has a short name, else "/Eigen/Matrix</double,6,1>", with a final
+/// "1" for row-major storage. -1 stands for a variable size.
 void append_matrix_name(std::string& text, std::string_view number, int rows, int columns, bool row_major);
 
 /// {rows, cols, data}, the data row by row.
 void describe_dynamic_matrix(Shape& shape, std::size_t size, DescribedType& index, DescribedType& data);
 
-/// Where the numbers of a matrix lie: sizes, and the bytes from one to the next.
+/// The layout of a matrix: its size, and the distances between rows and columns in bytes.
 struct MatrixView {
   DescribedType* number = nullptr;
   std::size_t rows = 0;
@@ -35,7 +35,7 @@ Result<void> rows_from_value(const MatrixView& view, void* numbers, const Value&
 /// {rows, cols, data}
 Value dynamic_to_value(const MatrixView& view, const void* numbers);
 
-/// The numbers of a value row by row.
+/// The numbers of a matrix value, row by row.
 struct MatrixValue {
   std::size_t rows = 0;
   std::size_t columns = 0;

@@ -117,7 +117,7 @@ std::string simple_text(const Type& type) {
   return "no data";
 }
 
-/// Whether the name alone tells what it is: "/double", "/std/vector</base/Pose>", "/double[3]".
+/// Whether the name alone defines the type: "/double", "/std/vector</base/Pose>", "/double[3]".
 bool needs_no_definition(const Type& type) {
   switch (type.kind) {
     case TypeKind::Numeric:

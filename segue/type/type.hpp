@@ -41,15 +41,15 @@ struct Field {
   std::size_t offset = 0;
 };
 
-/// One data type of the paper's model (numeric, enum, compound, container) extended by what typelib has
-/// (array, pointer, opaque, alias, null). Immutable once registered; owned by a TypeRegistry or, for
+/// A data type: the kinds of the paper's model (numeric, enum, compound, container) and those that typelib
+/// adds (array, pointer, opaque, alias, null). Immutable once registered; owned by a TypeRegistry or, for
 /// described C++ types, by the process. Names are typelib's: "/double", "/std/vector</base/Pose>",
 /// "/double[3]".
 class Type {
  public:
   TypeKind kind = TypeKind::Null;
   std::string name;
-  std::size_t size = 0;  ///< bytes; 0 where it is not fixed or not known
+  std::size_t size = 0;  ///< in bytes; 0 where it is not fixed or not known
 
   NumericCategory category = NumericCategory::Signed;  ///< Numeric
   /// Numeric that counts time: nanoseconds per tick ("100ms" is accepted for it); 0 for plain numbers.
@@ -57,8 +57,8 @@ class Type {
   std::vector<EnumSymbol> symbols;  ///< Enum
   std::vector<Field> fields;        ///< Compound
   std::string container_kind;       ///< Container: "/std/vector", "/std/string", "/std/optional" ...
-  const Type* element =
-      nullptr;  ///< Container, Array, Pointer: of what; Alias: of which; Opaque: marshalled as, or null
+  /// Container, Array, Pointer: type of the elements; Alias: target; Opaque: marshalling type or nullptr.
+  const Type* element = nullptr;
   std::size_t count = 0;  ///< Array: number of elements
 
   [[nodiscard]] bool is_string() const {
@@ -67,18 +67,18 @@ class Type {
   [[nodiscard]] bool is_optional() const {
     return kind == TypeKind::Container && container_kind == "/std/optional";
   }
-  /// Whether the layout is known throughout: no null, opaque without marshalling type, or pointer inside.
+  /// Whether the whole layout is known: no null, pointer or opaque without marshalling type inside.
   [[nodiscard]] bool is_complete() const;
-  /// What an alias stands for, however long the chain.
+  /// The target of an alias, through chains of aliases; else this type.
   [[nodiscard]] const Type& resolved() const;
 };
 
-/// A 64-bit hash over the structure: kinds, field names and types in their order, enum symbols in any order,
-/// and where the layout is fixed (no container or pointer inside) sizes and offsets; not names of types nor
-/// of aliases. Equal on every machine. Recursive types are allowed.
+/// A 64-bit hash of the structure: kinds, field names and types in order, enum symbols in any order, and
+/// sizes and offsets where the layout is fixed (no container or pointer inside). Names of types and aliases
+/// do not count. Equal on every machine. Recursive types are allowed.
 std::uint64_t structural_hash(const Type& type);
 
-/// A definition a person can read, over several lines; shown when types do not match.
+/// A readable definition over several lines, for messages about types that do not match.
 std::string definition(const Type& type);
 
 /// Typelib's spelling of a type name: accepts "double", "::base::Pose", "boost::int32_t",
@@ -87,8 +87,8 @@ std::string definition(const Type& type);
 /// typelib). Fails where brackets do not balance or characters are out of place.
 Result<std::string> canonical_type_name(std::string_view name);
 
-/// Types by name. Owns them; addresses stay valid as long as the registry lives. Not thread safe while it
-/// grows.
+/// Owns types by name. Addresses stay valid as long as the registry lives. Not thread safe while types are
+/// added.
 class TypeRegistry {
  public:
   TypeRegistry();  ///< with numbers, "/bool", std::chrono's durations, "/nil" and "/std/string"
@@ -96,19 +96,21 @@ class TypeRegistry {
   TypeRegistry(TypeRegistry&&) noexcept;
   TypeRegistry& operator=(TypeRegistry&&) noexcept;
 
-  /// The type, building "/T[n]", "/std/vector</T>" and "/T*" on the fly where T is known. nullptr if unknown.
+  /// The type; nullptr if unknown. "/T[n]", "/std/vector</T>" and "/T*" are created as needed where T is
+  /// known.
   const Type* find(std::string_view name);
   [[nodiscard]] const Type* find(std::string_view name) const;
-  /// Registers under the canonical name; AlreadyExists if that is taken by a type of other structure. What
-  /// the type is made of must be of this registry. An alias whose canonical name is taken keeps its own.
+  /// Registers under the canonical name; AlreadyExists if a type of other structure has that name. Requires
+  /// that the parts of the type belong to this registry. An alias whose canonical name is taken keeps its
+  /// own.
   Result<const Type*> add(Type type);
   /// Registers types that may refer to one another (recursion), by canonical names that are all new.
   Result<void> add_all(std::vector<std::unique_ptr<Type>> types);
-  /// Registers a copy of a type that lives elsewhere (a described C++ type) and of all it is made of.
+  /// Registers a copy of a type from elsewhere (such as a described C++ type) and of all its parts.
   Result<const Type*> copy(const Type& type);
-  /// All in the order in which they were registered.
+  /// All types, in the order of registration.
   [[nodiscard]] std::vector<const Type*> types() const;
-  /// Copies every type of `other` that is not here yet; fails at the first contradiction.
+  /// Copies every type of `other` that is missing here; fails at the first contradiction.
   Result<void> merge(const TypeRegistry& other);
 
  private:

@@ -7,11 +7,11 @@
 
 namespace segue::type::detail {
 
-/// The types a type is directly made of: fields, element, what an alias stands for. Null pointers are left
-/// out.
+/// The direct parts of a type: fields, element, target of an alias. Null pointers are left out.
 std::vector<const Type*> parts_of(const Type& type);
 
-/// The type and all it is made of, each once, itself first. Never recurses: types may be nested deeply.
+/// The type and all its direct and indirect parts, each once, itself first. Iterative, since types may be
+/// nested deeply.
 std::vector<const Type*> reachable_types(const Type& root);
 
 }  // namespace segue::type::detail

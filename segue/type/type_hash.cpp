@@ -39,8 +39,7 @@ class Hasher {
   std::uint64_t state_ = 0xcbf29ce484222325U;
 };
 
-/// What remains of a type once names that carry no structure are looked through: aliases, and opaques that
-/// say what they travel as.
+/// The type behind names that carry no structure: aliases, and opaques with a marshalling type.
 const Type& looked_through(const Type& type) {
   const Type* at = &type;
   while ((at->kind == TypeKind::Alias || at->kind == TypeKind::Opaque) && at->element != nullptr)

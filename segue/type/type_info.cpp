@@ -10,9 +10,10 @@
 namespace segue::type {
 namespace {
 
-/// All of it lives as long as the process: types are asked for while it exits.
+/// Lives as long as the process, since types are used even while it exits.
 struct Registry {
-  /// Recursive, since describing a type runs its default constructor, which may ask for types itself.
+  /// Guards all members. Recursive, since describing a type runs its default constructor, which may use types
+  /// itself.
   std::recursive_mutex mutex;
   std::map<std::string, const TypeInfo*, std::less<>> by_name;
   detail::DescribedType* announced = nullptr;
@@ -31,7 +32,7 @@ std::size_t round_up(std::size_t size, std::size_t alignment) {
 
 bool travels_as_bytes(const detail::DescribedType& described);
 
-/// Whether the described members are all there is, but for padding: a member that was not named might be a
+/// Whether the described members cover the object except for padding: an undescribed member might be a
 /// pointer.
 bool is_gapless(const detail::DescribedType& described) {
   std::vector<detail::DescribedField> fields = described.shape->fields;

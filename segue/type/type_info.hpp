@@ -15,9 +15,8 @@ namespace detail {
 struct DescribedType;
 }
 
-/// What ports and properties need to handle values of a C++ type without knowing it. One per described type
-/// and process, immutable, valid until the library that defined it is unloaded (component libraries never
-/// are).
+/// Lets ports and properties handle objects of a C++ type at run time. One per described type and process;
+/// immutable; valid until the library that defined it is unloaded (component libraries never are).
 struct TypeInfo {
   const Type* type = nullptr;
   std::uint64_t hash = 0;                     ///< structural_hash(*type)
@@ -30,7 +29,7 @@ struct TypeInfo {
   Value (*to_value)(const void* object) = nullptr;
   /// Leaves `object` unchanged on failure. `path` ("properties.range") begins the error message.
   Result<void> (*from_value)(void* object, const Value& value, std::string_view path) = nullptr;
-  const detail::DescribedType* described = nullptr;  ///< what it is made of, for read_flat and its like
+  const detail::DescribedType* described = nullptr;  ///< internals, for read_flat and the like
 
   [[nodiscard]] std::string_view name() const { return type->name; }
 };
@@ -45,7 +44,7 @@ const TypeInfo& type_info();
 /// or nullptr. Thread safe.
 const TypeInfo* find_type_info(std::string_view name);
 
-/// Registers; the first of a name stays. Thread safe; called by type_info<T>() when it is first used.
+/// Registers a type; the first one of a name stays. Thread safe; called by the first use of type_info<T>().
 void register_type_info(const TypeInfo& info);
 
 }  // namespace segue::type

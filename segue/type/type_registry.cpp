@@ -49,7 +49,7 @@ Type number(const Number& of) {
   return type;
 }
 
-/// Follows aliases and opaques, which must lead somewhere.
+/// Follows aliases and opaques; their target must exist.
 bool leads_in_a_circle(const Type& type) {
   const Type* slow = &type;
   const Type* fast = &type;
@@ -124,7 +124,7 @@ const Type* TypeRegistry::find(std::string_view name) {
   if (const Type* known = std::as_const(*this).find(name)) return known;
   const Result<std::string> canonical = canonical_type_name(name);
   if (!canonical) return nullptr;
-  // As written first: a registry of another machine may say that "/long" has four bytes.
+  // By the name as written first: in a registry of another machine "/long" may have four bytes.
   for (const std::string_view spelling : {name, std::string_view(*canonical)}) {
     const detail::CompositeName composite = detail::split_composite(spelling);
     const Type* element = composite.kind == TypeKind::Null ? nullptr : find(composite.element);

@@ -12,7 +12,7 @@
 namespace segue::type::detail {
 namespace {
 
-constexpr int kLongestChain = 64;  // aliases and opaques before a layout; more is a circle
+constexpr int kLongestChain = 64;  // of aliases and opaques; a longer one must be a cycle
 constexpr std::size_t kListedSymbols = 12;
 
 Error unexpected(std::string expected, const Value& value) {
@@ -55,7 +55,7 @@ std::string expected_duration(const Type& type) {
          format_duration(Duration(type.nanoseconds_per_tick));
 }
 
-// The ticks that a duration's text stands for.
+// The number of ticks of a duration's text.
 Result<Value> ticks_for(const Value& value, const Type& type) {
   const auto duration = parse_duration(value.as_string());
   if (!duration) return unexpected(expected_duration(type), value);

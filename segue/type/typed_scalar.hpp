@@ -8,19 +8,19 @@
 #include <cstdint>
 #include <string>
 
-/// Which values a type takes: the rules that checking and encoding share. Messages of failures begin with
-/// "expected" and name no path and no place.
+/// Which values a type accepts: the rules shared by checking and encoding. Error messages begin with
+/// "expected" and contain no path and no place.
 namespace segue::type::detail {
 
-/// Follows aliases and opaque types to what they are marshalled as; nullptr where that is not known and
-/// anything goes (null, pointers, bare opaques).
+/// Follows aliases, and opaque types to their marshalling types; nullptr where the layout is unknown and any
+/// value is accepted (null, pointers, opaques without marshalling type).
 const Type* layout_of(const Type& type);
 
 /// A whole number within the range of the type's size and sign; a duration's text ("100ms") as its ticks.
 /// Signed numbers come as two's complement.
 Result<std::uint64_t> integer_for(const Value& value, const Type& type);
 
-/// Any number a float of the type's size can hold; a duration's text as its ticks.
+/// A number within the range of a float of the type's size; a duration's text as its ticks.
 Result<double> float_for(const Value& value, const Type& type);
 
 Result<bool> boolean_for(const Value& value);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kLongestChain = 64;
 
-/// Byte offsets of a text as lines and columns.
+/// Converts byte offsets of a text to lines and columns.
 class Places {
  public:
   Places(std::string_view text, const std::string& file) : file_(file) {
@@ -37,7 +37,7 @@ class Places {
     return {file_, static_cast<int>(line), static_cast<int>(position - *(next - 1) + 1)};
   }
 
-  /// Of the '<' that opens the element.
+  /// The place of the '<' that opens the element.
   [[nodiscard]] SourceLocation of(const pugi::xml_node& node) const {
     return at(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0));
   }
@@ -301,7 +301,7 @@ class Reader {
           "type " + quote(name) + " is not defined in this registry" + did_you_mean(name, known));
   }
 
-  /// As written first: another machine's "/long" need not be this one's.
+  /// By the name as written first: "/long" of another machine may differ from this one's.
   const Type* find(const pugi::xml_node& node, std::string_view written, const std::string& canonical,
                    int depth, bool& reported) {
     const std::size_t* declared = find_in(by_written_, std::string(written));

@@ -74,7 +74,7 @@ class FieldChecker {
   std::vector<Span> spans_;
 };
 
-/// What is inside a type's own bytes, or what travels in their place.
+/// The types that lie within a type's own bytes, or that are marshalled in their place.
 std::vector<const Type*> contents(const Type& type) {
   std::vector<const Type*> inside;
   if (type.kind == TypeKind::Container || type.kind == TypeKind::Pointer) return inside;

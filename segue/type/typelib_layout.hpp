@@ -12,7 +12,7 @@ namespace segue::type::detail {
 
 inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 
-/// A contradiction in the layout of a type; `field` is the index of the field it is about, or kNoField.
+/// A contradiction in the layout of a type; `field` is the index of the field concerned, or kNoField.
 struct LayoutProblem {
   Severity severity = Severity::Error;
   std::string code;
@@ -21,12 +21,13 @@ struct LayoutProblem {
   std::size_t field = kNoField;
 };
 
-/// Sizes of types where a file sees them otherwise than this machine (std::string).
+/// Sizes of types that differ in the file from this machine (std::string).
 using TypeSizes = std::unordered_map<const Type*, std::size_t>;
 
-/// Fields outside their compound (error) or over each other (warning: unions and bit fields are written that
-/// way), types that contain themselves other than through a container or pointer, nesting beyond 200.
-/// Sizes of pointers and of long depend on the machine a file was made on; they are not judged.
+/// Reports fields outside their compound (error) or overlapping (warning, since unions and bit fields look
+/// like that), types that contain themselves other than through a container or pointer, and nesting beyond
+/// 200 levels. Sizes of pointers and of long depend on the machine where the file was written and are not
+/// checked.
 std::vector<LayoutProblem> check_layouts(std::span<const Type* const> types, const TypeSizes& sizes);
 
 }  // namespace segue::type::detail

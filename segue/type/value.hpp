@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-/// Data types, described structs, dynamic values and their codecs.
+/// Data types, descriptions of C++ types, dynamic values and their codecs.
 namespace segue::type {
 
 /// Where in its file a value was written, counted from 1; 0 means unknown.
@@ -21,9 +21,9 @@ struct Mark {
 
 class ValueMap;
 
-/// A dynamic value: what a property holds in a file, what `segue read` prints. A tree of null, bool,
-/// integers, float, text, lists and maps. Marks and source texts do not take part in comparison. Not thread
-/// safe, freely copied.
+/// A dynamic value, such as a property in a file or a sample that `segue read` prints: a tree of null, bool,
+/// integers, float, text, lists and maps. Comparison ignores marks and source texts. Not thread safe, freely
+/// copied.
 class Value {
  public:
   enum class Kind : std::uint8_t { Null, Bool, Int, UInt, Float, String, List, Map };
@@ -81,8 +81,8 @@ class Value {
   [[nodiscard]] Mark mark() const { return mark_; }
   void set_mark(Mark mark) { mark_ = mark; }
 
-  /// How a plain scalar was written where that is not how its content prints ("1.10", "0x1F"); else empty. A
-  /// string property takes this text.
+  /// The source text of a plain scalar that prints differently ("1.10", "0x1F"); else empty. A string
+  /// property takes this text.
   [[nodiscard]] std::string_view source_text() const;
   void set_source_text(std::string text);
 
@@ -101,7 +101,7 @@ class ValueMap {
 
   /// Sets or replaces.
   Value& set(std::string key, Value value);
-  /// The entry, made null if it was not there.
+  /// The entry; inserted as null if missing.
   Value& operator[](std::string_view key);
   [[nodiscard]] const Value* find(std::string_view key) const;
   [[nodiscard]] Value* find(std::string_view key);
@@ -114,7 +114,7 @@ class ValueMap {
   [[nodiscard]] auto begin() { return entries_.begin(); }
   [[nodiscard]] auto end() { return entries_.end(); }
 
-  /// For readers of large files: appends without looking for the key. The caller vouches that it is new.
+  /// For readers of large files: appends without a search. Requires that the key is new.
   Value& append(std::string key, Value value);
 
   friend bool operator==(const ValueMap& a, const ValueMap& b);
@@ -126,7 +126,7 @@ class ValueMap {
 /// A short readable form for messages: 'far', 30, a list of 3, a map.
 std::string describe(const Value& value);
 
-/// The names in messages: "a number", "text", "a list" ...
+/// The name of a kind in messages: "a number", "text", "a list" ...
 std::string_view describe(Value::Kind kind);
 
 /// Deep merge: maps entry by entry, everything else is replaced by `over` (configuration sections: later

@@ -7,7 +7,7 @@
 
 namespace segue::type::detail {
 
-/// Where in a value one is, as "properties.range[3].max": a chain on the stack, spelled out only for
+/// A place in a value, such as "properties.range[3].max": a chain on the stack that is spelled out only for
 /// messages.
 class ValuePath {
  public:

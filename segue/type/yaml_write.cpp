@@ -15,7 +15,7 @@ constexpr std::size_t kLineWidth = 80;  // a leaf list or map longer than this t
 constexpr std::size_t kIndent = 2;
 constexpr std::size_t kPunctuation = 2;  // ", "
 
-// Text to a YAML 1.2 reader, but a boolean to those that still follow 1.1.
+// Plain text in YAML 1.2, but a boolean to readers that still follow 1.1.
 constexpr std::array<std::string_view, 8> kOldBooleans = {"y", "n", "yes", "no", "on", "off", "Y", "N"};
 
 bool is_old_boolean(const std::string& text) {
@@ -30,8 +30,8 @@ bool is_leaf(const Value& value) {
   return !value.is_map() || value.as_map().empty();
 }
 
-// Prefer how a number was written: a text property takes "1.10" from it. Not trusted blindly, since anybody
-// can set a source text.
+// Prefers the source text of a number, from which a text property takes "1.10". Checked, since anybody can
+// set a source text.
 std::string plain_text(const Value& value) {
   if (const auto source = value.source_text(); !source.empty()) {
     const Value again = detail::resolve_plain(source);

@@ -84,7 +84,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
   type::Value value{};
-  std::optional<task::State> state{};
+  std::optional<task::SavedState> state{};
   std::string written{};
   link::Incarnation forgotten = 0;
   std::vector<std::string> admitted{};
@@ -122,13 +122,13 @@ class FakeDeployment final : public deploy::DeploymentService {
     concluded = transition;
     return {};
   }
-  Result<std::optional<task::State>> save_state(const model::TaskId& task, TimePoint deadline) override {
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
     note(deadline);
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");
     const std::lock_guard lock(fields_);
     return state;
   }
-  Result<void> restore_state(const model::TaskId& task, const task::State& given,
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& given,
                              TimePoint deadline) override {
     note(deadline);
     if (task.str() == "no") return fail(ErrorCode::NotFound, "no task");

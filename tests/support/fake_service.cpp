@@ -163,15 +163,16 @@ Result<void> FakeService::conclude(const model::Transition& transition, TimePoin
   });
 }
 
-Result<std::optional<task::State>> FakeService::save_state(const model::TaskId& task,
-                                                           TimePoint /*deadline*/) {
-  return answer<std::optional<task::State>>("save_state", [&]() -> Result<std::optional<task::State>> {
-    const auto found = process_->states.find(task);
-    return found == process_->states.end() ? std::nullopt : std::optional(found->second);
-  });
+Result<std::optional<task::SavedState>> FakeService::save_state(const model::TaskId& task,
+                                                                TimePoint /*deadline*/) {
+  return answer<std::optional<task::SavedState>>(
+      "save_state", [&]() -> Result<std::optional<task::SavedState>> {
+        const auto found = process_->states.find(task);
+        return found == process_->states.end() ? std::nullopt : std::optional(found->second);
+      });
 }
 
-Result<void> FakeService::restore_state(const model::TaskId& task, const task::State& state,
+Result<void> FakeService::restore_state(const model::TaskId& task, const task::SavedState& state,
                                         TimePoint /*deadline*/) {
   return answer<void>("restore_state", [&]() -> Result<void> {
     if (!process_->tasks.contains(task)) {

@@ -115,7 +115,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
         context,
         [&service = service(), task = model::TaskId(as_string(params.getTask())),
          deadline = deadline_after(params.getTimeout())] { return service.save_state(task, deadline); },
-        [](std::optional<task::State>& state, auto results) {
+        [](std::optional<task::SavedState>& state, auto results) {
           if (state) encode(*state, results.initState());
         });
   }

@@ -233,13 +233,13 @@ deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader) {
           reader.getPeerClosed(), reader.getPeer()};
 }
 
-void encode(const task::State& state, wire::State::Builder builder) {
+void encode(const task::SavedState& state, wire::State::Builder builder) {
   builder.setName(as_text(state.name));
   builder.setVersion(state.version);
   put(state.value, builder.initValue());
 }
 
-task::State decode(wire::State::Reader reader) {
+task::SavedState decode(wire::State::Reader reader) {
   return {as_string(reader.getName()), reader.getVersion(), get(reader.getValue())};
 }
 

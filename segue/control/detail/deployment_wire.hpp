@@ -38,8 +38,8 @@ deploy::AttachOutput decode(wire::AttachOutput::Reader reader);
 void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder);
 deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader);
 
-void encode(const task::State& state, wire::State::Builder builder);
-task::State decode(wire::State::Reader reader);
+void encode(const task::SavedState& state, wire::State::Builder builder);
+task::SavedState decode(wire::State::Reader reader);
 
 void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder);
 host::TaskEvent decode(wire::TaskEvent::Reader reader);
