@@ -23,7 +23,7 @@ std::unique_ptr<runtime::EmbeddedRobot> open(const std::string& example) {
   return robot;
 }
 
-/// Reads a port until `enough` holds for a sample; the sample, or null after half a minute.
+/// Reads a port until a sample satisfies `enough`; returns that sample, or null after half a minute.
 template <class Enough>
 type::Value wait_for(runtime::EmbeddedRobot& robot, const char* task, const char* port, Enough enough) {
   auto reader = robot.host().open_reader({model::TaskId(task), port}, 1000);

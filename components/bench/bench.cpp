@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The paper's three components: a producer, a relay, a consumer. Chains of them measure what a hop costs and
-// what a switch between chains loses.
+// The three components of the paper's experiments: a producer, a relay and a consumer. Chains of them measure
+// the cost of a hop and the samples lost by a switch between chains.
 #include "samples.hpp"
 
 #include <segue/task/component.hpp>
@@ -23,7 +23,8 @@ std::int64_t nanoseconds(segue::TimePoint time) {
   return time.time_since_epoch().count();
 }
 
-/// Gaps in the numbers that a producer gives its samples. A number that falls is a producer that began anew.
+/// Counts gaps in the sequence numbers of a producer. A decreasing number means that the producer was
+/// restarted.
 class GapCounter {
  public:
   std::uint64_t lost_before(std::uint64_t sequence) {
@@ -113,7 +114,7 @@ class Relay final : public Component {
   OutputPort<FixedSample> fixed_out_{*this, "fixed_out"};
 };
 
-/// Counts samples, their latency, and what is missing.
+/// Counts samples and gaps, and measures latency.
 class Consumer final : public Component {
  public:
   Consumer() { doc("Counts samples, their latency, and the gaps in their numbers"); }

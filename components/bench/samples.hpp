@@ -9,23 +9,24 @@
 
 namespace bench {
 
-/// What the producer sends: numbered, stamped (monotonic clock, ns), with as much ballast as is asked for.
+/// A sample of the producer: numbered, with a time stamp (monotonic clock, ns) and a payload of configurable
+/// size.
 struct Sample {
   std::uint64_t sequence = 0;
   std::int64_t stamp = 0;
   std::vector<std::uint8_t> payload;
 };
 
-/// The same with ballast of fixed size: travels as bytes.
+/// The same with a payload of fixed size, so that it is copied as bytes.
 struct FixedSample {
   std::uint64_t sequence = 0;
   std::int64_t stamp = 0;
   std::array<std::uint8_t, 48> payload{};
 };
 
-/// What a consumer has seen since it was started or reset. Latencies in seconds from the producer's stamp to
-/// the consumer's update; lost counts gaps in the sequence numbers; pause_max is the longest time between the
-/// arrivals of two samples, in seconds; last_arrival is when the last one came (monotonic clock, ns).
+/// Statistics of a consumer since it was started or reset. Latencies in seconds, from the producer's time
+/// stamp to the consumer's update; lost counts gaps in the sequence numbers; pause_max is the longest time
+/// between two arrivals, in seconds; last_arrival is the time of the last arrival (monotonic clock, ns).
 struct Statistics {
   std::uint64_t count = 0;
   std::uint64_t lost = 0;

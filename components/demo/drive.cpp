@@ -10,7 +10,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// The wheels: follow a commanded velocity within their limits, and stop when commands stay away.
+/// The drive: follows a commanded velocity within its limits, and stops when no command arrives for too long.
 class Drive final : public Component {
  public:
   Drive() {
@@ -55,12 +55,12 @@ class Drive final : public Component {
 
  private:
   InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
-  OutputPort<Velocity> velocity_out_{*this, "velocity", {.doc = "what the wheels do"}};
+  OutputPort<Velocity> velocity_out_{*this, "velocity", {.doc = "actual velocity"}};
   Property<double> max_speed_{*this, "max_speed", 0.8, {.live = true, .doc = "m/s"}};
   Property<double> max_turn_{*this, "max_turn", 1.5, {.live = true, .doc = "rad/s"}};
   Property<double> max_acceleration_{*this, "max_acceleration", 2.0, {.doc = "m/s^2"}};
   Property<std::chrono::milliseconds> timeout_{
-      *this, "timeout", std::chrono::milliseconds(500), {.doc = "without a command for so long it stops"}};
+      *this, "timeout", std::chrono::milliseconds(500), {.doc = "stops after this time without a command"}};
   Velocity command_;
   Velocity velocity_;
   segue::TimePoint last_command_;

@@ -10,7 +10,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Drives straight to a point.
+/// Drives straight to a goal.
 class GoalSeeker final : public Component {
  public:
   GoalSeeker() {
@@ -48,15 +48,16 @@ class GoalSeeker final : public Component {
   InputPort<Pose> pose_in_{*this, "pose"};
   OutputPort<Velocity> command_out_{*this, "command"};
   OutputPort<double> distance_out_{*this, "distance", {.doc = "m to the goal"}};
-  Property<Point> goal_{*this, "goal", {3.0, -2.0}, {.doc = "where to go"}};
-  Property<double> speed_{*this, "speed", 0.6, {.live = true, .doc = "m/s at most"}};
-  Property<double> tolerance_{*this, "tolerance", 0.1, {.live = true, .doc = "m; this close is there"}};
+  Property<Point> goal_{*this, "goal", {3.0, -2.0}, {.doc = "goal position"}};
+  Property<double> speed_{*this, "speed", 0.6, {.live = true, .doc = "m/s; maximum"}};
+  Property<double> tolerance_{
+      *this, "tolerance", 0.1, {.live = true, .doc = "m; distance at which the goal counts as reached"}};
   Operation<void(Point)> set_goal_{*this,
                                    "set_goal",
                                    {"goal"},
                                    [this](Point goal) { target_ = goal; },
                                    RunsIn::TaskThread,
-                                   "goes somewhere else, until it is configured anew"};
+                                   "sets another goal, until the task is configured again"};
   Point target_;
   Pose pose_;
 };

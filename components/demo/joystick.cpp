@@ -10,7 +10,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// A person's hand: commands what its operation was told, `segue call joystick.push '{forward: 1, turn: 0}'`.
+/// A simulated joystick, moved by its operation: `segue call joystick.push '{forward: 1, turn: 0}'`.
 class Joystick final : public Component {
  public:
   Joystick() {
@@ -38,7 +38,7 @@ class Joystick final : public Component {
                                         {"forward", "turn"},
                                         [this](double forward, double turn) { push(forward, turn); },
                                         RunsIn::TaskThread,
-                                        "moves the stick; both from -1 to 1"};
+                                        "moves the stick; both values from -1 to 1"};
   Velocity stick_;
 };
 

@@ -11,7 +11,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// A laser scanner that looks at a simulated room.
+/// A laser scanner in a simulated room.
 class LaserScanner final : public Component {
  public:
   LaserScanner() {
@@ -62,14 +62,14 @@ class LaserScanner final : public Component {
     return distance;
   }
 
-  InputPort<Pose> pose_in_{*this, "pose", {.doc = "where the scanner is"}};
-  OutputPort<Scan> scan_out_{*this, "scan", {.doc = "half a circle ahead"}};
-  Property<std::uint32_t> beams_{*this, "beams", 37, {.doc = "distances in a scan"}};
+  InputPort<Pose> pose_in_{*this, "pose", {.doc = "pose of the scanner"}};
+  OutputPort<Scan> scan_out_{*this, "scan", {.doc = "the half circle ahead"}};
+  Property<std::uint32_t> beams_{*this, "beams", 37, {.doc = "number of distances in a scan"}};
   Property<double> max_range_{
-      *this, "max_range", 8.0, {.live = true, .doc = "m; what is farther is not seen"}};
+      *this, "max_range", 8.0, {.live = true, .doc = "m; obstacles farther away are not detected"}};
   Property<double> room_{*this, "room", 5.0, {.doc = "m; the room reaches from -room to room in x and y"}};
   Property<std::vector<Obstacle>> obstacles_{
-      *this, "obstacles", {{2.0, 0.5, 0.5}, {-1.5, 2.0, 0.8}}, {.doc = "what stands in the room"}};
+      *this, "obstacles", {{2.0, 0.5, 0.5}, {-1.5, 2.0, 0.8}}, {.doc = "obstacles in the room"}};
   Pose pose_;
   Scan scan_;
 };

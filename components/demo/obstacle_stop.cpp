@@ -11,7 +11,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Lets commands through, but not into obstacles.
+/// Passes commands on, but stops forward motion in front of obstacles.
 class ObstacleStop final : public Component {
  public:
   ObstacleStop() {
@@ -23,7 +23,7 @@ class ObstacleStop final : public Component {
 
  protected:
   segue::Result<void> on_start() override {
-    ahead_ = 0;  // nothing seen yet: blocked
+    ahead_ = 0;  // blocked until the first scan
     return {};
   }
 
@@ -53,9 +53,11 @@ class ObstacleStop final : public Component {
 
   InputPort<Scan> scan_in_{*this, "scan"};
   InputPort<Velocity> command_in_{*this, "command", {.doc = "what is wanted"}};
-  OutputPort<Velocity> command_out_{*this, "safe_command", {.doc = "what is safe of it"}};
-  Property<double> distance_{*this, "distance", 0.4, {.live = true, .doc = "m; closer than this is blocked"}};
-  Property<double> half_angle_{*this, "half_angle", 0.6, {.live = true, .doc = "rad; what counts as ahead"}};
+  OutputPort<Velocity> command_out_{*this, "safe_command", {.doc = "the command, limited to what is safe"}};
+  Property<double> distance_{
+      *this, "distance", 0.4, {.live = true, .doc = "m; obstacles closer than this block the way"}};
+  Property<double> half_angle_{
+      *this, "half_angle", 0.6, {.live = true, .doc = "rad; angle to either side that counts as ahead"}};
   double ahead_ = 0;
 };
 

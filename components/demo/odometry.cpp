@@ -10,11 +10,11 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Where the robot is: adds up how its wheels move it.
+/// Estimates the pose of the robot by integrating its velocity.
 class Odometry final : public Component {
  public:
   Odometry() {
-    doc("Adds up velocities to a pose");
+    doc("Integrates velocities to a pose");
     default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(20), {}, 0, {}, {}, false});
   }
 
@@ -41,15 +41,11 @@ class Odometry final : public Component {
   }
 
  private:
-  InputPort<Velocity> velocity_in_{*this, "velocity", {.doc = "how the robot moves"}};
+  InputPort<Velocity> velocity_in_{*this, "velocity", {.doc = "velocity of the robot"}};
   OutputPort<Pose> pose_out_{*this, "pose", {.doc = "where it is now"}};
-  Property<Pose> start_{*this, "start", {}, {.doc = "where it is when it is configured"}};
-  Operation<void()> reset_{*this,
-                           "reset",
-                           {},
-                           [this] { pose_ = *start_; },
-                           RunsIn::TaskThread,
-                           "puts the robot back to where it started"};
+  Property<Pose> start_{*this, "start", {}, {.doc = "pose after configure"}};
+  Operation<void()> reset_{
+      *this, "reset", {}, [this] { pose_ = *start_; }, RunsIn::TaskThread, "sets the pose back to the start"};
   Pose pose_;
   Velocity velocity_;
   segue::TimePoint last_;

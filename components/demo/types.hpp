@@ -5,24 +5,24 @@
 
 #include <vector>
 
-/// A small robot with two wheels in a room with round obstacles: enough to switch between controllers that do
-/// something. Lengths in metres, angles in radians, times in seconds.
+/// A small two-wheeled robot in a room with round obstacles, to try out switching between controllers.
+/// Lengths in metres, angles in radians, times in seconds.
 namespace demo {
 
-/// Where the robot is in its room; theta counts anticlockwise from the x axis.
+/// A pose in the room; theta is measured counterclockwise from the x axis.
 struct Pose {
   double x = 0;
   double y = 0;
   double theta = 0;
 };
 
-/// How the robot moves, or is to move.
+/// The actual or commanded velocity of the robot.
 struct Velocity {
   double forward = 0;  ///< m/s
   double turn = 0;     ///< rad/s
 };
 
-/// Distances around the robot, anticlockwise from `first_angle` (in the robot's frame), `step` apart.
+/// Distances around the robot, counterclockwise from `first_angle` (in the robot's frame), `step` apart.
 struct Scan {
   double first_angle = 0;
   double step = 0;

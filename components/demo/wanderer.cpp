@@ -10,7 +10,7 @@ namespace demo {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Drives about and turns to where there is room.
+/// Explores: drives ahead while the way is free, else turns to the freer side.
 class Wanderer final : public Component {
  public:
   Wanderer() {
@@ -47,9 +47,9 @@ class Wanderer final : public Component {
   InputPort<Scan> scan_in_{*this, "scan"};
   OutputPort<Velocity> command_out_{*this, "command"};
   Property<double> speed_{*this, "speed", 0.5, {.live = true, .doc = "m/s while the way is free"}};
-  Property<double> turn_{*this, "turn", 1.0, {.live = true, .doc = "rad/s while it is not"}};
+  Property<double> turn_{*this, "turn", 1.0, {.live = true, .doc = "rad/s while it is blocked"}};
   Property<double> clearance_{
-      *this, "clearance", 1.0, {.live = true, .doc = "m; less than this ahead is not free"}};
+      *this, "clearance", 1.0, {.live = true, .doc = "m; the way is free if there is more than this ahead"}};
 };
 
 }  // namespace demo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two components: one counts, one doubles whatever comes.
+// Two components: one counts, the other doubles each count.
 #include <segue/task/component.hpp>
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace hello {
 
-/// What travels from one to the other.
+/// The sample type of their connection.
 struct Count {
   std::int64_t number = 0;
   std::string unit;
@@ -51,7 +51,7 @@ class Doubler final : public Component {
   Doubler() { doc("Doubles every count"); }
 
  private:
-  void on_update() override {  // whenever a sample has come: components are port driven by default
+  void on_update() override {  // runs for each new sample, since components are port driven by default
     while (in_.read(count_) == ReadStatus::NewData) {
       count_.number *= 2;
       out_.write(count_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job: a robot with four controllers walks through all twelve transitions between them while samples
-// flow between its 8 to 17 processes. Stand-ins take the place of the rover's drivers.
+// The main demo: a robot with four controllers makes all twelve transitions between them while samples flow
+// between its 8 to 17 processes. Stand-ins (simulated components) replace the rover's drivers.
 #include "report.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
@@ -17,14 +17,13 @@ namespace {
 
 using namespace segue;
 
-// An Eulerian circuit of the four controllers: every transition once, each beginning where the last one
-// ended.
+// An Eulerian circuit of the four controllers: every transition once, each starting where the last one ended.
 constexpr std::array<const char*, 13> kWalk = {
     "search_explore",     "goal_navigation",    "search_explore", "manipulation",    "search_explore",
     "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
     "manipulation",       "manipulator_teleop", "search_explore"};
 
-// How long each controller runs, so that a visitor sees samples flow.
+// How long each controller runs, so that samples flow visibly.
 constexpr auto kStay = std::chrono::milliseconds(250);
 
 int walk(runtime::EmbeddedRobot& robot, demo::Report& report) {

@@ -20,7 +20,7 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The parent's number stands second behind the command, which is in parentheses.
+/// The parent's pid is the second field after the command, which is in parentheses.
 int parent_of(const fs::path& process) {
   const std::string stat = content(process / "stat");
   const auto end = stat.rfind(')');

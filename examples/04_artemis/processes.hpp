@@ -10,7 +10,7 @@ namespace demo {
 /// The deployment processes that this program started, as the operating system shows them.
 struct Processes {
   std::set<std::string> names;
-  /// Pools of shared memory that they and this program have mapped: two for each process that lives.
+  /// The shared-memory pools that they and this program have mapped: two for each living process.
   std::size_t pools = 0;
 };
 Processes look_at_processes();

@@ -16,7 +16,7 @@ using namespace segue;
 using model::ActionKind;
 
 constexpr std::size_t kLineWidth = 110;
-constexpr std::size_t kShown = 6;  // of each kind of action, unless everything is to be printed
+constexpr std::size_t kShown = 6;  // actions listed of each kind, unless all are to be printed
 
 double milliseconds(Duration duration) {
   return static_cast<double>(duration.count()) / 1e6;
@@ -26,14 +26,14 @@ std::vector<std::string> labels_of(const runtime::SwitchResult& result, ActionKi
   std::vector<std::string> labels;
   for (const runtime::ActionRecord& record : result.actions) {
     if (record.action.kind != kind) continue;
-    // "stop wbc" -> "wbc": the kind stands at the head of the line.
+    // "stop wbc" -> "wbc": the kind is printed once, at the start of the line.
     const std::string label = record.action.label();
     labels.push_back(label.substr(std::min(label.size(), to_string(kind).size() + 1)));
   }
   return labels;
 }
 
-/// The names behind a heading, broken to the width of the page.
+/// The names after a heading, wrapped to the width of the page.
 void print_wrapped(const std::string& heading, const std::vector<std::string>& names) {
   std::string line = heading;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -173,7 +173,7 @@ int Report::note_undisturbed(const runtime::SwitchResult& result, const Flow& be
     if (named.contains(task)) continue;
     ++untouched;
     const auto now = after.cycles.find(task);
-    // A task that was restarted would count its updates from zero.
+    // A restarted task counts its updates from zero.
     const bool kept = now != after.cycles.end() && now->second >= cycles;
     ++(kept ? undisturbed_ : disturbed_);
   }

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-/// What the Artemis demo prints.
+/// The output of the Artemis demo.
 namespace demo {
 
-/// What every running task has done so far.
+/// Counters of all running tasks so far.
 struct Flow {
   std::uint64_t samples = 0;                    ///< read from all connections
-  std::map<std::string, std::uint64_t> missed;  ///< per task: updates that a period passed without
+  std::map<std::string, std::uint64_t> missed;  ///< per task: periods without an update
   std::map<std::string, std::uint64_t> cycles;  ///< per task: updates since its start
 };
 Flow measure_flow(segue::runtime::EmbeddedRobot& robot);
@@ -32,10 +32,10 @@ class Report {
   bool switched(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
   void flowed(const Flow& flow);
   void ended(const segue::runtime::SwitchResult& result);
-  /// Compares what runs now with the controller: processes and shared memory as the operating system shows
-  /// them, tasks and connections as the processes show them.
+  /// Compares the running system with the controller: processes and shared memory as the operating system
+  /// reports them, tasks and connections as the processes report them.
   void check_processes(segue::runtime::EmbeddedRobot& robot);
-  /// False if a count differs from the paper's, if a task that no transition named was disturbed, or if
+  /// False if a count differs from the paper's, if a task was disturbed that no transition concerned, or if
   /// anything was left over or missing.
   bool summarise();
 
@@ -44,7 +44,7 @@ class Report {
 
   void print_actions(const segue::runtime::SwitchResult& result) const;
   void print_counts(const segue::model::ActionCounts& counts, const Columns& paper);
-  /// How many running tasks the transition did not name.
+  /// The number of running tasks that the transition did not concern.
   int note_undisturbed(const segue::runtime::SwitchResult& result, const Flow& before, const Flow& after);
 
   bool everything_ = false;

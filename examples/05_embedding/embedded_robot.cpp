@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A robot inside a program: opens a robot file, walks through the controllers that are named, and looks at a
-// port.
+// A robot inside a program: opens a robot file, switches through the named controllers, and reads a port.
 //   embedded_robot ROBOT_FILE CONTROLLER...
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/type/json.hpp>
@@ -18,7 +17,7 @@ int fail_with(const std::string& message) {
   return 1;
 }
 
-/// The next sample of the port; empty if none comes within ten seconds.
+/// The next sample of the port; empty if none arrives within ten seconds.
 std::string next_sample(host::TaskHost& host, const model::PortRef& port) {
   auto reader = host.open_reader(port, 1);
   if (!reader) return to_string(reader.error());

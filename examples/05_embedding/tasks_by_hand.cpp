@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tasks and connections without a runtime, as in a test: two components, one connection, the life cycle by
-// hand.
+// Tasks and connections without a runtime, as in a test: two components, one connection, and a life cycle
+// driven by hand.
 #include <segue/link/local.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/task.hpp>
@@ -56,7 +56,7 @@ Result<int> sum_up_to(int wanted) {
   if (!from) return from.error();
   if (!to) return to.error();
 
-  // Room for all that is waited for: a full buffer drops, and nobody knows when the sink gets the processor.
+  // Room for all samples, since a full buffer refuses them and the sink may be scheduled late.
   const auto connection = link::connect(
       source.out, sink.in, {.kind = BufferKind::Buffer, .size = static_cast<std::size_t>(wanted)});
   if (!connection) return connection.error();
@@ -66,7 +66,7 @@ Result<int> sum_up_to(int wanted) {
   }
   sink.result.wait(0);
   return sink.result.load();
-}  // a task that goes is stopped and cleaned up, its ports are disconnected
+}  // the destructors stop and clean up the tasks and disconnect their ports
 
 }  // namespace
 
