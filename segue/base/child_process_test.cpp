@@ -14,7 +14,7 @@
 namespace segue {
 namespace {
 
-/// What a shell's command writes to descriptor 3, the only one that it has beside the first three.
+/// The output of a shell command to descriptor 3, the only one that it has besides the standard three.
 std::string said(const std::string& command) {
   std::array<int, 2> ends{};
   EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);

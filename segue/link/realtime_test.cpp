@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every allocation of this program passes through here, and none may come from a thread that is trapped.
+// Replaces malloc: every allocation passes through here, and none may come from a trapped thread.
 #include <segue/link/local.hpp>
 #include <segue/link/shared_connection.hpp>
 #include <segue/link/shared_memory.hpp>
@@ -73,7 +73,7 @@ TimePoint soon() {
   return RealClock::instance().now() + 120s;
 }
 
-/// From its first update until its last the whole thread is trapped: the component, the ports, the executor.
+/// The whole thread is trapped from its first update to its last: component, ports and executor.
 class Trapped : public Component {
  public:
   explicit Trapped(std::latch& done) : done_(done) { declare_states({"EVEN", "ODD"}, {"BAD"}); }
@@ -91,7 +91,7 @@ class Trapped : public Component {
     return {};
   }
   void on_update() override {
-    if (count_ == 60) trapped = true;  // by then every slot has been filled once
+    if (count_ == 60) trapped = true;  // every slot has been filled once by then
     if (misbehave) spare_ = std::make_unique<int>(count_);
     work();
     if (++count_ == kUpdates) {

@@ -17,7 +17,7 @@ using task::SamplePool;
 using task::SampleRef;
 using task::SampleSlot;
 
-/// What a queue is meant to do, in the plainest form.
+/// A reference model of the queue, as simple as possible.
 struct Model {
   BufferKind kind;
   std::size_t size;
@@ -86,7 +86,7 @@ RC_GTEST_PROP(SampleQueue, BehavesAsItsModel, ()) {
   RC_ASSERT(fixture.free_slots() == size + 2);
 }
 
-/// Both ends at full rate: whatever arrives does so in order, once, and whole.
+/// Both ends at full rate: samples arrive in order, once and intact.
 class Concurrent : public ::testing::TestWithParam<std::pair<BufferKind, std::size_t>> {};
 
 TEST_P(Concurrent, SamplesArriveInOrderAndOnceAndAreAllAccountedFor) {

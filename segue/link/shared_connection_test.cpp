@@ -78,7 +78,7 @@ TEST(SharedConnection, SamplesOfAnyTypeOnlyCount) {
   EXPECT_EQ(*sample, Pose());
 }
 
-/// What a connection is meant to do, in the plainest form.
+/// A reference model of a connection, as simple as possible.
 struct Model {
   Policy policy;
   std::deque<std::int64_t> waiting;
@@ -128,7 +128,7 @@ void behaves_as_its_model() {
     Model model{{kind, size}, {}, {}};
     Link link = pair.connect(source.out, sink.in, model.policy);
     RC_ASSERT(link.ok);
-    Sample<T> held;  // the one before is still in the component's hands
+    Sample<T> held;  // the component still holds the previous one
     std::int64_t next = 1;
     for (const bool is_write : writes) {
       if (is_write) {
@@ -202,7 +202,7 @@ TEST(SharedConnection, InitBringsTheLastSampleAndNeverAnOlderOne) {
   Pair pair;
   Source<Pose> source;
   Sink<Pose> sink;
-  source.out.write(Pose(1));  // lies outside of the pool
+  source.out.write(Pose(1));  // its slot lies outside the pool
   Link link = pair.connect(source.out, sink.in, {BufferKind::Data, 1, Transport::Automatic, true});
   ASSERT_TRUE(link.ok);
   auto sample = sink.in.take();
@@ -230,7 +230,7 @@ TEST(SharedConnection, NothingIsDeliveredAfterTheReaderLeft) {
   Pose copy;
   EXPECT_EQ(sink.in.read(copy), ReadStatus::NoData);
   for (int i = 0; i < 10; ++i)
-    EXPECT_EQ(source.out.write(Pose(3)), WriteResult::Written) << "nobody is there; it is not refused";
+    EXPECT_EQ(source.out.write(Pose(3)), WriteResult::Written) << "there is no reader, so it is not refused";
   EXPECT_EQ(*held, Pose(1)) << "what was taken stays";
   link.output->disconnect();
   for (int i = 0; i < 20; ++i)
@@ -305,8 +305,8 @@ TEST(SharedConnection, NothingIsLeftBehind) {
     text_sink.in.take();
     pair.disconnect(one);
     pair.disconnect(two);
-    // The samples of a port that was connected once stay in the pool; and a slot more, since the reader
-    // still holds the one it took last when it is connected again.
+    // The samples of a port stay in the pool once it was connected, plus one slot, since the reader still
+    // holds the sample that it took last when it is connected again.
     if (round != 1) continue;
     writer = pair.writer->usage();
     reader = pair.reader->usage();
@@ -501,7 +501,7 @@ TEST(SharedConnection, ReaderIsWokenByTheWriter) {
     ASSERT_TRUE(eventually([&, seen = counter] { return seen->last == i; })) << i;
   }
   EXPECT_TRUE(task->stop(soon()));
-  // Whoever is connected before it starts is heard as well.
+  // A connection from before the start wakes the task as well.
   source.out.write(Pose(2000));
   EXPECT_TRUE(task->start(soon()));
   EXPECT_TRUE(eventually([seen = counter] { return seen->last == 2000; }));
@@ -509,7 +509,7 @@ TEST(SharedConnection, ReaderIsWokenByTheWriter) {
   EXPECT_TRUE(eventually([seen = counter] { return seen->last == 2001; }));
 }
 
-/// Driven by an event that never comes: its thread waits for descriptors.
+/// Driven by an event that never happens: its thread waits for descriptors.
 struct Waiting : Component {
   Descriptor never{eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
 

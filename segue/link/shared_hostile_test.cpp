@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A peer that may write anything to the memory that it shares.
+// A hostile peer that writes anything to the memory that it shares.
 #include <segue/link/shared_pools.hpp>
 #include <segue/link/shared_ring.hpp>
 #include <segue/link/shared_test_support.hpp>
@@ -27,7 +27,7 @@ struct Hostile {
   std::shared_ptr<const PeerMemory> memory;
 };
 
-/// A connection, and its ring as a peer that means harm has it.
+/// A connection, and its ring as a hostile peer sees it.
 template <typename T>
 struct Attacked {
   explicit Attacked(const Policy& policy)
@@ -57,8 +57,7 @@ TEST(SharedHostile, WordsThatMakeNoSenseAreCountedAndDropped) {
 }
 
 TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
-  const Policy policy{BufferKind::Buffer, 8};
-  Attacked<Pose> attacked(policy);
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 8});
   auto& [pair, hostile, source, sink, link, ring] = attacked;
   struct Lie {
     std::uint64_t offset;
@@ -84,25 +83,32 @@ TEST(SharedHostile, EntriesThatLieAreCountedAndDropped) {
     EXPECT_FALSE(sink.in.take());
     EXPECT_EQ(link.input->corrupt(), ++expected);
   }
+}
+
+TEST(SharedHostile, EntriesThatAreHeldOrOfAnEarlierConnectionAreCountedAndDropped) {
+  Attacked<Pose> attacked(Policy{BufferKind::Buffer, 8});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
   // The same entry twice, while the reader holds it.
   RingEntry& entry = ring.entries()[0];
   entry.offset = 64;
   entry.size = sizeof(Pose);
+  entry.sequence = 1;
+  entry.generation = link.place.generation;
   std::uint64_t before = 0;
   ring.words().push(ring.token_of(0), before);
   ring.words().push(ring.token_of(0), before);
   const auto held = sink.in.take();
   EXPECT_TRUE(held);
   EXPECT_FALSE(sink.in.take());
-  EXPECT_EQ(link.input->corrupt(), ++expected);
-  // Of a connection that had this place before.
+  EXPECT_EQ(link.input->corrupt(), 1U);
+  // An entry of a connection that had this place before.
   RingEntry& late = ring.entries()[1];
   late.offset = 128;
   late.size = sizeof(Pose);
   late.generation = link.place.generation + 1;
   ring.words().push(ring.token_of(1), before);
   EXPECT_FALSE(sink.in.take());
-  EXPECT_EQ(link.input->corrupt(), ++expected);
+  EXPECT_EQ(link.input->corrupt(), 2U);
 }
 
 TEST(SharedHostile, OlderSampleThatComesLateIsNotDelivered) {
@@ -129,11 +135,11 @@ TEST(SharedHostile, FlatBytesThatLieAreCountedAndDropped) {
   auto& [pair, hostile, source, sink, link, ring] = attacked;
   source.out.write({"one", "two"});
   for (RingEntry& entry : ring.entries())
-    entry.size = 12;  // cut off
+    entry.size = 12;  // truncated
   EXPECT_FALSE(sink.in.take());
   EXPECT_EQ(link.input->corrupt(), 1U);
   source.out.write({"three"});
-  EXPECT_TRUE(sink.in.take()) << "the connection goes on";
+  EXPECT_TRUE(sink.in.take()) << "the connection still works";
 }
 
 TEST(SharedHostile, ReaderThatGivesBackWhatItWasNeverGivenIsCounted) {
@@ -156,8 +162,8 @@ TEST(SharedHostile, ReaderThatGivesBackWhatItWasNeverGivenIsCounted) {
   EXPECT_EQ(*other.in.take(), Pose(7)) << "nothing was given away twice";
 }
 
-/// Whatever is written to a control pool at any time: no crash, no endless loop, and the writer's samples are
-/// whole for those who are honest.
+/// Random writes to a control pool at any time cause no crash and no endless loop, and honest peers still get
+/// intact samples.
 TEST(SharedHostile, GarbageAnywhereInTheControlPoolHarmsNobodyElse) {
   std::minstd_rand random(7);
   for (int round = 0; round < 30; ++round) {
@@ -182,7 +188,7 @@ TEST(SharedHostile, GarbageAnywhereInTheControlPoolHarmsNobodyElse) {
     const std::size_t used = pair.reader->usage().control_used / 8;
     for (int i = 1; i <= 300; ++i) {
       for (int spoiled = 0; spoiled < 4; ++spoiled) {
-        // The low bits now and then only, so that words stay plausible.
+        // The low bits only occasionally, so that most words stay plausible.
         const std::uint64_t garbage = std::uint64_t{random()} << (random() % 40);
         words[random() % used] ^= random() % 2 == 0 ? garbage : std::uint64_t{1} << (random() % 64);
       }

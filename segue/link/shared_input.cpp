@@ -74,7 +74,7 @@ SampleRef SharedInput::pull() noexcept {
   if (form_ == SampleForm::Flat) {
     if (!ring.words().pending()) return {};
     spare = SampleRef::adopt(decoded_->acquire());
-    if (!spare) return {};  // the component holds them all: what waits goes on waiting, by the policy
+    if (!spare) return {};  // the component holds all slots, so samples keep waiting
   }
   // Each invalid word costs one round; there are no more of them than places.
   for (std::size_t i = 0; i <= ring.words().places(); ++i) {

@@ -40,7 +40,7 @@ bool is_whole(const Text& text) {
   return text.size() == 3 && text == text_of(std::stoll(text.front()));
 }
 
-/// All that the two sides tell each other beside their samples.
+/// All that the two sides exchange besides samples.
 struct Message {
   Incarnation incarnation = 0;
   int payload = -1;
@@ -111,8 +111,8 @@ class Child {
   ~Child() { kill(); }
 
   [[nodiscard]] int channel() const { return channel_.get(); }
-  [[nodiscard]] MemoryOffer memory(const Message& told) const {
-    return {told.incarnation, open_theirs(told.payload), open_theirs(told.control)};
+  [[nodiscard]] MemoryOffer memory(const Message& reply) const {
+    return {reply.incarnation, open_theirs(reply.payload), open_theirs(reply.control)};
   }
   void kill() {
     if (pid_ <= 0) return;
@@ -130,7 +130,7 @@ class Child {
   Descriptor channel_;
 };
 
-/// The child's side of the introduction.
+/// The child's side of the handshake.
 struct Parent {
   Parent() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -141,15 +141,15 @@ struct Parent {
     mine.incarnation = memory->incarnation();
     mine.payload = kept_payload.get();
     mine.control = kept_control.get();
-    told = receive(kChannel);
-    MemoryOffer theirs{told.incarnation, Descriptor(kPayload), Descriptor(kControl)};
+    reply = receive(kChannel);
+    MemoryOffer theirs{reply.incarnation, Descriptor(kPayload), Descriptor(kControl)};
     if (!memory->admit(theirs)) std::exit(3);
   }
   std::shared_ptr<SharedMemory> memory;
   Descriptor kept_payload;
   Descriptor kept_control;
   Message mine;
-  Message told;
+  Message reply;
 };
 
 /// Reads both kinds, holds a few samples, and leaves with 4 when one is torn.
@@ -182,15 +182,15 @@ struct Taker : Component {
 TEST(SharedChild, DISABLED_Reader) {
   Parent parent;
   auto [task, taker] = running<Taker>("taker", {});
-  const OutputOrigin poses{parent.told.incarnation, sizeof(Pose), false};
-  const OutputOrigin texts{parent.told.incarnation, sizeof(Text), true};
-  auto pose_endpoint = open_input(*parent.memory, poses, taker->poses, parent.told.policy);
-  auto text_endpoint = open_input(*parent.memory, texts, taker->texts, parent.told.policy);
+  const OutputOrigin poses{parent.reply.incarnation, sizeof(Pose), false};
+  const OutputOrigin texts{parent.reply.incarnation, sizeof(Text), true};
+  auto pose_endpoint = open_input(*parent.memory, poses, taker->poses, parent.reply.policy);
+  auto text_endpoint = open_input(*parent.memory, texts, taker->texts, parent.reply.policy);
   if (!pose_endpoint || !text_endpoint) std::exit(5);
   put_place(parent.mine, 0, pose_endpoint->place);
   put_place(parent.mine, 1, text_endpoint->place);
   send(kChannel, parent.mine);
-  receive(kChannel);  // until the parent goes
+  receive(kChannel);  // until the parent closes it
 }
 
 TEST(SharedChild, DISABLED_Writer) {
@@ -234,11 +234,11 @@ TEST(SharedProcess, WriterMayDieAtAnyMoment) {
     Message message;
     message.incarnation = memory->incarnation();
     ASSERT_TRUE(send(child.channel(), message));
-    const Message told = receive(child.channel());
-    ASSERT_NE(told.incarnation, 0U);
-    ASSERT_TRUE(memory->admit(child.memory(told)));
-    auto poses = open_input(*memory, {told.incarnation, sizeof(Pose), false}, taker->poses, policy);
-    auto texts = open_input(*memory, {told.incarnation, sizeof(Text), true}, taker->texts, policy);
+    const Message reply = receive(child.channel());
+    ASSERT_NE(reply.incarnation, 0U);
+    ASSERT_TRUE(memory->admit(child.memory(reply)));
+    auto poses = open_input(*memory, {reply.incarnation, sizeof(Pose), false}, taker->poses, policy);
+    auto texts = open_input(*memory, {reply.incarnation, sizeof(Text), true}, taker->texts, policy);
     ASSERT_TRUE(poses && texts);
     put_place(message, 0, poses->place);
     put_place(message, 1, texts->place);
@@ -247,9 +247,9 @@ TEST(SharedProcess, WriterMayDieAtAnyMoment) {
     const std::uint64_t enough = 50 + random() % 3000;
     ASSERT_TRUE(eventually([&, reader = taker] { return reader->received > enough; }));
     child.kill();
-    // What had been sent whole is still read.
+    // Samples that were sent completely are still read.
     EXPECT_EQ(poses->endpoint->corrupt() + texts->endpoint->corrupt(), 0U);
-    memory->forget(told.incarnation);
+    memory->forget(reply.incarnation);
     EXPECT_TRUE(task->stop(soon()));
     EXPECT_EQ(taker->torn, 0U);
     EXPECT_EQ(memory->usage().connections, 0U);
@@ -271,15 +271,15 @@ TEST(SharedProcess, ReaderMayDieAtAnyMoment) {
     message.incarnation = memory->incarnation();
     message.policy = policy_of(static_cast<unsigned>(round));
     ASSERT_TRUE(send(child.channel(), message));
-    const Message told = receive(child.channel());
-    ASSERT_NE(told.incarnation, 0U);
-    ASSERT_TRUE(memory->admit(child.memory(told)));
+    const Message reply = receive(child.channel());
+    ASSERT_NE(reply.incarnation, 0U);
+    ASSERT_TRUE(memory->admit(child.memory(reply)));
     auto first =
-        attach_output(*memory, place_of(told, 0, likeness<Pose>("poses")), poses.out, message.policy);
+        attach_output(*memory, place_of(reply, 0, likeness<Pose>("poses")), poses.out, message.policy);
     auto second =
-        attach_output(*memory, place_of(told, 1, likeness<Text>("texts")), texts.out, message.policy);
+        attach_output(*memory, place_of(reply, 1, likeness<Text>("texts")), texts.out, message.policy);
     ASSERT_TRUE(first && second);
-    // Until it has read some; it sleeps in between and must be woken.
+    // Until it has read enough; it sleeps in between and must be woken.
     const std::uint64_t enough = 50 + random() % 1000;
     std::int64_t number = 0;
     ASSERT_TRUE(eventually([&] {
@@ -294,7 +294,7 @@ TEST(SharedProcess, ReaderMayDieAtAnyMoment) {
     }
     killer.join();
     EXPECT_EQ((*first)->corrupt() + (*second)->corrupt(), 0U);
-    memory->forget(told.incarnation);
+    memory->forget(reply.incarnation);
     first->reset();
     second->reset();
     EXPECT_EQ(memory->usage().connections, 0U);
@@ -315,10 +315,10 @@ TEST(SharedProcess, SleepingReaderIsWokenForEverySample) {
   Message message;
   message.incarnation = memory->incarnation();
   ASSERT_TRUE(send(child.channel(), message));
-  const Message told = receive(child.channel());
-  ASSERT_NE(told.incarnation, 0U);
-  ASSERT_TRUE(memory->admit(child.memory(told)));
-  auto endpoint = attach_output(*memory, place_of(told, 0, likeness<Pose>("poses")), poses.out, {});
+  const Message reply = receive(child.channel());
+  ASSERT_NE(reply.incarnation, 0U);
+  ASSERT_TRUE(memory->admit(child.memory(reply)));
+  auto endpoint = attach_output(*memory, place_of(reply, 0, likeness<Pose>("poses")), poses.out, {});
   ASSERT_TRUE(endpoint);
   for (std::uint64_t i = 1; i <= 2000; ++i) {
     poses.out.write(Pose(static_cast<std::int64_t>(i)));

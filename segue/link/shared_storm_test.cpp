@@ -30,7 +30,7 @@ struct Writer : Component {
   std::int64_t count_ = 0;
 };
 
-/// Takes whatever comes and notes what must not happen.
+/// Takes all samples and counts violations.
 struct Reader : Component {
   InputPort<Pose> poses{*this, "poses"};
   InputPort<Text> texts{*this, "texts"};
@@ -84,7 +84,7 @@ struct Storm {
       running<Writer>("writer", {.trigger = Trigger::Periodic, .period = std::chrono::microseconds(50)});
 };
 
-/// Connects and disconnects while both sides run; half of the readers are woken, half look by themselves.
+/// Connects and disconnects while both sides run; half of the readers are triggered, half poll.
 void storm(Storm& storm, unsigned seed, Reader& reader, int rounds) {
   std::minstd_rand random(seed);
   for (int round = 0; round < rounds; ++round) {
@@ -124,7 +124,7 @@ TEST(SharedStorm, ConnectingAtFullRateNeitherTearsNorHauntsNorLeaks) {
       threads.emplace_back([&, i] { storm(weather, i + 1, *readers[i].second, 200); });
     for (std::thread& thread : threads)
       thread.join();
-    // A last connection that must still work, and must be heard.
+    // A last connection must still work and wake its reader.
     Reader& driven = *readers.front().second;
     driven.closed = false;
     const Link link = weather.pair.connect(weather.writer.second->poses, driven.poses, {});

@@ -29,9 +29,9 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// 100 MB of which only what is written becomes memory.
+/// 100 MB; only the pages that are written take memory.
 struct Image {
-  Image() {}  // NOLINT(modernize-use-equals-default): that would fill it with zeros
+  Image() {}  // NOLINT(modernize-use-equals-default): that would zero it
   std::array<std::uint8_t, 100'000'000> pixels;
 };
 
@@ -54,7 +54,7 @@ inline TimePoint soon() {
   return RealClock::instance().now() + std::chrono::seconds(60);
 }
 
-/// Waits for something that another thread or process brings about.
+/// Waits for something that another thread or process does.
 template <class Condition>
 bool eventually(Condition condition) {
   const TimePoint deadline = soon();
@@ -70,14 +70,14 @@ struct Source : Component {
   OutputPort<T> out{*this, "out"};
 };
 
-/// Outside of a task a port's name is all that tells one from another.
+/// Ports without a task are told apart by their names only.
 template <class T>
 struct Sink : Component {
   explicit Sink(const std::string& name = "in") : in(*this, name) {}
   InputPort<T> in;
 };
 
-/// Takes everything, one sample for each update.
+/// Takes all samples, one per update.
 struct Counter : Component {
   InputPort<Pose> in{*this, "in"};
   std::atomic<std::int64_t> last{0};
@@ -142,7 +142,7 @@ struct Pair {
     return link;
   }
 
-  /// As processes do it: the writer first.
+  /// In the order that processes use: the writer first.
   void disconnect(const Link& link) const {
     link.output->disconnect();
     link.input->disconnect();

@@ -79,8 +79,8 @@ class Writer : public Component {
   std::uint64_t count_ = 0;
 };
 
-/// Takes whatever comes and notes what must not happen. One port per writer, so that a connection's order
-/// shows.
+/// Takes all samples and counts violations. One port per writer, so that the order of each connection can be
+/// checked.
 class Reader : public Component {
  public:
   Reader() {
@@ -89,8 +89,8 @@ class Reader : public Component {
     }
   }
   std::vector<std::unique_ptr<InputPort<Stamped>>> ports;
-  std::array<std::atomic<bool>, kWriters> closed{};     ///< nothing may come
-  std::array<std::atomic<int>, kWriters> connection{};  ///< counts them
+  std::array<std::atomic<bool>, kWriters> closed{};     ///< no sample may arrive
+  std::array<std::atomic<int>, kWriters> connection{};  ///< number of the current connection
   std::atomic<std::uint64_t> received{0};
   std::atomic<std::uint64_t> torn{0};
   std::atomic<std::uint64_t> out_of_order{0};
@@ -115,7 +115,7 @@ class Reader : public Component {
   void check(std::uint32_t port, int number, const Stamped& sample) {
     ++received;
     if (!sample.whole() || sample.writer != port) ++torn;
-    // A connection with init may begin with what an earlier one delivered last.
+    // A connection with init may begin with the last sample of an earlier one.
     const bool may_repeat = seen_[port] != number || connection[port] != number;
     if (may_repeat ? sample.count < last_[port] : sample.count <= last_[port]) ++out_of_order;
     seen_[port] = number;
@@ -196,7 +196,7 @@ TEST(Storm, ConnectingAtFullRateNeitherTearsNorReordersNorHaunts) {
   EXPECT_GT(received, 0U);
 }
 
-/// Ports go away on one side while the other side disconnects them.
+/// Ports are destroyed on one side while the other side disconnects them.
 TEST(Storm, BothEndsMayGoAtOnce) {
   struct Owner : Component {};
   for (int round = 0; round < 300; ++round) {
@@ -228,29 +228,31 @@ TEST(Storm, BothEndsMayGoAtOnce) {
   }
 }
 
+/// Notices when a hook or update runs while another one does.
+struct Careful : Component {
+  InputPort<int> in{*this, "in"};
+  std::atomic<int> inside{0};
+  std::atomic<int> collisions{0};
+  int plain = 0;  // for the thread sanitizer
+  void touch() {
+    if (++inside != 1) ++collisions;
+    ++plain;
+    --inside;
+  }
+  Result<void> on_start() override {
+    touch();
+    return {};
+  }
+  void on_update() override {
+    touch();
+    int value = 0;
+    in.read(value);
+  }
+  void on_stop() override { touch(); }
+};
+
 /// Life-cycle verbs from several threads, while samples make the task update.
 TEST(Storm, VerbsAndUpdatesExcludeEachOther) {
-  struct Careful : Component {
-    InputPort<int> in{*this, "in"};
-    std::atomic<int> inside{0};
-    std::atomic<int> collisions{0};
-    int plain = 0;  // for the thread sanitizer
-    void touch() {
-      if (++inside != 1) ++collisions;
-      ++plain;
-      --inside;
-    }
-    Result<void> on_start() override {
-      touch();
-      return {};
-    }
-    void on_update() override {
-      touch();
-      int value = 0;
-      in.read(value);
-    }
-    void on_stop() override { touch(); }
-  };
   auto component = std::make_unique<Careful>();
   Careful* careful = component.get();
   auto task = Task::create("careful", std::move(component));

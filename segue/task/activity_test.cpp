@@ -44,7 +44,7 @@ TEST_F(Periodic, UpdatesAtOnceAndThenEveryPeriod) {
 
 TEST_F(Periodic, MissedCyclesAreCountedAndNotMadeUpFor) {
   executor->run_ready();
-  clock.advance(35ms);  // nobody could run at 10, 20, 30
+  clock.advance(35ms);  // the updates at 10, 20 and 30 ms were missed
   executor->run_ready();
   EXPECT_EQ(probe->hooks.size(), 2U);
   EXPECT_EQ(task->timing().missed, 2U);

@@ -36,7 +36,7 @@ struct Edge {
   Hooks hooks;
 };
 
-/// All there are; every other pair of state and verb is illegal.
+/// All legal pairs of state and verb; every other pair is illegal.
 const std::vector<Edge> kEdges = {{TaskState::PreOperational, "configure", TaskState::Stopped, {"configure"}},
                                   {TaskState::Stopped, "start", TaskState::Running, {"start"}},
                                   {TaskState::Running, "stop", TaskState::Stopped, {"stop"}},
@@ -233,8 +233,8 @@ TEST_F(LifeCycle, SubStatesAreNamedAndUnknownOnesIgnored) {
 
 TEST_F(LifeCycle, EveryChangeIsToldToTheListenerInOrder) {
   std::vector<TaskState> heard;
-  task->set_state_listener([&](const Task& told, TaskState state) {
-    EXPECT_EQ(told.state(), state);
+  task->set_state_listener([&](const Task& changed, TaskState state) {
+    EXPECT_EQ(changed.state(), state);
     heard.push_back(state);
   });
   ASSERT_TRUE(task->configure(soon()));

@@ -143,7 +143,7 @@ TEST_F(Operations, AskingForExceptionUndoesTheTask) {
   ASSERT_TRUE(task->start(soon()));
   calculator->hooks.clear();
   ASSERT_TRUE(task->call("explode", Value(), soon()));
-  // The change follows the call; the next one sees it done.
+  // The change takes effect after the call; the next call sees it.
   ASSERT_TRUE(task->call("divide", Value::list({1, 1}), soon()));
   EXPECT_EQ(task->state(), TaskState::Exception);
   EXPECT_THAT(calculator->hooks, ElementsAre("stop", "cleanup"));
@@ -156,7 +156,7 @@ TEST_F(Operations, WaitingCallIsCancelledWhenTheTaskGoes) {
   ASSERT_TRUE(made);
   Task& never_run = **made;
   std::thread caller([&] {
-    // Whether the task goes before or while this waits, there is an answer and nothing dangles.
+    // Whether the task is destroyed before or during the wait, the call returns and nothing dangles.
     auto result = never_run.call("divide", Value::list({1, 1}), RealClock::instance().now() + 50ms);
     EXPECT_FALSE(result);
   });

@@ -75,7 +75,7 @@ std::optional<Value> prefixed_integer(std::string_view text) {
   return std::nullopt;
 }
 
-// A number that a double cannot hold (1e999) is nobody's number and stays text.
+// A number that a double cannot hold (1e999) stays text.
 std::optional<Value> number(std::string_view text) {
   if (const auto integer = prefixed_integer(text)) return integer;
   if (all_digits(without_sign(text))) {

@@ -21,7 +21,7 @@ std::string in_typelib(const std::string& content) {
   return "<?xml version=\"1.0\"?>\n<typelib>\n" + content + "\n</typelib>\n";
 }
 
-/// What is wrong with a registry, "line: code" each.
+/// The findings about a registry, each as "line: code".
 std::vector<std::string> findings(const std::string& text) {
   Diagnostics diagnostics;
   const auto registry = read_typelib(text, "a.tlb", diagnostics);
