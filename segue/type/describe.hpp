@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/type/describe_macro.hpp>
 #include <segue/type/described_type.hpp>
 
 #include <array>
@@ -35,6 +34,23 @@
   };
 #define SEGUE_DETAIL_SYMBOL(name_) visitor_.symbol(#name_, Described_::name_);
 #define SEGUE_DETAIL_MEMBER(name_) visitor_.member(#name_, &Described_::name_);
+
+/// Scans its arguments again, often enough for 64 repetitions of SEGUE_DETAIL_STEP.
+#define SEGUE_DETAIL_SCAN(...) \
+  SEGUE_DETAIL_SCAN_4(SEGUE_DETAIL_SCAN_4(SEGUE_DETAIL_SCAN_4(SEGUE_DETAIL_SCAN_4(__VA_ARGS__))))
+#define SEGUE_DETAIL_SCAN_4(...) \
+  SEGUE_DETAIL_SCAN_3(SEGUE_DETAIL_SCAN_3(SEGUE_DETAIL_SCAN_3(SEGUE_DETAIL_SCAN_3(__VA_ARGS__))))
+#define SEGUE_DETAIL_SCAN_3(...) \
+  SEGUE_DETAIL_SCAN_2(SEGUE_DETAIL_SCAN_2(SEGUE_DETAIL_SCAN_2(SEGUE_DETAIL_SCAN_2(__VA_ARGS__))))
+#define SEGUE_DETAIL_SCAN_2(...) __VA_ARGS__
+
+#define SEGUE_DETAIL_PARENTHESES ()
+
+/// use(a) use(b) use(c) for (a, b, c).
+#define SEGUE_DETAIL_EACH(use, ...) __VA_OPT__(SEGUE_DETAIL_SCAN(SEGUE_DETAIL_STEP(use, __VA_ARGS__)))
+#define SEGUE_DETAIL_STEP(use, first, ...) \
+  use(first) __VA_OPT__(SEGUE_DETAIL_STEP_AGAIN SEGUE_DETAIL_PARENTHESES(use, __VA_ARGS__))
+#define SEGUE_DETAIL_STEP_AGAIN() SEGUE_DETAIL_STEP
 
 namespace segue::type {
 
