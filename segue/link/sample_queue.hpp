@@ -31,8 +31,8 @@ class SampleQueue {
   task::SampleRef pull() noexcept;
   [[nodiscard]] bool pending() const noexcept { return ring_.pending(); }
 
-  /// Policy data only; one thread at a time, also beside push(): puts in an older sample unless a newer one
-  /// waits. The reader drops it where it has read a newer one. True: it is in.
+  /// Policy data only; one thread at a time, concurrently with push(): puts in an older sample unless a newer
+  /// one waits. The reader drops it where it has read a newer one. True: it is in.
   bool offer_older(task::SampleSlot& sample) noexcept;
   /// Drops all samples. Requires that nobody pushes or pulls.
   void clear() noexcept;

@@ -44,8 +44,8 @@ class WordRing {
   std::uint64_t pull() noexcept;
   /// Whether a token waits. The reader's thread; with policy data, any thread.
   [[nodiscard]] bool pending() const noexcept { return word(tail_).load(std::memory_order_seq_cst) != 0; }
-  /// Policy data only; one thread at a time, also beside push(): puts a token in unless one waits. True: it
-  /// is in.
+  /// Policy data only; one thread at a time, concurrently with push(): puts a token in unless one waits.
+  /// True: it is in.
   bool offer(std::uint64_t token) noexcept;
   /// Takes out the token at `place` < places(); 0 where there is none. Requires that the reader has ended.
   std::uint64_t remove(std::size_t place) noexcept {

@@ -284,7 +284,7 @@ TEST_F(LifeCycle, RenewedTaskHasItsComponentAndTheOldOneRetires) {
   const auto refused = task->configure(soon());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::InvalidState);
-  EXPECT_THAT(refused.error().message, HasSubstr("anew"));
+  EXPECT_THAT(refused.error().message, HasSubstr("replaced"));
   ASSERT_TRUE((*renewed)->configure(soon()));
   ASSERT_TRUE((*renewed)->start(soon()));
   task.reset();
