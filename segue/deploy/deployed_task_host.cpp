@@ -12,9 +12,9 @@ namespace segue::deploy {
 
 namespace {
 
-/// How long cleaning up what was left over may take where nobody waits for it in particular.
+/// How long the removal of orphaned endpoints may take.
 constexpr Duration kCleaning = std::chrono::seconds(2);
-/// How long processes may take to get to know each other; what has not by then does when it is connected.
+/// How long processes may take to map each other's memory ahead. The others do so when they are connected.
 constexpr Duration kGettingReady = std::chrono::seconds(1);
 
 TimePoint in(Duration duration) {
@@ -27,7 +27,7 @@ void check_hosts(const model::Network& network, const std::vector<model::HostNam
     if (std::find(hosts.begin(), hosts.end(), deployment.host) == hosts.end()) {
       findings.error("other-host",
                      "process " + quote(to_string(deployment.key())) +
-                         ": its host is another computer; only processes on the runtime's own can be started",
+                         ": its host is another computer; processes can only be started on the runtime's own",
                      deployment.where);
     }
   }

@@ -12,38 +12,38 @@
 
 namespace segue::deploy {
 
-/// How the socket of a deployment process becomes its service (control/ provides it). `gone` is called once,
-/// from any thread, when the connection breaks.
+/// Connects to a deployment process by its socket (control/ provides this). `gone` is called once, from any
+/// thread, when the connection breaks.
 using Connector = std::function<Result<std::unique_ptr<DeploymentService>>(
     const std::filesystem::path& socket, TimePoint deadline, std::function<void()> gone)>;
 
 struct DeployedOptions {
-  /// How long a process may take to be looked at before it counts as one that does not answer. A computer
-  /// that is merely busy must not look like one that hangs.
+  /// How long a process may take to answer a poll before it counts as one that does not answer. Long enough
+  /// that a computer that is merely busy does not look like one that hangs.
   Duration patience = std::chrono::seconds(2);
-  /// Time between two looks that nobody asked for: they find what hangs, and take off connections' endpoints
-  /// that a dead process left behind.
+  /// Period of the polls that nobody requested. They find processes and hooks that hang, and endpoints that a
+  /// dead process left behind.
   Duration watch = std::chrono::seconds(1);
-  /// Names of this computer; all others are computers that cannot be reached from here.
+  /// Names of this computer. Processes on all other hosts are refused.
   std::vector<model::HostName> hosts = {model::kLocalHost};
 };
 
 /// One TaskHost over the tasks of the runtime's own process and those of all deployment processes of a robot
 /// on this host.
 ///
-/// What is observed: processes that answer, with their tasks, and connections both of whose endpoints are
-/// connected. A process that ended by itself is not there any more, nor are its tasks and connections; a
-/// process that does not answer is there with its tasks Fatal, as is a task one of whose hooks hangs, so that
-/// the next transition replaces the process; should it answer again before, they are what they were. Whatever
-/// happens to a process is told to the listener.
+/// observe() shows the processes that answer with their tasks, and the connections both of whose endpoints
+/// are connected. A process that ended by itself is missing, with its tasks and connections. The tasks of a
+/// process that does not answer are Fatal, as is a task with a hook that hangs, so that the next transition
+/// replaces the process; if it answers again before that, they have their former states. The listener gets an
+/// event of each such change.
 class DeployedTaskHost final : public host::TaskHost {
  public:
-  /// `own` is the runtime's process. `launch` is what every process begins with, its deployment aside. All
-  /// references must outlive this. Deployments of `launch.robot` that already run are adopted; of those that
-  /// cannot be (another version) the listener is told, as soon as there is one.
+  /// `own` is the runtime's process, `launch` the template for starting others. All references must outlive
+  /// this. Running deployments of `launch.robot` are adopted; the listener, as soon as there is one, gets an
+  /// event of each and of those that cannot be adopted (another version of Segue).
   DeployedTaskHost(DeploymentService& own, process::ProcessService& processes, Connector connector,
                    process::Launch launch, const host::TaskHost& local, const DeployedOptions& options = {});
-  /// Lets the processes run on.
+  /// The processes run on.
   ~DeployedTaskHost() override;
 
   /// Side by side in their processes: one message for each process and kind of work, three for connections
@@ -54,11 +54,11 @@ class DeployedTaskHost final : public host::TaskHost {
 
   [[nodiscard]] model::Depth validation_depth() const override;
   Result<void> can_make(const model::ComponentName& component) const override;
-  /// Refuses tasks on other computers, and connections between processes that insist on another link than
-  /// shared memory.
+  /// Refuses processes on other computers, and connections between processes with another link than shared
+  /// memory.
   [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   void expect(const model::Network& target) override;
-  /// Processes that its connections will join map each other's memory.
+  /// Makes processes that `target` connects map each other's memory.
   void get_ready(const model::Network& target) override;
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
@@ -77,8 +77,9 @@ class DeployedTaskHost final : public host::TaskHost {
                                                         std::size_t buffer) override;
   void set_listener(Listener listener) override;
 
-  /// Ends all processes but the runtime's own, whatever they hold and whether they answer: for a robot that
-  /// cannot be brought to the empty network. Blocks until they are gone, until `deadline` at most.
+  /// Ends all processes but the runtime's own, whether or not they answer and whatever tasks they hold; for a
+  /// robot that no transition brings to the empty network. Blocks until they have ended, until `deadline` at
+  /// most.
   void end_processes(TimePoint deadline);
 
  private:

@@ -16,14 +16,13 @@
 #include <string>
 #include <vector>
 
-/// Deployments: processes that hold tasks. Starts and watches them, what runs inside, and one TaskHost over
-/// all.
+/// Deployments: processes that hold tasks. What such a process offers, and one TaskHost over all of them.
 namespace segue::deploy {
 
-/// Who a deployment process is.
+/// The identity of a deployment process.
 struct DeploymentInfo {
   std::string robot;
-  model::Deployment deployment;  ///< as it was started; its list of tasks is empty
+  model::Deployment deployment;  ///< as it was started, without tasks
   int pid = 0;
   std::string software;  ///< version of Segue
   link::Incarnation incarnation = 0;
@@ -31,27 +30,27 @@ struct DeploymentInfo {
 
 enum class Side : std::uint8_t { Output, Input };
 
-/// One endpoint of a connection between processes, as its process sees it.
+/// One endpoint of a connection between processes, as reported by its process.
 struct EndpointReport {
   model::Connection connection;
   Side side = Side::Output;
   link::Incarnation peer = 0;
-  link::InputPlace place;  ///< what identifies it: both endpoints of a connection name the same one
+  link::InputPlace place;  ///< identifies the connection: both of its endpoints name the same place
   link::Counters counters;
 };
 
-/// All that a process holds, at one moment.
+/// Everything that a process holds at one moment.
 struct Snapshot {
-  model::Network network;  ///< its tasks with true states, its placements, connections inside
+  model::Network network;  ///< its tasks with their actual states, placements, connections within the process
   std::vector<host::TaskReport> tasks;
-  std::vector<host::ConnectionReport> connections;  ///< inside
+  std::vector<host::ConnectionReport> connections;  ///< within the process
   std::vector<EndpointReport> endpoints;
   link::MemoryUsage memory;
-  /// Tasks one of whose hooks has not returned although the deadline of its action has passed.
+  /// Tasks with a hook that has not returned although the deadline of its action has passed.
   std::vector<model::TaskId> hanging;
 };
 
-/// A connection of which the other end lives in another process.
+/// Requests about one endpoint; the other endpoint belongs to another process.
 struct OpenInput {
   model::Connection connection;
   link::OutputOrigin origin;
@@ -63,15 +62,16 @@ struct AttachOutput {
 struct CloseEndpoint {
   model::Connection connection;
   Side side = Side::Output;
-  bool peer_closed =
-      false;  ///< Input: the writer's endpoint is gone or never was, so its ring's place is free
-  link::Incarnation peer = 0;  ///< the process at the other end: a connection may lead to two incarnations
+  /// Input: the writer has no endpoint (any more), so the memory of the ring may be used again.
+  bool peer_closed = false;
+  /// The other process, since a connection may lead to two incarnations of a task.
+  link::Incarnation peer = 0;
 };
 
-/// What a process with tasks offers, in the same process or (control/) in another. Functions may be called
-/// from any thread and block until their deadline at most; those without one answer within moments, or
-/// Unavailable where the process is gone and DeadlineExceeded where it does not answer. Lists of outcomes
-/// have one entry for each thing asked.
+/// The interface of a process that holds tasks: LocalDeployment in the process itself, a client (control/)
+/// elsewhere. Functions may be called from any thread and block until their deadline at most. Those without a
+/// deadline return quickly; a client answers Unavailable where the process is gone and DeadlineExceeded where
+/// it does not answer. Lists of outcomes have one entry for each request, in the order of the requests.
 class DeploymentService {
  public:
   virtual ~DeploymentService() = default;
@@ -79,7 +79,7 @@ class DeploymentService {
   virtual Result<DeploymentInfo> info() = 0;
   virtual Result<Snapshot> snapshot() = 0;
 
-  /// Stand-ins made from now on have the ports that `network` names (the part that concerns this process).
+  /// Stand-ins that are created from now on get the ports that `network` (the part for this process) names.
   virtual Result<void> expect(const model::Network& network) = 0;
   /// Begins to carry out actions on tasks and connections of this process that do not depend on each other,
   /// side by side, and returns without waiting for hooks. `completed` is told each of them once, by
@@ -87,13 +87,14 @@ class DeploymentService {
   /// returns, and it must not call back into this. This must not be destroyed before all are told.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                          host::Completion completed) = 0;
-  /// The same, and waits; outcomes in the order of `actions`.
+  /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
-  /// Forgets and redefines tasks as TaskHost::conclude does.
+  /// Removes and redefines tasks as TaskHost::conclude() does.
   virtual Result<void> conclude(const model::Transition& transition, TimePoint deadline) = 0;
 
-  /// For a task that takes over from one in another process: what a Stopped task remembers (nothing, where
-  /// its component has no state), and a task that is configured and does not run continues it.
+  /// Transfer a task's state to a task of another process: save_state() reads it from a Stopped task (nothing
+  /// where its component has no state), restore_state() gives it to a task that is configured and does not
+  /// run.
   virtual Result<std::optional<task::SavedState>> save_state(const model::TaskId& task,
                                                              TimePoint deadline) = 0;
   virtual Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
@@ -108,8 +109,9 @@ class DeploymentService {
   virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                                 std::size_t buffer) = 0;
 
-  /// For connections between processes: first offers are exchanged, then describe, open, attach; endpoints
-  /// are closed the other way round.
+  /// Connections between processes. To connect: exchange memory() and admit() between both processes once,
+  /// then describe_outputs(), open_inputs(), attach_outputs(). To disconnect: close the output, then the
+  /// input. forget() ends all connections with a process that has ended.
   virtual Result<link::MemoryOffer> memory(TimePoint deadline) = 0;
   virtual Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) = 0;
   virtual Result<void> forget(link::Incarnation peer) = 0;
@@ -122,8 +124,8 @@ class DeploymentService {
   virtual std::vector<Result<void>> close_endpoints(std::span<const CloseEndpoint> endpoints,
                                                     TimePoint deadline) = 0;
 
-  /// What happens to tasks by themselves. Called from any thread; must not block nor call back into this. No
-  /// call is under way any more when set_listener returns.
+  /// Called from any thread when a task changes its state by itself; must neither block nor call back into
+  /// this. The former listener is not being called any more when set_listener() returns.
   using Listener = std::function<void(const host::TaskEvent&)>;
   virtual void set_listener(Listener listener) = 0;
 };

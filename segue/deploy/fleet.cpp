@@ -10,7 +10,7 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// The runtime's own process as a record; its service is there as long as the fleet.
+/// The record of the runtime's own process, whose service outlives the fleet and so is not owned.
 RecordPtr own_record(DeploymentService& own) {
   auto info = own.info();
   model::Deployment deployment;
@@ -120,7 +120,7 @@ void Fleet::update_placements(const ProcessRecord& record, std::uint64_t poll, c
 
 namespace {
 
-/// What of a network a process needs to know: its tasks, and connections at them, by plain ids.
+/// The part of a network that a process needs: its tasks and their connections, by plain ids.
 model::Network part_of(const model::Network& network, const model::DeploymentKey& key) {
   const auto processes = model::task_processes(network);
   const auto is_here = [&](const model::TaskId& task) {
@@ -149,7 +149,7 @@ void send_expectation(DeploymentService& service, const model::Network& network,
                       const model::DeploymentKey& key) {
   const model::Network part = part_of(network, key);
   if (!part.empty()) {
-    // One that does not answer is found by the next look, and is told again when it has been replaced.
+    // A process that does not answer is found by the next poll; its successor is sent this again.
     (void)service.expect(part);
   }
 }
@@ -158,7 +158,7 @@ void send_expectation(DeploymentService& service, const model::Network& network,
 
 void Fleet::expect(const model::Network& network) {
   if (!launch_.stand_in && !launch_.only_stand_ins) {
-    return;  // real components have the ports that they have
+    return;  // only stand-ins take their ports from the network
   }
   {
     const std::lock_guard lock(mutex_);

@@ -22,27 +22,32 @@ namespace segue::deploy::detail {
 
 using RecordPtr = std::shared_ptr<ProcessRecord>;
 
-/// The processes of a robot, the runtime's own among them: starts, finds, watches and looks at them, and
-/// knows which task lives where. Thread safe; nothing is locked while a process is called.
+/// The processes of a robot, the runtime's own among them: starts, adopts, watches and polls them, and keeps
+/// track of which task lives where. Thread safe; no lock is held while a process is called. Where two locks
+/// are needed, the fleet's is taken before that of a record or of the placement table, neither of which calls
+/// anything.
 class Fleet : public std::enable_shared_from_this<Fleet> {
  public:
   Fleet(DeploymentService& own, process::ProcessService& processes, Connector connector,
         process::Launch launch, const DeployedOptions& options);
-  /// Adopts what runs, begins to watch.
+  /// Adopts the processes that run already and begins to watch. To be called once.
   void begin();
-  /// Leaves the processes as they are. Nothing of this is called any more when it returns.
+  /// Stops watching and closes all connections; the processes run on. No thread uses this any more when it
+  /// returns.
   void close();
 
   Result<void> deploy(const model::Deployment& deployment, TimePoint deadline);
   Result<void> undeploy(const model::DeploymentKey& key, TimePoint deadline);
-  /// At once, whatever it holds.
+  /// Kills a process at once, whatever tasks it holds.
   Result<void> kill(const model::DeploymentKey& key, TimePoint deadline);
-  /// Ends all processes but the own one, whatever they hold.
+  /// Ends all processes but the runtime's own, whatever tasks they hold.
   void end_all(TimePoint deadline);
-  /// Tells every process what concerns it, now and when it is deployed.
+  /// Sends every process its part of the network that stand-ins have to fit, now and whenever one is
+  /// deployed.
   void expect(const model::Network& network);
 
-  /// All processes as they are now; those that do not answer in time as they were.
+  /// Polls all processes in parallel; those that do not answer in time are given as they were polled last.
+  /// Blocks for the options' patience at most. poll_merged() gives them as one view.
   std::vector<ProcessView> poll();
   MergedView poll_merged();
 
@@ -50,11 +55,12 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   /// The process of that incarnation.
   [[nodiscard]] RecordPtr find(link::Incarnation incarnation) const;
   [[nodiscard]] std::vector<RecordPtr> all() const;
-  /// The process in which the incarnation lives that an id means, and its plain id there.
+  /// An incarnation of a task: its process, and its plain id there.
   struct Located {
     RecordPtr record;
     model::TaskId task;
   };
+  /// The incarnation that an id means. NotFound where there is none.
   Result<Located> locate(const model::TaskId& id, Which which = Which::Current) const;
   [[nodiscard]] PlacementTable& placements() { return placements_; }
 
@@ -64,14 +70,14 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void set_housekeeping(std::function<void()> work);
 
  private:
-  /// A process on its way in.
+  /// A process that is being started.
   struct Starting {
-    std::vector<process::ProcessInfo> exits;  ///< of its name; one may be of whoever had the name before
+    std::vector<process::ProcessInfo> exits;  ///< of its name, the former owner of the name included
     [[nodiscard]] std::optional<process::ProcessInfo> exit_of(int pid) const;
   };
 
   void adopt();
-  /// Says what became of it.
+  /// Returns the outcome, for an event.
   std::string adopt(const process::ProcessInfo& process);
   Result<RecordPtr> start(const model::Deployment& deployment, TimePoint deadline);
   Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
@@ -81,7 +87,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   Result<void> open(const RecordPtr& record, TimePoint deadline);
   void listen_to(const RecordPtr& record, DeploymentService& service);
   Result<RecordPtr> deployed(const model::DeploymentKey& key) const;
-  /// Lets go of it once `how` has ended it.
+  /// Ends a process by `how` and removes it from the tables.
   Result<void> end_by(const RecordPtr& record, const std::function<Result<process::ExitReason>()>& how);
   static Result<void> check_empty(const ProcessView& view);
   void send_expectations(DeploymentService& service, const model::DeploymentKey& key);
@@ -89,16 +95,17 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void poll_processes(const std::vector<RecordPtr>& records);
   void run_polls(const RecordPtr& record);
   std::shared_ptr<const Snapshot> fetch_snapshot(const RecordPtr& record);
-  /// After a connection broke: true where there is a new one.
+  /// Connects again after the connection broke; false where that fails or the process has ended.
   bool reconnect(const RecordPtr& record);
   bool runs(const ProcessRecord& record);
   void on_disconnected(const std::weak_ptr<ProcessRecord>& which);
   void on_exit(const process::ProcessInfo& process);
-  /// It ended by itself.
+  /// The process ended by itself: reports it and its tasks.
   void handle_end(const RecordPtr& record, const process::ExitReason& reason);
-  /// It has ended: out of the tables. Gives the tasks that went with it; nothing where that is known.
+  /// Removes a process that has ended from the tables and returns its tasks; nothing where that was done
+  /// before.
   std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);
-  /// Lets go of a process that is gone, here and in all others.
+  /// Releases the connection to a process that has ended, and its memory in all other processes.
   void release(const RecordPtr& record);
   void report(const ProcessRecord& record, const ProcessRecord::Change& change);
   void report_all_tasks(const ProcessView& view, std::optional<TaskState> state, const std::string& message);
@@ -115,11 +122,11 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   EventQueue events_;
   PlacementTable placements_;
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::map<model::DeploymentKey, RecordPtr> records_;  ///< the own one aside
+  mutable std::mutex mutex_;                           ///< protects everything below except the thread
+  std::condition_variable changed_;                    ///< a process ended, or closed_ was set
+  std::map<model::DeploymentKey, RecordPtr> records_;  ///< without the runtime's own; none of them has ended
   std::map<model::DeploymentKey, Starting> starting_;
-  std::vector<model::Network> expected_;
+  std::vector<model::Network> expected_;  ///< one of each name
   std::function<void()> housekeeping_;
   bool closed_ = false;
   std::thread watcher_;

@@ -11,7 +11,7 @@ namespace segue::deploy::detail {
 namespace {
 
 constexpr Duration kAdoption = std::chrono::seconds(3);
-/// How long a process that answers gets to stop and clean up what it holds; one that does not, hardly any.
+/// How long a process gets to stop and clean up its tasks, if it answers, and if it does not.
 constexpr Duration kOrderly = std::chrono::seconds(5);
 constexpr Duration kDisorderly = std::chrono::milliseconds(300);
 constexpr Duration kFirstTry = std::chrono::milliseconds(200);
@@ -24,7 +24,8 @@ TimePoint now() {
   return RealClock::instance().now();
 }
 
-/// A moment before `deadline`, which leaves a part of what remains for what comes after.
+/// Three quarters of the time that is left until `deadline`, but at most `longest`: the rest is for later
+/// steps.
 TimePoint part_until(TimePoint deadline, Duration longest) {
   const TimePoint begin = now();
   return begin + std::min(longest, (deadline - begin) * 3 / 4);
@@ -51,7 +52,7 @@ std::string tail(const std::filesystem::path& log) {
   return text;
 }
 
-/// What it printed last, and where the rest is.
+/// The last lines of its log and where to find the others, for an error message.
 std::string log_text(const process::ProcessInfo& process) {
   if (process.log.empty()) {
     return {};
@@ -86,7 +87,7 @@ Result<void> Fleet::deploy(const model::Deployment& deployment, TimePoint deadli
       return fail(ErrorCode::AlreadyExists, "process " + quote(name) + " is already deployed", name);
     }
   }
-  events_.drain();  // what happened to the process that had the name before is told before there is another
+  events_.drain();  // events of the former process of that name are delivered before there is a new one
   auto record = start(deployment, deadline);
   std::optional<process::ProcessInfo> exit;
   {
@@ -107,7 +108,7 @@ Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint de
   launch.deployment.tasks.clear();
   auto process = processes_.start(launch, deadline);
   if (!process && process.error().code == ErrorCode::AlreadyExists) {
-    // Nobody here knows of it: it was left over, so it makes room.
+    // It is in no table, so it is a leftover (of another version, for example) and gives way.
     (void)processes_.stop(launch.robot, deployment.key(), part_until(deadline, kOrderly));
     process = processes_.start(launch, deadline);
   }

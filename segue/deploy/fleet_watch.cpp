@@ -11,9 +11,10 @@ namespace segue::deploy::detail {
 
 namespace {
 
-/// How much longer a look waits for a process that did not answer last time.
+/// How long a poll waits for a process that did not answer last time.
 constexpr Duration kLittlePatience = std::chrono::milliseconds(200);
-/// How long the news of an end may lag behind the end of the connection.
+/// How much later than the end of the connection the process server may report the end of the process: at
+/// most, and usually.
 constexpr Duration kNewsLag = std::chrono::milliseconds(300);
 constexpr Duration kUsualLag = std::chrono::milliseconds(20);
 constexpr Duration kReconnect = std::chrono::milliseconds(500);
@@ -62,8 +63,8 @@ void Fleet::poll_processes(const std::vector<RecordPtr>& records) {
   for (const auto& record : records) {
     const auto request = record->request_poll();
     numbers.push_back(request.number);
-    const bool taken = !request.start || pool_.submit([this, record] { run_polls(record); });
-    if (!taken) {
+    const bool polled = !request.start || pool_.submit([this, record] { run_polls(record); });
+    if (!polled) {
       record->finish_poll(request.number, nullptr);
     }
   }
@@ -94,7 +95,7 @@ std::shared_ptr<const Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
   const auto service = record->service();
   auto seen = service ? service->snapshot() : Result<Snapshot>(fail(ErrorCode::Unavailable, "not connected"));
   if (service && !seen && !is_silence(seen.error())) {
-    seen = service->snapshot();  // it does answer, so it gets another chance
+    seen = service->snapshot();  // it answers, so it gets another try
   }
   const bool broken = !seen && seen.error().code == ErrorCode::Unavailable;
   if (broken && record != own_ && reconnect(record)) {
@@ -128,7 +129,7 @@ bool Fleet::runs(const ProcessRecord& record) {
       return other.key == process.key && other.pid == process.pid;
     });
   }
-  // Nobody to ask: the system knows, at least.
+  // The process server cannot be asked, but the system can.
   return ::kill(process.pid, 0) == 0 || errno == EPERM;
 }
 
@@ -176,7 +177,7 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
 }
 
 std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record) {
-  // Under the lock, so that whoever sees that it ended finds it in no table any more.
+  // Under the lock, so that a thread that sees ended() finds it in no table any more.
   const std::lock_guard lock(mutex_);
   if (!record->mark_ended()) {
     return std::nullopt;

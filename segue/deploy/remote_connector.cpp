@@ -14,14 +14,14 @@ namespace {
 using Indices = std::vector<std::size_t>;
 using Groups = std::map<RecordPtr, Indices>;
 
-/// What is known of one connection on its way.
+/// The progress of one connection that is being made or ended.
 struct ConnectAttempt {
   const RemoteConnection* remote = nullptr;
   std::optional<Error> error;
   link::OutputOrigin origin;
   link::InputPlace place;
-  bool opened = false;
-  bool output_unconfirmed = false;  ///< nobody knows whether its writer's endpoint stands
+  bool opened = false;              ///< the input may be open; when disconnecting: an endpoint existed
+  bool output_unconfirmed = false;  ///< the writer may or may not have attached its endpoint
 
   [[nodiscard]] bool failed() const { return error.has_value(); }
   [[nodiscard]] bool has_both_processes() const {
@@ -29,7 +29,7 @@ struct ConnectAttempt {
   }
 };
 
-/// One after the other, for each group in a thread of its own.
+/// Calls work(process, indices) for each group, all in parallel.
 template <class Work>
 void for_each_group(WorkerPool& pool, const Groups& groups, Work work) {
   std::vector<WorkerPool::Job> jobs;
@@ -39,7 +39,7 @@ void for_each_group(WorkerPool& pool, const Groups& groups, Work work) {
   pool.run_all(std::move(jobs));
 }
 
-/// As many answers as questions, whatever came.
+/// Replaces answers of which there are too many or too few by errors: another process is not to be trusted.
 template <class T>
 std::vector<Result<T>> fitting(std::vector<Result<T>> answers, std::size_t count) {
   if (answers.size() != count) {
@@ -48,7 +48,8 @@ std::vector<Result<T>> fitting(std::vector<Result<T>> answers, std::size_t count
   return answers;
 }
 
-/// Asks one process about the things of `indices`; `make` gives a question, `take` gets its answer.
+/// Sends one request for each of `indices` to a process, in one message. `make` gives the requests, `take`
+/// gets the answers.
 template <class Question, class Make, class Ask, class Take>
 void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_service, Take take) {
   const auto service = record->service();
@@ -65,13 +66,14 @@ void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_ser
   }
 }
 
-/// Whether an error leaves open what was done.
+/// Whether the request may have been carried out in spite of the error.
 bool is_inconclusive(const Error& error) {
   return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded ||
          error.code == ErrorCode::Internal;
 }
 
-/// The rounds of one batch.
+/// Connects or disconnects one batch in rounds of messages. A round runs in parallel over the processes, each
+/// with its own attempts, so no lock is needed.
 class ConnectionBatch {
  public:
   ConnectionBatch(WorkerPool& pool, std::span<const RemoteConnection> connections, TimePoint deadline)
@@ -90,7 +92,8 @@ class ConnectionBatch {
     return outcomes();
   }
 
-  /// Of a connection whose other end is gone, the endpoint here goes with the process there.
+  /// A connection with only one process left needs no message: forget() ends it together with the other
+  /// process.
   std::vector<Result<void>> disconnect() {
     close_outputs();
     close_inputs();
@@ -118,7 +121,7 @@ class ConnectionBatch {
     return groups;
   }
 
-  /// Both processes of every connection map each other's memory.
+  /// Both processes of every connection have to map each other's memory.
   void map_peers() {
     std::vector<ProcessPair> pairs;
     for (const auto& attempt : attempts_) {
@@ -167,7 +170,7 @@ class ConnectionBatch {
             if (place) {
               attempts_[i].place = std::move(*place);
             }
-            // Where nobody knows, it is closed as if it were there.
+            // Without a conclusive answer it is closed as if it had been opened.
             attempts_[i].opened = place || is_inconclusive(place.error());
             if (!place) {
               refuse(i, std::move(place.error()));
@@ -195,8 +198,8 @@ class ConnectionBatch {
     });
   }
 
-  /// Inputs that were opened in vain are closed; where the writer may have its endpoint after all, that one
-  /// first. What cannot be reached now stays as an orphaned endpoint, for the next cleaning.
+  /// Closes inputs whose connection failed, but only after the writer's endpoint is certainly gone. An
+  /// endpoint that cannot be reached now remains as an orphan, for remove_orphaned().
   void undo() {
     Groups outputs;
     for (std::size_t i = 0; i < attempts_.size(); ++i) {
@@ -238,7 +241,7 @@ class ConnectionBatch {
   void close_outputs() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
       close(writer, indices, Side::Output, [&](std::size_t i, Result<void> closed) {
-        attempts_[i].opened = closed.has_value();  // here: one of its endpoints stood
+        attempts_[i].opened = closed.has_value();
         if (!closed && closed.error().code != ErrorCode::NotFound && !writer->ended()) {
           refuse(i, std::move(closed.error()));
         }
@@ -288,7 +291,7 @@ bool is_of(const OrphanedEndpoint& endpoint, const RemoteConnection& remote) {
 }
 
 Error another_batch_runs() {
-  return fail(ErrorCode::DeadlineExceeded, "connections made before are still being laid");
+  return fail(ErrorCode::DeadlineExceeded, "other connections are still being made or ended");
 }
 
 }  // namespace
@@ -332,7 +335,7 @@ std::vector<Result<void>> RemoteConnector::connect(std::span<const RemoteConnect
   return outcomes;
 }
 
-/// One endpoint of a connection may be left over from a process that died while it was connected.
+/// A process that died while it was connected may have left the endpoint of its peer behind.
 void RemoteConnector::remove_blocking_endpoints(std::span<const RemoteConnection> connections,
                                                 const std::vector<Result<void>>& outcomes,
                                                 TimePoint deadline) {
@@ -398,7 +401,7 @@ void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphan
         record->mark_unmapped(incarnation);
       }
       if (!close.empty()) {
-        (void)service->close_endpoints(close, deadline);  // what fails is seen by the next look
+        (void)service->close_endpoints(close, deadline);  // what fails is seen by the next poll
       }
     });
   }

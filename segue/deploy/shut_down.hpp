@@ -10,11 +10,11 @@
 
 namespace segue::deploy::detail {
 
-/// The network's tasks such that each stands after those that it gets samples from, where there is no cycle;
-/// else in the network's order.
+/// The network's tasks in such an order that each comes after those that it reads from. Cycles are cut at
+/// their first task in the network's order.
 std::vector<model::TaskId> producers_first(const model::Network& network);
 
-/// How long a hook may take before the next ones are begun beside it.
+/// How long a hook may take before the next ones begin beside it.
 inline constexpr Duration kShutDownPatience = std::chrono::milliseconds(20);
 
 /// Stops and cleans up all tasks of `host` by `crew`, producers first; slow ones side by side. Answers at
