@@ -4,6 +4,8 @@ include_guard()
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+# What is linked with a library of ours need not be linked again when only the library's code changes.
+set(CMAKE_LINK_DEPENDS_NO_SHARED ON)
 
 # Aggregates: what users run; what `make bench` measures; what runs under thread sanitizer; the fuzzers.
 add_custom_target(product)
@@ -65,16 +67,18 @@ function(segue_folder NAME)
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*test_support.hpp" EXCLUDE PATTERN "fake_*.hpp" EXCLUDE)
 endfunction()
 
-# segue_test(NAME SOURCES ... LINK targets... [LABELS ...] [TIMEOUT seconds])
-# A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer.
+# segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [LABELS ...] [TIMEOUT seconds])
+# A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer. SEPARATE
+# sources are compiled on their own in unity builds too, because they define names that another source defines as well.
 function(segue_test NAME)
   if(NOT BUILD_TESTING)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;SEPARATE;LINK;LABELS" ${ARGN})
   find_package(GTest REQUIRED)
   find_package(rapidcheck REQUIRED)
-  add_executable(${NAME} ${ARG_SOURCES})
+  add_executable(${NAME} ${ARG_SOURCES} ${ARG_SEPARATE})
+  set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
   target_compile_definitions(${NAME} PRIVATE SEGUE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

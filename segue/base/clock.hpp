@@ -28,6 +28,11 @@ class RealClock final : public Clock {
   static RealClock& instance();
 };
 
+/// The time of the RealClock.
+[[nodiscard]] inline TimePoint monotonic_now() {
+  return std::chrono::steady_clock::now();
+}
+
 /// "2026-11-22T01:02:03.456Z": ISO 8601, UTC.
 std::string iso_time(std::chrono::system_clock::time_point time);
 

@@ -15,7 +15,7 @@ namespace segue {
 
 namespace {
 
-constexpr mode_t kOwnerOnly = 0700;
+constexpr mode_t kOwnerOnlyFolder = 0700;
 
 std::filesystem::path folder_by_environment() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
@@ -36,7 +36,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
                     " is not a folder of this user, so sockets in it cannot be trusted; remove it, or set "
                     "XDG_RUNTIME_DIR to a folder of your own");
   }
-  if ((status.st_mode & 0777) != kOwnerOnly && ::chmod(folder.c_str(), kOwnerOnly) != 0) {
+  if ((status.st_mode & 0777) != kOwnerOnlyFolder && ::chmod(folder.c_str(), kOwnerOnlyFolder) != 0) {
     return fail(ErrorCode::PermissionDenied, "cannot make " + quote(folder.native()) +
                                                  " private: " + std::generic_category().message(errno));
   }
@@ -46,7 +46,7 @@ Result<void> check_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 Result<void> make_private_folder(const std::filesystem::path& folder) {
-  if (::mkdir(folder.c_str(), kOwnerOnly) != 0 && errno != EEXIST) {
+  if (::mkdir(folder.c_str(), kOwnerOnlyFolder) != 0 && errno != EEXIST) {
     const std::string reason = std::generic_category().message(errno);
     return fail(ErrorCode::IoError, "cannot make the folder for sockets " + quote(folder.native()) + ": " +
                                         reason + "; set XDG_RUNTIME_DIR to a folder of your own");

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kOwnerOnly = 0600;
+constexpr mode_t kOwnerOnlyLock = 0600;
 constexpr int kAttempts = 100;
 /// Between two checks of a process that is ending.
 constexpr auto kPause = std::chrono::milliseconds(1);
@@ -47,7 +47,7 @@ fs::path lock_of(const fs::path& file) {
 Result<std::optional<Descriptor>> try_lock(const fs::path& lock) {
   // If the last owner removed the file meanwhile, this lock protects nothing: try again.
   for (int i = 0; i < kAttempts; ++i) {
-    Descriptor file(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));
+    Descriptor file(::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kOwnerOnlyLock));
     if (!file.valid()) return system_error("cannot open the lock " + quote(lock.native()), errno);
     if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) return std::optional<Descriptor>{};

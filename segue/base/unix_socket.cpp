@@ -16,7 +16,7 @@ namespace segue {
 namespace {
 
 constexpr int kBacklog = 64;
-constexpr mode_t kOwnerOnly = 0600;
+constexpr mode_t kOwnerOnlySocket = 0600;
 
 const sockaddr* raw(const sockaddr_un& address) {
   return reinterpret_cast<const sockaddr*>(&address);
@@ -61,7 +61,7 @@ Result<Descriptor> listen_at(const std::filesystem::path& path) {
     return system_error("cannot make the socket " + quote(path.native()), errno);
   }
   // Nobody can connect before listen(), so the mode is right before it matters.
-  if (::chmod(path.c_str(), kOwnerOnly) != 0 || ::listen(socket->get(), kBacklog) != 0) {
+  if (::chmod(path.c_str(), kOwnerOnlySocket) != 0 || ::listen(socket->get(), kBacklog) != 0) {
     const int reason = errno;
     ::unlink(path.c_str());
     return system_error("cannot listen on " + quote(path.native()), reason);

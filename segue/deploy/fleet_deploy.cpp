@@ -20,14 +20,10 @@ constexpr Duration kBetweenTries = std::chrono::milliseconds(20);
 constexpr std::streamoff kTailBytes = 4096;
 constexpr std::size_t kTailLines = 8;
 
-TimePoint now() {
-  return RealClock::instance().now();
-}
-
 /// Three quarters of the time that is left until `deadline`, but at most `longest`: the rest is for later
 /// steps.
 TimePoint part_until(TimePoint deadline, Duration longest) {
-  const TimePoint begin = now();
+  const TimePoint begin = monotonic_now();
   return begin + std::min(longest, (deadline - begin) * 3 / 4);
 }
 
@@ -113,15 +109,15 @@ Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint de
     process = processes_.start(launch, deadline);
   }
   if (!process) {
-    (void)processes_.stop(launch.robot, deployment.key(), now() + kDisorderly);
+    (void)processes_.stop(launch.robot, deployment.key(), monotonic_now() + kDisorderly);
     return std::move(process.error());
   }
   const auto record = std::make_shared<ProcessRecord>(launch.deployment, std::move(*process));
-  const Duration all = deadline - now();
-  auto connected = connect_when_ready(record, now() + all * 7 / 8);
+  const Duration all = deadline - monotonic_now();
+  auto connected = connect_when_ready(record, monotonic_now() + all * 7 / 8);
   if (!connected) {
     record->expect_end(true);
-    (void)processes_.stop(launch.robot, deployment.key(), now() + std::min(kDisorderly, all / 16));
+    (void)processes_.stop(launch.robot, deployment.key(), monotonic_now() + std::min(kDisorderly, all / 16));
     record->set_service(nullptr, std::nullopt);
     return std::move(connected.error());
   }
@@ -131,14 +127,14 @@ Result<RecordPtr> Fleet::start(const model::Deployment& deployment, TimePoint de
 Result<void> Fleet::connect_when_ready(const RecordPtr& record, TimePoint deadline) {
   Duration patience = kFirstTry;
   while (true) {
-    auto opened = open(record, std::min(deadline, now() + patience));
+    auto opened = open(record, std::min(deadline, monotonic_now() + patience));
     if (opened || !may_still_come(opened.error())) {
       return opened;
     }
     if (const auto exit = wait_for_exit_of_starting(*record, kBetweenTries)) {
       return ended_while_starting(*record, *exit);
     }
-    if (now() >= deadline) {
+    if (monotonic_now() >= deadline) {
       return fail(ErrorCode::DeadlineExceeded,
                   "the process was started (pid " + std::to_string(record->process().pid) +
                       ") but did not become ready in time" + log_text(record->process()),
@@ -313,7 +309,7 @@ std::string Fleet::adopt(const process::ProcessInfo& process) {
   deployment.host = process.key.host;
   deployment.process = process.key.process;
   const auto record = std::make_shared<ProcessRecord>(std::move(deployment), process);
-  const auto opened = open(record, now() + kAdoption);
+  const auto opened = open(record, monotonic_now() + kAdoption);
   const std::string who = "was running (pid " + std::to_string(process.pid) + ") and ";
   if (!opened && !may_still_come(opened.error())) {
     return who + "cannot be taken over; it is ended when its name is needed: " + to_string(opened.error());

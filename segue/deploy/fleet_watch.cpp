@@ -19,10 +19,6 @@ constexpr Duration kNewsLag = std::chrono::milliseconds(300);
 constexpr Duration kUsualLag = std::chrono::milliseconds(20);
 constexpr Duration kReconnect = std::chrono::milliseconds(500);
 
-TimePoint now() {
-  return RealClock::instance().now();
-}
-
 bool is_silence(const Error& error) {
   return error.code == ErrorCode::Unavailable || error.code == ErrorCode::DeadlineExceeded;
 }
@@ -68,10 +64,10 @@ void Fleet::poll_processes(const std::vector<RecordPtr>& records) {
       record->finish_poll(request.number, nullptr);
     }
   }
-  const TimePoint begin = now();
+  const TimePoint begin = monotonic_now();
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Duration patience = records[i]->answers() ? options_.patience : kLittlePatience;
-    if (!records[i]->wait_for_poll(numbers[i], std::max(begin + patience, now()))) {
+    if (!records[i]->wait_for_poll(numbers[i], std::max(begin + patience, monotonic_now()))) {
       report(*records[i], records[i]->give_up_poll(numbers[i]));
     }
   }
@@ -107,18 +103,18 @@ std::shared_ptr<const Snapshot> Fleet::fetch_snapshot(const RecordPtr& record) {
 }
 
 bool Fleet::reconnect(const RecordPtr& record) {
-  if (record->end_expected() || record->wait_for_end(now() + kUsualLag)) {
+  if (record->end_expected() || record->wait_for_end(monotonic_now() + kUsualLag)) {
     return false;
   }
   if (!runs(*record)) {
-    if (!record->wait_for_end(now() + kNewsLag)) {
+    if (!record->wait_for_end(monotonic_now() + kNewsLag)) {
       process::ExitReason reason;
       reason.known = false;
       handle_end(record, reason);
     }
     return false;
   }
-  return open(record, now() + kReconnect).has_value();
+  return open(record, monotonic_now() + kReconnect).has_value();
 }
 
 bool Fleet::runs(const ProcessRecord& record) {

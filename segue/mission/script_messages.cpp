@@ -91,10 +91,6 @@ void add_script(ValueMap& message, const Action& action, const Mission& mission)
   message.append("folder", file.parent_path().string());
 }
 
-Value text_list(const std::vector<std::string>& texts) {
-  return Value::List(texts.begin(), texts.end());
-}
-
 }  // namespace
 
 Result<std::string> framed(const Value& message, std::size_t largest) {
@@ -108,6 +104,11 @@ Result<std::string> framed(const Value& message, std::size_t largest) {
   for (std::size_t i = 0; i < kHead; ++i)
     text[i] = static_cast<char>((body.size() >> (8 * i)) & 0xFFU);
   return text + body;
+}
+
+std::string message_text(const Value& message, std::string_view key) {
+  const Value* value = message.find(key);
+  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
 }
 
 void MessageReader::append(std::string_view text) {
@@ -170,7 +171,7 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, Call& ca
   add_script(message, call.action(), program.mission());
   message.append("inputs", std::move(*inputs));
   message.append("outputs", outputs_of(call));
-  message.append("outcomes", text_list(call.action().outcomes));
+  message.append("outcomes", Value::List(call.action().outcomes.begin(), call.action().outcomes.end()));
   if (state.kind == StateKind::Decider) message.append("branches", branches_of(call));
   return Value(std::move(message));
 }
@@ -178,11 +179,6 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, Call& ca
 namespace {
 
 using Answer = Result<Value>;
-
-std::string text_of(const Value& request, std::string_view key) {
-  const Value* value = request.find(key);
-  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
-}
 
 Globals::Key key_of(const Value& request) {
   const Value* key = request.find("key");
@@ -222,13 +218,13 @@ Answer lock(Globals& globals, const std::string& name) {
 }
 
 Answer serve(Globals& globals, const Value& request) {
-  const std::string call = text_of(request, "call");
-  const std::string name = text_of(request, "name");
+  const std::string call = message_text(request, "call");
+  const std::string name = message_text(request, "name");
   const Globals::Key key = key_of(request);
   if (call == "get") return get(globals, name, key);
   if (call == "set") {
     const Value* value = request.find("value");
-    return done(globals.set(name, value == nullptr ? Value() : *value, key, text_of(request, "type")));
+    return done(globals.set(name, value == nullptr ? Value() : *value, key, message_text(request, "type")));
   }
   if (call == "lock") return lock(globals, name);
   if (call == "unlock") {

@@ -17,6 +17,9 @@ namespace segue::mission::detail {
 /// A message as it is sent. ResourceExhausted beyond `largest` bytes.
 Result<std::string> framed(const type::Value& message, std::size_t largest);
 
+/// The text at `key` of a message; empty where there is none.
+std::string message_text(const type::Value& message, std::string_view key);
+
 /// Puts messages together from what arrives in pieces.
 class MessageReader {
  public:

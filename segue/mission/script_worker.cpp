@@ -24,19 +24,10 @@ constexpr Duration kEndGrace = std::chrono::seconds(2);
 constexpr std::size_t kPiece = std::size_t{64} << 10U;
 constexpr int kLastPieces = 64;
 
-TimePoint real_now() {
-  return RealClock::instance().now();
-}
-
 std::optional<std::uint64_t> number_of(const Value& message, std::string_view key) {
   const Value* value = message.find(key);
   if (value == nullptr || !value->is_integer()) return std::nullopt;
   return value->as_uint();
-}
-
-std::string text_of(const Value& message, std::string_view key) {
-  const Value* value = message.find(key);
-  return value == nullptr || !value->is_string() ? std::string() : value->as_string();
 }
 
 LogLevel level_of(const std::string& name) {
@@ -48,10 +39,10 @@ LogLevel level_of(const std::string& name) {
 
 Ending ending_of(const Value& message) {
   const Value* outcome = message.find("outcome");
-  if (outcome == nullptr || !outcome->is_integer()) return {kAborted, text_of(message, "error")};
+  if (outcome == nullptr || !outcome->is_integer()) return {kAborted, message_text(message, "error")};
   const std::int64_t number = std::clamp<std::int64_t>(outcome->as_int(), std::numeric_limits<Outcome>::min(),
                                                        std::numeric_limits<Outcome>::max());
-  return {static_cast<Outcome>(number), text_of(message, "error")};
+  return {static_cast<Outcome>(number), message_text(message, "error")};
 }
 
 }  // namespace
@@ -84,7 +75,7 @@ void ScriptWorker::preempt(std::uint64_t id) {
   const std::lock_guard guard(mutex_);
   const auto found = executions_.find(id);
   if (found == executions_.end() || found->second.overdue) return;
-  found->second.overdue = real_now() + options_.preemption_grace;
+  found->second.overdue = monotonic_now() + options_.preemption_grace;
   enqueue(Value::map({{"do", "preempt"}, {"id", id}}));
 }
 
@@ -160,7 +151,7 @@ bool ScriptWorker::read_messages(ScriptProcess& process) {
   const auto read = process.read_messages(buffer, text);
   // Whoever has just died has closed it too; the other news is on its way.
   if (read == ScriptProcess::Read::End && !killed_ && !told_to_end_)
-    kill_at(real_now() + kEndGrace, "it had closed its connection");
+    kill_at(monotonic_now() + kEndGrace, "it had closed its connection");
   if (read != ScriptProcess::Read::Some) return false;
   if (broken_) return true;
   messages_.append(text);
@@ -188,14 +179,15 @@ bool ScriptWorker::read_output(ScriptProcess& process) {
 }
 
 void ScriptWorker::handle(const Value& message) {
-  const std::string what = text_of(message, "do");
+  const std::string what = message_text(message, "do");
   if (what == "end") {
     handle_end(message);
   } else if (what == "ask") {
     handle_question(message);
   } else if (what == "log") {
-    const std::string path = text_of(message, "path");
-    log(level_of(text_of(message, "level")), path.empty() ? "python" : path, text_of(message, "text"));
+    const std::string path = message_text(message, "path");
+    log(level_of(message_text(message, "level")), path.empty() ? "python" : path,
+        message_text(message, "text"));
   } else {
     refuse("it sent what is no message");
   }
@@ -229,8 +221,8 @@ void ScriptWorker::handle_question(const Value& message) {
   } else {
     answer = answer_about_globals(found->second.globals, message);
     const Value* value = answer.find("value");
-    if (text_of(message, "call") == "lock" && value != nullptr && value->is_integer())
-      found->second.locks.emplace_back(text_of(message, "name"), value->as_uint());
+    if (message_text(message, "call") == "lock" && value != nullptr && value->is_integer())
+      found->second.locks.emplace_back(message_text(message, "name"), value->as_uint());
   }
   answer.append("do", "answer");
   answer.append("number", number_of(message, "number").value_or(0));
@@ -250,7 +242,7 @@ void ScriptWorker::retire_overdue(TimePoint now) {
 }
 
 void ScriptWorker::check_time(const ScriptProcess& process) {
-  const TimePoint now = checked_ = real_now();
+  const TimePoint now = checked_ = monotonic_now();
   {
     const std::lock_guard guard(mutex_);
     retire_overdue(now);
@@ -280,7 +272,7 @@ std::optional<TimePoint> ScriptWorker::next_deadline() const {
 /// Nothing that comes after this makes sense.
 void ScriptWorker::refuse(const std::string& reason) {
   broken_ = true;
-  kill_at(real_now(), reason);
+  kill_at(monotonic_now(), reason);
 }
 
 /// The earliest time and its reason count.

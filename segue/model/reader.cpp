@@ -90,6 +90,12 @@ const Value* Fields::find(std::string_view key, Value::Kind kind) {
   return nullptr;
 }
 
+const Value::List& Fields::entries(std::string_view key) {
+  static const Value::List none;
+  const Value* list = find(key, Value::Kind::List);
+  return list == nullptr ? none : list->as_list();
+}
+
 std::string Fields::text(std::string_view key) {
   const Value* value = find(key);
   if (value == nullptr) return {};

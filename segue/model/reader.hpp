@@ -56,6 +56,8 @@ class Fields {
   /// The entry if it has that kind; another kind is an error.
   const type::Value* find(std::string_view key, type::Value::Kind kind);
 
+  /// The entries of a list; none where it is absent.
+  const type::Value::List& entries(std::string_view key);
   std::string text(std::string_view key);
   /// An identifier, or "" with an error if it is none.
   std::string name(std::string_view key);

@@ -104,7 +104,7 @@ void check_libraries(const Robot& robot, Fields& fields, const Source& source) {
   }
 }
 
-Robot read_body(const Value& root, const Source& source) {
+Robot read_robot_body(const Value& root, const Source& source) {
   Fields fields(root, "the robot", source);
   Robot robot;
   robot.where = source.at(root);
@@ -134,7 +134,7 @@ std::optional<Robot> read_robot(std::string_view text, const std::string& file, 
   const std::size_t errors_before = diagnostics.error_count();
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
-  Robot robot = read_body(*root, source);
+  Robot robot = read_robot_body(*root, source);
   robot.folder = std::filesystem::path(file).parent_path();
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return robot;

@@ -16,12 +16,6 @@ const Value& nothing() {
   return null;
 }
 
-const Value::List& entries(Fields& fields, std::string_view key) {
-  static const Value::List none;
-  const Value* list = fields.find(key, Value::Kind::List);
-  return list == nullptr ? none : list->as_list();
-}
-
 std::string read_type(Fields& fields, ComponentModel& model, const Source& source) {
   const Value* type = fields.find("Type");
   if (type == nullptr) return {};
@@ -30,7 +24,7 @@ std::string read_type(Fields& fields, ComponentModel& model, const Source& sourc
 
 void read_ports(Fields& task, std::string_view key, Direction direction, ComponentModel& model,
                 const Source& source) {
-  for (const Value& item : entries(task, key)) {
+  for (const Value& item : task.entries(key)) {
     Fields fields(item, "an entry of " + quote(key) + " of " + task.what(), source);
     PortModel port;
     port.name = fields.required_name("Name");
@@ -45,7 +39,7 @@ void read_ports(Fields& task, std::string_view key, Direction direction, Compone
 /// Their names are expressions between slashes: "/^debug_/".
 void read_families(Fields& task, std::string_view key, Direction direction, ComponentModel& model,
                    const Source& source) {
-  for (const Value& item : entries(task, key)) {
+  for (const Value& item : task.entries(key)) {
     Fields fields(item, "an entry of " + quote(key) + " of " + task.what(), source);
     std::string expression = fields.text("Name");
     if (expression.size() >= 2 && expression.starts_with('/') && expression.ends_with('/')) {
@@ -62,7 +56,7 @@ void read_families(Fields& task, std::string_view key, Direction direction, Comp
 }
 
 void read_properties(Fields& task, ComponentModel& model, const Source& source) {
-  for (const Value& item : entries(task, "properties")) {
+  for (const Value& item : task.entries("properties")) {
     Fields fields(item, "a property of " + task.what(), source);
     PropertyModel property;
     property.name = fields.required_name("Name");
@@ -78,7 +72,7 @@ void read_properties(Fields& task, ComponentModel& model, const Source& source) 
 }
 
 void read_operations(Fields& task, ComponentModel& model, const Source& source) {
-  for (const Value& item : entries(task, "operations")) {
+  for (const Value& item : task.entries("operations")) {
     Fields fields(item, "an operation of " + task.what(), source);
     OperationModel operation;
     operation.name = fields.required_name("Name");
@@ -86,7 +80,7 @@ void read_operations(Fields& task, ComponentModel& model, const Source& source) 
     const Value* result = fields.find("Return", Value::Kind::Map);
     Fields result_fields(result == nullptr ? nothing() : *result, "the result of " + fields.what(), source);
     operation.result = read_type(result_fields, model, source);
-    for (const Value& argument : entries(fields, "Arguments")) {
+    for (const Value& argument : fields.entries("Arguments")) {
       Fields argument_fields(argument, "an argument of " + fields.what(), source);
       const std::string name = argument_fields.required_name("Name");
       operation.arguments.push_back(

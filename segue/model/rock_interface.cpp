@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::string_view kPose = "/base/samples/RigidBodyState";
 
-const Value::List& entries(Fields& fields, std::string_view key) {
-  static const Value::List none;
-  const Value* list = fields.find(key, Value::Kind::List);
-  return list == nullptr ? none : list->as_list();
-}
-
 std::string read_type(Fields& fields, std::string_view key, ComponentModel& model, const Source& source) {
   const Value* type = fields.find(key);
   if (type == nullptr) return {};
@@ -35,9 +29,9 @@ std::string wrapped(const std::string& type, const std::string& wrapper) {
   return "/" + wrapper + "<" + type + ">";
 }
 
-void read_ports(Fields& task, std::string_view key, Direction direction, ComponentModel& model,
-                const Source& source) {
-  for (const Value& item : entries(task, key)) {
+void read_interface_ports(Fields& task, std::string_view key, Direction direction, ComponentModel& model,
+                          const Source& source) {
+  for (const Value& item : task.entries(key)) {
     Fields fields(item, "an entry of " + quote(key) + " of " + task.what(), source);
     PortModel port;
     port.name = fields.required_name("name");
@@ -52,9 +46,9 @@ void read_ports(Fields& task, std::string_view key, Direction direction, Compone
   }
 }
 
-void read_families(Fields& task, ComponentModel& model, const Source& source) {
+void read_interface_families(Fields& task, ComponentModel& model, const Source& source) {
   constexpr std::array<std::string_view, 2> kDirections = {"input", "output"};
-  for (const Value& item : entries(task, "dynamic_ports")) {
+  for (const Value& item : task.entries("dynamic_ports")) {
     Fields fields(item, "an entry of 'dynamic_ports' of " + task.what(), source);
     fields.require("pattern");
     fields.require("direction");
@@ -69,8 +63,8 @@ void read_families(Fields& task, ComponentModel& model, const Source& source) {
   }
 }
 
-void read_properties(Fields& task, ComponentModel& model, const Source& source) {
-  for (const Value& item : entries(task, "properties")) {
+void read_interface_properties(Fields& task, ComponentModel& model, const Source& source) {
+  for (const Value& item : task.entries("properties")) {
     Fields fields(item, "a property of " + task.what(), source);
     PropertyModel property;
     property.name = fields.required_name("name");
@@ -85,16 +79,16 @@ void read_properties(Fields& task, ComponentModel& model, const Source& source) 
   }
 }
 
-void read_operations(Fields& task, ComponentModel& model, const Source& source) {
+void read_interface_operations(Fields& task, ComponentModel& model, const Source& source) {
   constexpr std::array<std::string_view, 2> kThreads = {"callee_thread", "caller_thread"};
-  for (const Value& item : entries(task, "operations")) {
+  for (const Value& item : task.entries("operations")) {
     Fields fields(item, "an operation of " + task.what(), source);
     OperationModel operation;
     operation.name = fields.required_name("name");
     operation.result = read_type(fields, "returns", model, source);
     operation.caller_thread = fields.choice("runs_in", kThreads, "bad-thread").value_or(0) == 1;
     operation.doc = fields.text("doc");
-    for (const Value& argument : entries(fields, "arguments")) {
+    for (const Value& argument : fields.entries("arguments")) {
       Fields argument_fields(argument, "an argument of " + fields.what(), source);
       const std::string name = argument_fields.required_name("name");
       operation.arguments.push_back(
@@ -107,7 +101,7 @@ void read_operations(Fields& task, ComponentModel& model, const Source& source) 
 }
 
 /// Seconds, sometimes written as text.
-std::optional<Duration> seconds(const Value* value) {
+std::optional<Duration> seconds_or_text(const Value* value) {
   if (value == nullptr) return std::nullopt;
   const std::string text = scalar_text(*value).value_or("");
   double number = 0;
@@ -125,7 +119,7 @@ void read_default_activity(Fields& task, ComponentModel& model, const Source& so
   if (auto trigger = fields.choice("type", kTriggerNames, "bad-activity")) {
     model.activity.trigger = static_cast<Trigger>(*trigger);
   }
-  const auto period = seconds(fields.find("period"));
+  const auto period = seconds_or_text(fields.find("period"));
   if (model.activity.trigger == Trigger::Periodic) {
     if (!period) source.error("bad-duration", fields.what() + ": 'period' must be seconds above 0", *value);
     model.activity.period = period.value_or(Duration::zero());
@@ -155,7 +149,7 @@ void read_transformer(Fields& task, ComponentModel& model, const Source& source)
     add_property(model, "transformer_max_latency", "/double", *latency,
                  "seconds that samples are waited for");
   }
-  for (const Value& item : entries(fields, "transformations")) {
+  for (const Value& item : fields.entries("transformations")) {
     Fields transformation(item, "a transformation of " + task.what(), source);
     for (const std::string_view key : {"from", "to"}) {
       const std::string frame = transformation.name(key);
@@ -163,7 +157,7 @@ void read_transformer(Fields& task, ComponentModel& model, const Source& source)
     }
     transformation.finish();
   }
-  for (const Value& item : entries(fields, "aligned_ports")) {
+  for (const Value& item : fields.entries("aligned_ports")) {
     Fields port(item, "an aligned port of " + task.what(), source);
     const Value* period = port.find("period");
     const std::string name = port.required_name("port");
@@ -174,7 +168,8 @@ void read_transformer(Fields& task, ComponentModel& model, const Source& source)
   fields.finish();
 }
 
-void read_task(const std::string& name, const Value& value, ComponentCatalog& catalog, const Source& source) {
+void read_interface_task(const std::string& name, const Value& value, ComponentCatalog& catalog,
+                         const Source& source) {
   Fields task(value, "component " + quote(name), source);
   check_name(name, task.what(), value, source);
   if (const Value* see = task.find("see")) {
@@ -191,11 +186,11 @@ void read_task(const std::string& name, const Value& value, ComponentCatalog& ca
   model.abstract = task.boolean("abstract", false);
   task.ignore("kind");
   task.ignore("needs_configuration");
-  read_ports(task, "input_ports", Direction::Input, model, source);
-  read_ports(task, "output_ports", Direction::Output, model, source);
-  read_families(task, model, source);
-  read_properties(task, model, source);
-  read_operations(task, model, source);
+  read_interface_ports(task, "input_ports", Direction::Input, model, source);
+  read_interface_ports(task, "output_ports", Direction::Output, model, source);
+  read_interface_families(task, model, source);
+  read_interface_properties(task, model, source);
+  read_interface_operations(task, model, source);
   model.nominal_states = task.texts("runtime_states");
   model.error_states = task.texts("error_states");
   read_default_activity(task, model, source);
@@ -204,7 +199,7 @@ void read_task(const std::string& name, const Value& value, ComponentCatalog& ca
   catalog.add(std::move(model));
 }
 
-bool is_task(const Value& value) {
+bool is_interface_task(const Value& value) {
   constexpr std::array<std::string_view, 4> kKeys = {"input_ports", "output_ports", "subclasses", "see"};
   return std::ranges::any_of(kKeys, [&](auto key) { return value.find(key) != nullptr; });
 }
@@ -214,7 +209,7 @@ bool is_task(const Value& value) {
 bool is_rock_interface(const Value& root) {
   const Value* tasks = root.find("tasks");
   if (tasks == nullptr || !tasks->is_map() || tasks->as_map().empty()) return false;
-  return is_task(tasks->as_map().begin()->second);
+  return is_interface_task(tasks->as_map().begin()->second);
 }
 
 void read_rock_interface(const Value& root, ComponentCatalog& catalog, const Source& source) {
@@ -223,7 +218,7 @@ void read_rock_interface(const Value& root, ComponentCatalog& catalog, const Sou
        {"source", "project", "uses_task_libraries", "note", "dynamic_ports_seen"})
     file.ignore(key);
   for (const auto& [name, value] : file.find("tasks")->as_map())
-    read_task(name, value, catalog, source);
+    read_interface_task(name, value, catalog, source);
   file.finish();
 }
 

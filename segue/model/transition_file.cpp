@@ -117,7 +117,7 @@ std::optional<Action> read_action(const Value& value, int id, Ids& ids, const So
   return action;
 }
 
-Transition read_body(const Value& value, const Source& source) {
+Transition read_transition_body(const Value& value, const Source& source) {
   Fields fields(value, "the transition", source);
   Transition transition;
   transition.from = NetworkName(fields.name("from"));
@@ -249,7 +249,7 @@ std::optional<Transition> read_transition(std::string_view text, const std::stri
     fields.finish();
   }
   if (body == nullptr) return std::nullopt;
-  Transition transition = read_body(*body, source);
+  Transition transition = read_transition_body(*body, source);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return transition;
 }

@@ -12,6 +12,9 @@
 /// descriptors that the program inherits, and the exit statuses that it answers.
 namespace segue::process {
 
+/// The name of the program that a deployment process runs.
+inline constexpr const char* kDeploymentProgram = "segue-deployment";
+
 /// Everything that the program has to know to begin.
 struct Assignment {
   Launch launch;

@@ -4,6 +4,7 @@
 #include <segue/base/process_state.hpp>
 #include <segue/base/text.hpp>
 #include <segue/base/unix_socket.hpp>
+#include <segue/process/assignment.hpp>
 #include <segue/process/os_process.hpp>
 #include <segue/process/process_place.hpp>
 
@@ -22,8 +23,6 @@ namespace segue::process::detail {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view kProgram = "segue-deployment";
 
 /// The program and its first argument.
 std::string command_of(int pid) {
@@ -104,7 +103,8 @@ Result<std::optional<FoundProcess>> find_process(const fs::path& socket, const s
     if (errno == ESRCH) return std::optional<FoundProcess>{};
     return system_error("cannot watch process " + title, errno);
   }
-  const bool fits = is_ours(found.pid) && command_of(found.pid) == std::string(kProgram) + ' ' + title;
+  const bool fits =
+      is_ours(found.pid) && command_of(found.pid) == std::string(kDeploymentProgram) + ' ' + title;
   if (!fits || is_ending(found.pid) || has_ended(found.pidfd.get())) return std::optional<FoundProcess>{};
   return std::optional<FoundProcess>(std::move(found));
 }

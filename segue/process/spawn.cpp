@@ -17,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kProgramName = "segue-deployment";
-
 Result<void> describe(ChildProcess& child, const HandedOver& files) {
   if (auto done = child.open_null(STDIN_FILENO); !done) return done;
   for (const int number : {STDOUT_FILENO, STDERR_FILENO}) {
@@ -78,7 +76,7 @@ Result<pid_t> spawn(const fs::path& program, const std::vector<std::string>& arg
   if (auto described = describe(child, files); !described) return std::move(described.error());
   child.set_environment(environment);
   std::vector<std::string> words = arguments;
-  words.insert(words.begin(), kProgramName);
+  words.insert(words.begin(), kDeploymentProgram);
   return child.start(program.native(), std::move(words));
 }
 
@@ -87,7 +85,7 @@ Result<fs::path> find_program(const fs::path& chosen) {
   const char* variable = std::getenv("SEGUE_DEPLOYMENT");
   if (variable != nullptr && *variable != '\0') return runnable(variable, "$SEGUE_DEPLOYMENT");
   for (const fs::path& folder : program_folders()) {
-    if (can_run(folder / kProgramName)) return folder / kProgramName;
+    if (can_run(folder / kDeploymentProgram)) return folder / kDeploymentProgram;
   }
   return fail(ErrorCode::NotFound,
               "the program segue-deployment is neither beside this program nor in the install prefix nor in "

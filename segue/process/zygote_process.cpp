@@ -20,7 +20,6 @@ namespace segue::process::detail {
 namespace {
 
 constexpr std::string_view kLogSource = "zygote";
-constexpr std::string_view kProgram = "segue-deployment";
 
 std::size_t threads_of_this_process() {
   std::error_code failed;
@@ -47,7 +46,7 @@ void set_command(CommandLine command, const char* title) {
   char* const begin = command.words[0];
   const char* const last = command.words[command.count - 1];
   const auto room = static_cast<std::size_t>(last + std::strlen(last) + 1 - begin);
-  std::string text(kProgram);
+  std::string text(kDeploymentProgram);
   text.push_back('\0');
   text.append(title, ::strnlen(title, kTitleSize - 1));
   std::memset(begin, 0, room);

@@ -22,7 +22,6 @@ using detail::ValuePath;
 using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 
-constexpr std::size_t kDeepest = 200;
 constexpr std::size_t kHeader = 4;
 constexpr std::size_t kPadding = 3;  // RTPS fills messages up to a multiple of four bytes
 
@@ -32,8 +31,9 @@ Error refuse(const ValuePath& path, const std::string& message) {
 
 // The layout, or why there is none to encode by.
 Result<const Type*> layout_for(const Type* type, const ValuePath& path, std::size_t depth) {
-  if (depth > kDeepest)
-    return refuse(path, "the type or value is nested deeper than " + std::to_string(kDeepest) + " levels");
+  if (depth > kDeepestNesting)
+    return refuse(path,
+                  "the type or value is nested deeper than " + std::to_string(kDeepestNesting) + " levels");
   const Type* layout = type == nullptr ? nullptr : detail::layout_of(*type);
   if (layout == nullptr) {
     return refuse(path, "the layout of " +

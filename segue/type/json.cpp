@@ -18,8 +18,6 @@
 namespace segue::type {
 namespace {
 
-constexpr std::size_t kDeepest = 200;
-
 /// An input iterator that exposes how far the parser has read, since the parser's events carry no places.
 class CountingIterator {
  public:
@@ -179,9 +177,10 @@ class Handler {
   }
 
   bool open(bool is_map) {
-    if (open_.size() >= kDeepest) {
-      error_ = refuse("lists and objects are nested deeper than " + std::to_string(kDeepest) + " levels",
-                      offset() - 1);
+    if (open_.size() >= kDeepestNesting) {
+      error_ =
+          refuse("lists and objects are nested deeper than " + std::to_string(kDeepestNesting) + " levels",
+                 offset() - 1);
       return false;
     }
     open_.emplace_back(is_map, places_.at(offset() - 1));

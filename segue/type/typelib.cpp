@@ -19,9 +19,9 @@ namespace {
 constexpr int kLongestChain = 64;
 
 /// Converts byte offsets of a text to lines and columns.
-class Places {
+class ElementPlaces {
  public:
-  Places(std::string_view text, const std::string& file) : file_(file) {
+  ElementPlaces(std::string_view text, const std::string& file) : file_(file) {
     for (std::size_t at = 0; at != std::string_view::npos && at < text.size();) {
       line_starts_.push_back(at);
       at = text.find('\n', at);
@@ -55,9 +55,9 @@ struct Declaration {
   bool resolved = false;
 };
 
-class Reader {
+class TypelibReader {
  public:
-  Reader(std::string_view text, const std::string& file, Diagnostics& diagnostics)
+  TypelibReader(std::string_view text, const std::string& file, Diagnostics& diagnostics)
       : text_(text), places_(text, file), diagnostics_(diagnostics) {}
 
   std::optional<TypeRegistry> read() {
@@ -418,7 +418,7 @@ class Reader {
   }
 
   std::string_view text_;
-  Places places_;
+  ElementPlaces places_;
   Diagnostics& diagnostics_;
   pugi::xml_document document_;
   TypeRegistry registry_;
@@ -437,7 +437,7 @@ class Reader {
 
 std::optional<TypeRegistry> read_typelib(std::string_view text, const std::string& file,
                                          Diagnostics& diagnostics) {
-  return Reader(text, file, diagnostics).read();
+  return TypelibReader(text, file, diagnostics).read();
 }
 
 std::optional<TypeRegistry> load_typelib(const std::filesystem::path& file, Diagnostics& diagnostics) {

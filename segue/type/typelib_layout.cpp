@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/type/typelib_layout.hpp>
+#include <segue/type/value.hpp>
 
 #include <algorithm>
 #include <utility>
 
 namespace segue::type::detail {
 namespace {
-
-constexpr std::size_t kDeepest = 200;
 
 /// Bytes, or 0 where they are not known. `sizes` wins; arrays follow their element.
 std::size_t size_in_file(const Type& type, const TypeSizes& sizes) {
@@ -130,9 +129,9 @@ class NestingChecker {
     const Step step = std::move(path_.back());
     path_.pop_back();
     heights_[step.type] = step.height;
-    if (step.height == kDeepest + 1)
+    if (step.height == kDeepestNesting + 1)
       report(*step.type, "too-deep",
-             "type " + quote(step.type->name) + " nests more than " + std::to_string(kDeepest) +
+             "type " + quote(step.type->name) + " nests more than " + std::to_string(kDeepestNesting) +
                  " types in each other");
     if (!path_.empty()) path_.back().height = std::max(path_.back().height, step.height + 1);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
@@ -18,6 +19,9 @@ struct Mark {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
 };
+
+/// How many levels of lists, maps or types within each other readers and writers accept.
+inline constexpr std::size_t kDeepestNesting = 200;
 
 class ValueMap;
 

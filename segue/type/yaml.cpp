@@ -16,7 +16,6 @@
 namespace segue::type {
 namespace {
 
-constexpr std::size_t kDeepest = 200;
 constexpr std::size_t kAliasBudget = 1'000'000;  // nodes copied for anchors and aliases together
 constexpr std::size_t kBytesPerNode = 64;        // long texts count as several nodes
 constexpr std::string_view kTagPrefix = "tag:yaml.org,2002:";
@@ -44,7 +43,7 @@ class Event {
 };
 
 /// A finished value and what copying it would cost.
-struct Node {
+struct OpenNode {
   Value value;
   std::size_t nodes = 1;
   std::size_t height = 0;  // levels of lists and maps
@@ -57,26 +56,26 @@ struct Frame {
   std::size_t nodes = 1;
   std::size_t height = 0;
 
-  void add(Node node) {
+  void add(OpenNode node) {
     nodes += node.nodes;
     height = std::max(height, node.height);
     collection.add(std::move(node.value));
   }
-  Node finish() { return {collection.finish(), nodes, height + 1}; }
+  OpenNode finish() { return {collection.finish(), nodes, height + 1}; }
 };
 
-class Reader {
+class YamlReader {
  public:
-  Reader(std::string_view text, const std::string& file) : text_(text), file_(file) {
+  YamlReader(std::string_view text, const std::string& file) : text_(text), file_(file) {
     ready_ = yaml_parser_initialize(&parser_) != 0;
     if (ready_) {
       yaml_parser_set_input_string(&parser_, reinterpret_cast<const unsigned char*>(text.data()),
                                    text.size());
     }
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
-  ~Reader() {
+  YamlReader(const YamlReader&) = delete;
+  YamlReader& operator=(const YamlReader&) = delete;
+  ~YamlReader() {
     if (ready_) yaml_parser_delete(&parser_);
   }
 
@@ -132,7 +131,7 @@ class Reader {
     }
     auto value = scalar_value(text, text_of(scalar.tag), plain, event.mark());
     if (!value) return value.error();
-    Node node{*std::move(value), 1 + text.size() / kBytesPerNode, 0};
+    OpenNode node{*std::move(value), 1 + text.size() / kBytesPerNode, 0};
     if (auto kept = keep(std::string(text_of(scalar.anchor)), node, event.mark()); !kept) return kept;
     if (expects_key()) return take_key(text, plain, event.mark());
     add(std::move(node));
@@ -178,7 +177,7 @@ class Reader {
     if (anchor == anchors_.end()) {
       return refuse("no value before this place has the anchor " + quote("&" + name), event.mark());
     }
-    if (open_.size() + anchor->second.height > kDeepest) return too_deep(event.mark());
+    if (open_.size() + anchor->second.height > kDeepestNesting) return too_deep(event.mark());
     if (auto paid = pay(anchor->second, event.mark()); !paid) return paid;
     add(anchor->second);
     return {};
@@ -190,7 +189,7 @@ class Reader {
                         "; text with braces or brackets needs quotes",
                     event.mark());
     }
-    if (open_.size() >= kDeepest) return too_deep(event.mark());
+    if (open_.size() >= kDeepestNesting) return too_deep(event.mark());
     Frame frame{detail::Collection(is_map, event.mark()), std::string(text_of(anchor))};
     // An anchor of that name from before must not be seen from inside.
     if (!frame.anchor.empty()) anchors_.erase(frame.anchor);
@@ -201,20 +200,20 @@ class Reader {
   Result<void> close(Event& event) {
     Frame frame = std::move(open_.back());
     open_.pop_back();
-    Node node = frame.finish();
+    OpenNode node = frame.finish();
     if (auto kept = keep(std::move(frame.anchor), node, event.mark()); !kept) return kept;
     add(std::move(node));
     return {};
   }
 
-  Result<void> keep(std::string anchor, const Node& node, Mark at) {
+  Result<void> keep(std::string anchor, const OpenNode& node, Mark at) {
     if (anchor.empty()) return {};
     if (auto paid = pay(node, at); !paid) return paid;
     anchors_.insert_or_assign(std::move(anchor), node);
     return {};
   }
 
-  Result<void> pay(const Node& node, Mark at) {
+  Result<void> pay(const OpenNode& node, Mark at) {
     if (node.nodes > budget_) {
       return refuse("anchors and aliases expand to more than a million values: write less by reference", at);
     }
@@ -223,10 +222,10 @@ class Reader {
   }
 
   [[nodiscard]] Error too_deep(Mark at) const {
-    return refuse("lists and maps are nested deeper than " + std::to_string(kDeepest) + " levels", at);
+    return refuse("lists and maps are nested deeper than " + std::to_string(kDeepestNesting) + " levels", at);
   }
 
-  void add(Node node) {
+  void add(OpenNode node) {
     if (open_.empty()) {
       root_ = std::move(node.value);
     } else {
@@ -267,14 +266,14 @@ class Reader {
   bool began_ = false;
   Value root_;
   std::vector<Frame> open_;
-  std::unordered_map<std::string, Node> anchors_;
+  std::unordered_map<std::string, OpenNode> anchors_;
   std::size_t budget_ = kAliasBudget;
 };
 
 }  // namespace
 
 Result<Value> parse_yaml(std::string_view text, const std::string& file) {
-  return Reader(text, file).read();
+  return YamlReader(text, file).read();
 }
 
 Result<Value> load_yaml(const std::filesystem::path& file) {
