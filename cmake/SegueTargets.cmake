@@ -26,6 +26,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms in std::string's operator+ when it is inlined (gcc bug 105651).
   target_compile_options(segue_flags INTERFACE -Wno-restrict)
 endif()
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # A class whose implementation is private to one source is no danger here, though gcc takes that source for a header.
+  target_compile_options(segue_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(SEGUE_WERROR)
   target_compile_options(segue_flags INTERFACE -Werror)
 endif()
@@ -40,17 +44,19 @@ if(SEGUE_SANITIZE)
   target_link_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE})
 endif()
 
-# segue_folder(NAME SOURCES ... DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
+# segue_folder(NAME SOURCES ... [SEPARATE ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
 # The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
-# made at configure time; what it may include beyond that comes from the folders it DEPENDS on.
+# made at configure time; what it may include beyond that comes from the folders it DEPENDS on. SEPARATE sources: see
+# segue_test.
 function(segue_folder NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   # One tree for all presets: the same include path everywhere keeps compiler caches useful.
   set(view ${CMAKE_SOURCE_DIR}/build/include/${NAME})
   file(MAKE_DIRECTORY ${view}/segue)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${view}/segue/${NAME} SYMBOLIC)
 
-  add_library(segue_${NAME} SHARED ${ARG_SOURCES})
+  add_library(segue_${NAME} SHARED ${ARG_SOURCES} ${ARG_SEPARATE})
+  set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   add_library(segue::${NAME} ALIAS segue_${NAME})
   target_include_directories(segue_${NAME} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:include>)
   list(TRANSFORM ARG_DEPENDS PREPEND segue::)

@@ -17,10 +17,10 @@ std::string target_text(const Target& target) {
 Value write_flow(const DataFlow& flow) {
   const std::string from = to_string(flow.from);
   const std::string to = to_string(flow.to);
-  constexpr std::string_view kArrow = " -> ";
+  constexpr std::string_view kLeadsTo = " -> ";
   // A port may be called anything; the short form must read back as it was.
-  std::string text = from + std::string(kArrow) + to;
-  if (text.find(kArrow) == from.size()) return text;
+  std::string text = from + std::string(kLeadsTo) + to;
+  if (text.find(kLeadsTo) == from.size()) return text;
   return Value::map({{"from", from}, {"to", to}});
 }
 

@@ -12,11 +12,11 @@ using model::ActionKind;
 using model::DeploymentKey;
 using model::TaskId;
 
-struct TaskIncarnation {
+struct TaskPlace {
   std::string component;
   DeploymentKey process;
 };
-using Incarnations = std::unordered_map<TaskId, TaskIncarnation>;
+using Incarnations = std::unordered_map<TaskId, TaskPlace>;
 
 Incarnations running_in(const model::Network& network) {
   Incarnations found;
@@ -58,14 +58,14 @@ class SiteFinder {
       return {{deployment.deployer, action.kind, deployment.host}, deployment.process};
     }
     if (const auto* connection = std::get_if<model::ConnectionAction>(&action.what)) {
-      const TaskIncarnation& from = find(connection->connection.from.task, action.kind);
-      const TaskIncarnation& to = find(connection->connection.to.task, action.kind);
+      const TaskPlace& from = find(connection->connection.from.task, action.kind);
+      const TaskPlace& to = find(connection->connection.to.task, action.kind);
       const bool within = from.process == to.process;
       return site(std::string(within ? model::kWithinProcess : model::kBetweenProcesses), action.kind,
                   to.process);
     }
     if (action.task() == nullptr) return site("", action.kind, {});
-    const TaskIncarnation& task = find(*action.task(), action.kind);
+    const TaskPlace& task = find(*action.task(), action.kind);
     const auto* call = std::get_if<model::CallAction>(&action.what);
     return site(call == nullptr ? task.component : task.component + '.' + call->operation, action.kind,
                 task.process);
@@ -77,8 +77,8 @@ class SiteFinder {
     return {{std::move(component), kind, here ? model::kLocalHost : process.host}, process.process};
   }
 
-  [[nodiscard]] const TaskIncarnation& find(const TaskId& id, ActionKind kind) const {
-    static const TaskIncarnation unknown;
+  [[nodiscard]] const TaskPlace& find(const TaskId& id, ActionKind kind) const {
+    static const TaskPlace unknown;
     const bool old_first = concerns_old(kind);
     for (const Incarnations* known : {old_first ? &old_ : &new_, old_first ? &new_ : &old_}) {
       const auto found = known->find(id);

@@ -61,18 +61,18 @@ bool fits_on_a_line(const Value& value, std::size_t room) {
   });
 }
 
-class Writer {
+class YamlWriter {
  public:
-  Writer() {
+  YamlWriter() {
     yaml_emitter_initialize(&emitter_);
     yaml_emitter_set_output(&emitter_, append, &text_);
     yaml_emitter_set_unicode(&emitter_, 1);
     yaml_emitter_set_width(&emitter_, -1);
     yaml_emitter_set_indent(&emitter_, static_cast<int>(kIndent));
   }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { yaml_emitter_delete(&emitter_); }
+  YamlWriter(const YamlWriter&) = delete;
+  YamlWriter& operator=(const YamlWriter&) = delete;
+  ~YamlWriter() { yaml_emitter_delete(&emitter_); }
 
   std::string write(const Value& value) {
     yaml_event_t event;
@@ -167,7 +167,7 @@ class Writer {
 }  // namespace
 
 std::string to_yaml(const Value& value) {
-  return Writer().write(value);
+  return YamlWriter().write(value);
 }
 
 }  // namespace segue::type
