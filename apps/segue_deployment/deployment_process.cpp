@@ -33,9 +33,9 @@ using process::Assignment;
 using process::Launch;
 
 constexpr std::string_view kLogSource = "segue-deployment";
-/// How often output is looked at, whether it is to be rotated.
+/// How often the process checks whether its log has to be rotated.
 constexpr Duration kHousekeeping = std::chrono::seconds(1);
-/// How long tasks have to stop and be cleaned up when the process is told to go.
+/// How long tasks have to stop and be cleaned up when the process is asked to end.
 constexpr Duration kShutDownTime = std::chrono::seconds(5);
 
 int give_up(int status, const Error& error) {
@@ -51,7 +51,7 @@ LogLevel level_of(const std::string& name) {
   return LogLevel::Info;
 }
 
-/// What tasks are made of.
+/// Everything that tasks are created from.
 struct Workshop {
   host::LibrarySet libraries;
   model::ComponentCatalog catalog;
@@ -62,8 +62,8 @@ struct Workshop {
   Result<void> load_models(const std::vector<std::string>& files);
 };
 
-/// Where stand-ins may take its place, a library may be missing. Catalogues are for stand-ins only: reading
-/// them costs more than all the rest.
+/// A library may be missing where stand-ins simulate its components. Component models are read for stand-ins
+/// only, since that takes longer than everything else.
 Result<void> Workshop::load_library(const std::string& name, bool may_lack) {
   auto loaded = libraries.load(name);
   if (loaded) return {};
@@ -106,7 +106,7 @@ Result<void> Workshop::load(const Launch& launch) {
   return {};
 }
 
-/// An exception while a library is loaded passes through the loader, which knows none: it ends the process.
+/// Terminate handler: an exception in a library that is being loaded cannot pass through the dynamic loader.
 [[noreturn]] void end_by_library() {
   std::string what = "an exception";
   try {
@@ -114,9 +114,9 @@ Result<void> Workshop::load(const Launch& launch) {
   } catch (const std::exception& exception) {
     what = exception.what();
   } catch (...) {
-    what = "something that is no std::exception";
+    what = "an exception that is no std::exception";
   }
-  log(LogLevel::Error, kLogSource, "a component library failed while it was loaded, with: " + what);
+  log(LogLevel::Error, kLogSource, "a component library failed while it was loaded: " + what);
   std::_Exit(process::kNoLibrary);
 }
 
@@ -130,8 +130,8 @@ deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnati
   return info;
 }
 
-/// Serves until it is told to go. The parts are made in such an order that they can go in the reverse one;
-/// where a hook hangs, none of them may.
+/// Serves until the process is asked to end. If a hook hangs then, nothing may be destroyed, since its thread
+/// still uses it: the process ends by std::_Exit.
 int serve(const Assignment& assignment, const Workshop& workshop, process::InheritedProcess& process) {
   const Launch& launch = assignment.launch;
   auto memory = link::SharedMemory::create(launch.memory);

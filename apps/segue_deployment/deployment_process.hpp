@@ -3,8 +3,8 @@
 
 namespace segue {
 
-/// Everything of a deployment process between its first line and its last, with the descriptors of
-/// deploy/assignment.hpp. Answers the exit status (deploy/deployment_exit.hpp). Must begin with one thread.
+/// Runs a deployment process with the descriptors that it inherits, and returns its exit status (both as in
+/// process/assignment.hpp). There must be only one thread when it begins.
 int deployment_process();
 
 }  // namespace segue

@@ -28,7 +28,7 @@ int run(int count, char** arguments) {
 int main(int count, char** arguments) {
   const bool alone = count != 2 || std::string_view(arguments[1]).starts_with('-');
   if (alone && (count < 3 || arguments[1] != segue::process::detail::kZygoteOption)) {
-    std::fputs("segue-deployment is started by a process server (`segue run`, `segue host`), never by hand\n",
+    std::fputs("segue-deployment is started by a process server (`segue run`, `segue host`), not by hand\n",
                stderr);
     return segue::process::kWrongUse;
   }

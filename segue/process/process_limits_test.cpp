@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Takes from this thread what lets it choose a real-time scheduler.
+/// Drops the capability by which this thread may choose a real-time scheduler.
 void give_up_nice() {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   std::array<__user_cap_data_struct, 2> sets{};
@@ -26,7 +26,7 @@ void give_up_nice() {
   ASSERT_EQ(::syscall(SYS_capset, &header, sets.data()), 0);
 }
 
-/// No priority may be had without that right, as long as this lives.
+/// As long as it exists, the resource limit permits no real-time priority.
 class NoPriorities {
  public:
   NoPriorities() {
@@ -42,7 +42,7 @@ class NoPriorities {
   rlimit before_{};
 };
 
-/// What is chosen for a thread, and its rights, go with it.
+/// Runs in a thread of its own, with which its scheduler and capabilities end.
 void in_a_thread_without_rights(const std::function<void()>& what) {
   const NoPriorities none;
   std::jthread([&] {

@@ -16,9 +16,9 @@ struct ProcessServerOptions {
   /// Component libraries that a zygote preloads once; deployment processes are then forked from it.
   std::vector<std::string> zygote_libraries{};
   bool zygote = false;  ///< use a zygote even without libraries to preload
-  std::size_t log_size = std::size_t{10}
-                         << 20;  ///< in bytes; beyond it a process's output goes on in a new file
-  int log_files = 3;             ///< older files that are kept
+  /// In bytes; beyond it the output of a process goes on in a new file.
+  std::size_t log_size = std::size_t{10} << 20;
+  int log_files = 3;  ///< older files that are kept
   /// A control group (version 2) that this user may write to; each process gets a group of its own below it,
   /// which makes each start some milliseconds slower. Empty: none.
   std::filesystem::path cgroup{};

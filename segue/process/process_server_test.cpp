@@ -56,7 +56,7 @@ bool lives(int pid) {
   return name_end != std::string::npos && status->size() > name_end + 2 && (*status)[name_end + 2] != 'Z';
 }
 
-/// What a listener was told.
+/// Records the events of a listener.
 class Heard {
  public:
   void hear(const ProcessInfo& process) {
@@ -64,7 +64,7 @@ class Heard {
     told_.push_back(process);
     changed_.notify_all();
   }
-  /// The first end of that name.
+  /// The first event of that process.
   std::optional<ProcessInfo> end_of(const std::string& process) {
     std::unique_lock lock(mutex_);
     const auto find = [&] {
@@ -125,7 +125,7 @@ class ProcessServerTest : public testing::Test {
     return made ? std::move(*made) : nullptr;
   }
 
-  /// Started, and so far that it listens to signals.
+  /// Starts a process and waits until it handles signals.
   ProcessInfo started(ProcessServer& server, const Launch& what) {
     auto process = server.start(what, soon());
     EXPECT_TRUE(process.has_value()) << (process ? "" : to_string(process.error()));
@@ -142,7 +142,7 @@ class ProcessServerTest : public testing::Test {
 
   static std::string text_of(const fs::path& file) { return read_file(file).value_or(""); }
 
-  /// Names in the robot's folder.
+  /// File names in the robot's folder.
   [[nodiscard]] std::set<std::string> files() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_ / "segue" / "rover"))
@@ -261,7 +261,7 @@ TEST_F(ProcessServerTest, processesGoOnWithoutTheirServerAndAreAdoptedByTheNext)
   EXPECT_FALSE(lives(process.pid));
 }
 
-/// With a parent of its own: the server under test is not told why it ended.
+/// The process has another parent, so the server under test cannot learn why it ended.
 TEST_F(ProcessServerTest, ofAnAdoptedProcessTheReasonIsNotKnown) {
   int pipe[2];
   ASSERT_EQ(::pipe(pipe), 0);
@@ -421,7 +421,7 @@ TEST_F(ProcessServerTest, aProcessBeginsWithCleanSignals) {
   EXPECT_EQ(mask & (1U << (SIGUSR1 - 1)), 0U);
 }
 
-/// What sanitizers keep of a program's memory is terabytes of address space.
+/// Sanitizers reserve terabytes of address space, which no limit of memory permits.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr std::uint64_t kMemoryLimit = std::uint64_t{1} << 50;
 #else

@@ -19,7 +19,7 @@ std::string to_string(const ExitReason& reason) {
     return "did not end in time and was killed";
   }
   if (!reason.known) {
-    return reason.requested ? "ended" : "is gone; only the process that started it was told why";
+    return reason.requested ? "ended" : "is gone; only the process that started it knows why";
   }
   if (reason.signal != 0) {
     return "was ended by " + signal_name(reason.signal) + (reason.core_dumped ? " (core dumped)" : "");
