@@ -46,7 +46,7 @@ Error newer(std::int64_t version, std::size_t known) {
                                           "); update Segue, or move the file away");
 }
 
-/// The version of the file; 0 where it is empty.
+/// The version of the file; 0 if it is empty.
 Result<std::int64_t> version_of(Database& database, std::size_t known) {
   const auto application = database.integer("PRAGMA application_id");
   if (!application) return application.error();

@@ -98,10 +98,11 @@ tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current,
   }
   auto target = solve::predict(current, transition, catalog);
   if (!target) {
-    return tl::unexpected(refuse(
-        fail(ErrorCode::InvalidArgument,
-             "the transition cannot be applied to what runs (" + summary(current) + ")", transition.to.str())
-            .because_of(std::move(target.error()))));
+    return tl::unexpected(
+        refuse(fail(ErrorCode::InvalidArgument,
+                    "the transition cannot be applied to the running network (" + summary(current) + ")",
+                    transition.to.str())
+                   .because_of(std::move(target.error()))));
   }
   target->name = transition.to;
   if (auto refusal = refusal_for(*target, host, catalog)) {

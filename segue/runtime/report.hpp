@@ -12,11 +12,10 @@ namespace segue::runtime {
 std::string_view outcome_of(const ActionRecord& record);
 
 /// {"outcome", "cause", "request", "who", "time", "from", "to", "runs", "order", "solve_s", "duration_s",
-/// "prepare_s", "commit_s", "retire_s", "actions", and where it did not go well "error", "diagnostics",
-/// "undo" ("restored", "fallback", "fell_back", "duration_s", "actions", "error") and "leftover", where it
-/// was expected to last some time "predicted_s"}; each
-/// action with "started_s", "duration_s" (until its end was known), "took_s" (by itself, where measured),
-/// "outcome" (done, failed, skipped).
+/// "prepare_s", "commit_s", "retire_s", "actions", and unless it succeeded "error", "diagnostics",
+/// "undo" ("restored", "fallback", "fell_back", "duration_s", "actions", "error") and "leftover", and
+/// with a prediction "predicted_s"}; each action with "started_s", "duration_s" (until its end was reported),
+/// "took_s" (its execution, if measured), "outcome" (done, failed, skipped).
 type::Value to_value(const SwitchResult& result);
 
 /// {"controller", "ready", "prepared", "tasks", "reason"}
@@ -37,7 +36,7 @@ type::Value to_value(const host::ConnectionReport& report);
 /// "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
 
-/// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound where there is
+/// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound if there is
 /// none.
 Result<type::Value> task_report(Runtime& runtime, const model::TaskId& task);
 

@@ -54,7 +54,7 @@ struct Undo {
   bool fell_back = false;                      ///< the fallback runs
   std::vector<ActionRecord> actions;           ///< in the order of their execution
   Duration duration{0};
-  std::optional<Error> error;  ///< what failed on the way back
+  std::optional<Error> error;  ///< the first failure while undoing
 };
 
 /// The result of a request. `actions` is in the order of the transition; `started` gives the order of
@@ -111,9 +111,8 @@ struct RuntimeOptions {
 /// How far a standby controller is prepared.
 struct Readiness {
   model::NetworkName controller;
-  bool ready = false;  ///< prepared as far as the running controller permits
-  std::size_t prepared =
-      0;  ///< of its tasks: configured, running ones that it shares with what runs included
+  bool ready = false;        ///< prepared as far as the running controller permits
+  std::size_t prepared = 0;  ///< number of its tasks that are configured, running ones included
   std::size_t tasks = 0;
   std::string reason;  ///< why it is not ready
 };

@@ -70,7 +70,7 @@ class StandbyBuilder {
   /// Processes with a fixed set of tasks are replaced if another component is wanted there.
   void find_full_processes() {
     for (const model::Task& task : wanted_.tasks) {
-      const Place place = wanted_placements_.place_of(task.id);
+      const TaskLocation place = wanted_placements_.place_of(task.id);
       const model::Task* occupant = placements_.occupant(place);
       if (occupant == nullptr || place.process.is_runtime() || occupant->component == task.component)
         continue;
@@ -80,7 +80,7 @@ class StandbyBuilder {
   }
 
   void add_task(const model::Task& task) {
-    const Place place = wanted_placements_.place_of(task.id);
+    const TaskLocation place = wanted_placements_.place_of(task.id);
     const bool can_be =
         !placements_.has_task(task.id) && !others_.contains(place.process) && !placements_.is_taken(place);
     if (!can_be) return;

@@ -19,7 +19,7 @@ class PhaseRule {
       case ActionKind::Recover:
       case ActionKind::Cleanup:
         return has_old(plan_.task(node.subject).fate) ? Phase::Retire : Phase::Commit;
-      case ActionKind::Undeploy:  // which stops what runs if it kills
+      case ActionKind::Undeploy:  // killing a process stops its running tasks
         return plan_.options.force ? Phase::Commit : Phase::Retire;
       case ActionKind::Deploy:
         return Phase::Prepare;

@@ -11,7 +11,7 @@ PlacementIndex::PlacementIndex(const model::Network& network) {
   for (const model::Deployment& process : network.deployments) {
     for (const model::Placement& placement : process.tasks) {
       const std::string& name = placement.name.empty() ? placement.task.str() : placement.name;
-      places_.emplace(placement.task.str(), Place{process.key(), name});
+      places_.emplace(placement.task.str(), TaskLocation{process.key(), name});
     }
   }
   for (const model::Task& task : network.tasks)
@@ -23,12 +23,12 @@ const model::Task* PlacementIndex::task(const model::TaskId& id) const {
   return found == tasks_.end() ? nullptr : found->second;
 }
 
-Place PlacementIndex::place_of(const model::TaskId& id) const {
+TaskLocation PlacementIndex::place_of(const model::TaskId& id) const {
   const auto found = places_.find(id.str());
-  return found == places_.end() ? Place{{}, id.str()} : found->second;
+  return found == places_.end() ? TaskLocation{{}, id.str()} : found->second;
 }
 
-const model::Task* PlacementIndex::occupant(const Place& place) const {
+const model::Task* PlacementIndex::occupant(const TaskLocation& place) const {
   const auto found = occupants_.find(place);
   return found == occupants_.end() ? nullptr : found->second;
 }

@@ -14,10 +14,10 @@
 namespace segue::solve::detail {
 
 /// A place: a process, and a name inside it.
-struct Place {
+struct TaskLocation {
   model::DeploymentKey process;  ///< is_runtime(): the runtime's own
   std::string name;
-  friend bool operator==(const Place&, const Place&) = default;
+  friend bool operator==(const TaskLocation&, const TaskLocation&) = default;
 };
 
 /// Refers to the network, which must outlive it.
@@ -27,21 +27,21 @@ class PlacementIndex {
   [[nodiscard]] const model::Task* task(const model::TaskId& id) const;
   [[nodiscard]] bool has_task(const model::TaskId& id) const { return task(id) != nullptr; }
   /// Also of tasks that the network lacks, if a deployment names them.
-  [[nodiscard]] Place place_of(const model::TaskId& id) const;
+  [[nodiscard]] TaskLocation place_of(const model::TaskId& id) const;
   /// The task of the network in that place, or nullptr.
-  [[nodiscard]] const model::Task* occupant(const Place& place) const;
-  [[nodiscard]] bool is_taken(const Place& place) const { return occupant(place) != nullptr; }
+  [[nodiscard]] const model::Task* occupant(const TaskLocation& place) const;
+  [[nodiscard]] bool is_taken(const TaskLocation& place) const { return occupant(place) != nullptr; }
 
  private:
-  struct PlaceHash {
-    std::size_t operator()(const Place& place) const noexcept {
+  struct TaskLocationHash {
+    std::size_t operator()(const TaskLocation& place) const noexcept {
       return model::combine_hashes(std::hash<model::DeploymentKey>{}(place.process),
                                    std::hash<std::string>{}(place.name));
     }
   };
   std::unordered_map<std::string_view, const model::Task*> tasks_;
-  std::unordered_map<std::string_view, Place> places_;  ///< of those that deployments name
-  std::unordered_map<Place, const model::Task*, PlaceHash> occupants_;
+  std::unordered_map<std::string_view, TaskLocation> places_;  ///< of those that deployments name
+  std::unordered_map<TaskLocation, const model::Task*, TaskLocationHash> occupants_;
 };
 
 /// The devices that the task and its component claim in that process, as names that are unique over all

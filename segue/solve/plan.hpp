@@ -82,8 +82,7 @@ struct ChangeSet {
 /// does not.
 bool exists(const Index& index, const IndexedConnection& connection);
 
-/// Whether a running process of this deployer can be given any component; others hold what they were built
-/// with.
+/// Whether a running process of this deployer can create any component; others have a fixed set of tasks.
 bool holds_any_component(const model::Deployment& deployment);
 
 /// Fails (Unsupported) if a task in Fatal lives in the runtime's own process, which cannot be restarted.

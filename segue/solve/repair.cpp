@@ -85,7 +85,7 @@ class Scope {
 
   /// Adds tasks that occupy the task's placement or hold its devices.
   void make_room(const model::Task& task) {
-    const Place place = then_.place_of(task.id);
+    const TaskLocation place = then_.place_of(task.id);
     if (const model::Task* occupant = now_.occupant(place)) {
       tasks_.insert(occupant->id);
       if (occupant->component != task.component && !holds_any(place.process)) add(place.process);
@@ -156,7 +156,7 @@ class Mixture {
     }
   }
 
-  void add(const model::Task& task, const Place& place) {
+  void add(const model::Task& task, const TaskLocation& place) {
     if (!place.process.is_runtime()) {
       result_.deployments[processes_.at(place.process)].tasks.push_back({task.id, place.name});
     }
@@ -195,7 +195,7 @@ class Mixture {
   const model::Network& belief_;
   model::Network result_;
   std::unordered_map<model::DeploymentKey, std::size_t> processes_;  ///< of the result
-  std::unordered_set<model::TaskId> tasks_;                          ///< likewise
+  std::unordered_set<model::TaskId> tasks_;                          ///< of the result
 };
 
 }  // namespace

@@ -74,7 +74,7 @@ Result<> Simulation::execute(const model::Action& action) {
     default:
       if (action.task() != nullptr) return change_state(action);
   }
-  return fail(ErrorCode::InvalidArgument, "the action does not say what it acts on");
+  return fail(ErrorCode::InvalidArgument, "the action names no subject");
 }
 
 Result<> Simulation::change_state(const model::Action& action) {
