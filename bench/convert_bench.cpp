@@ -68,7 +68,7 @@ State hierarchy(const StateId& name) {
   return state;
 }
 
-State leaf(std::size_t number, std::vector<Transition> transitions, const ActionName& what) {
+State leaf(std::size_t number, std::vector<StateTransition> transitions, const ActionName& what) {
   State state;
   state.id = id(number);
   state.action = what;
@@ -185,10 +185,10 @@ void floor(benchmark::State& state) {
   };
   for (auto _ : state) {
     std::vector<Noted> noted;
-    const Node& root = (*program)->node(0);
-    for (Step at = root.start; at.kind == Step::Kind::Child;) {
+    const CompiledState& root = (*program)->node(0);
+    for (NextStep at = root.start; at.kind == NextStep::Kind::Child;) {
       const StateIndex child = root.children[at.child];
-      const Node& node = (*program)->node(child);
+      const CompiledState& node = (*program)->node(child);
       const auto before = static_cast<std::uint32_t>(noted.size());
       noted.push_back({child, node.action, before, static_cast<std::uint32_t>(node.inputs.size())});
       at = node.next[2];

@@ -71,7 +71,7 @@ Mission nested(int states) {
   return mission;
 }
 
-Ending copy(Call& call) {
+Ending copy(ActionCall& call) {
   call.outputs()[0] = call.inputs()[0];
   return {};
 }

@@ -20,10 +20,12 @@ using mission::Outcome;
 using type::Value;
 using type::ValueMap;
 
-/// Makes of an ending what the engine is told. Thread safe.
+/// Turns the ending of an action into a report for the engine. Immutable but for `cancelled`, which only ever
+/// becomes true; the report of a run that was cancelled meanwhile is discarded anyway, so relaxed order would
+/// do.
 struct ActionEnvironment::Reporter {
   std::vector<std::string> ports;
-  std::vector<cdtn::OutcomeId> outcomes;  ///< by the state's own
+  std::vector<cdtn::OutcomeId> outcomes;  ///< by the outcomes of the state
   bool counts = false;
   std::int64_t count = 0;
   std::atomic<bool> cancelled{false};
@@ -44,8 +46,8 @@ struct ActionEnvironment::Reporter {
     report->error = error;
     ValueMap map;
     for (std::size_t i = 0; i < ports.size() && i < outputs.size(); ++i) {
-      const bool tells_error = ports[i] == "error" && !error.empty();
-      map.append(ports[i], tells_error ? Value(error) : std::move(outputs[i]));
+      const bool is_error = ports[i] == "error" && !error.empty();
+      map.append(ports[i], is_error ? Value(error) : std::move(outputs[i]));
     }
     map.append(std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome));
     if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
@@ -56,13 +58,13 @@ struct ActionEnvironment::Reporter {
   }
 };
 
-void ActionEnvironment::Desk::tell(NodeId node, std::uint32_t attempt, ReportPtr report) {
+void ActionEnvironment::EndReceiver::deliver(NodeId node, std::uint32_t attempt, ReportPtr report) {
   const std::lock_guard lock(mutex);
   if (completions != nullptr) completions->finish(node, attempt, std::move(report));
 }
 
-/// An action as its runner sees it. What it has is its own, since the runner may outlast the launch.
-class ActionEnvironment::NodeCall final : public mission::Call {
+/// An execution as its runner sees it. It owns its data, since the runner may outlive the launch.
+class ActionEnvironment::NodeCall final : public mission::ActionCall {
  public:
   NodeCall(ActionEnvironment& environment, NodeContext& context, Completions& completions,
            std::shared_ptr<Reporter> reporter)
@@ -95,9 +97,9 @@ class ActionEnvironment::NodeCall final : public mission::Call {
 
   mission::Completer defer(std::function<void()> preempt) override {
     environment_.running_[index(node_)] = {reporter_, std::move(preempt)};
-    return [desk = environment_.desk_, reporter = reporter_, node = node_, attempt = attempt_](
+    return [receiver = environment_.receiver_, reporter = reporter_, node = node_, attempt = attempt_](
                Ending ending, std::vector<Value> outputs) {
-      desk->tell(node, attempt, reporter->report(ending, std::move(outputs)));
+      receiver->deliver(node, attempt, reporter->report(ending, std::move(outputs)));
     };
   }
   void end_after(Duration duration, Ending ending) override {
@@ -158,11 +160,11 @@ void ActionEnvironment::ended(NodeId node, std::uint32_t /*attempt*/) {
 }
 
 void ActionEnvironment::close() {
-  const std::lock_guard lock(desk_->mutex);
-  desk_->completions = nullptr;
+  const std::lock_guard lock(receiver_->mutex);
+  receiver_->completions = nullptr;
 }
 
-/// Of the newest candidate that is there; a null is replaced by what stands for it.
+/// The value of the newest candidate that exists; a null is replaced by its default.
 Value ActionEnvironment::value(NodeContext& context, const ValueSource& source) const {
   const auto replaced = [&](const Value* given, const Defaults& defaults) -> Value {
     if (given != nullptr && !given->is_null()) return *given;
@@ -193,7 +195,7 @@ std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
 
 std::vector<Value> ActionEnvironment::default_outputs(NodeId node) const {
   std::vector<Value> outputs;
-  for (const mission::Supply& output : plan_.program().node(plan_[node].state).outputs) {
+  for (const mission::PortSource& output : plan_.program().node(plan_[node].state).outputs) {
     auto global = output.global.empty() ? std::nullopt : globals.get(output.global);
     outputs.push_back(global ? std::move(*global) : output.fallback);
   }
@@ -201,7 +203,7 @@ std::vector<Value> ActionEnvironment::default_outputs(NodeId node) const {
 }
 
 std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
-  const mission::Node& state = plan_.program().node(plan_[node].state);
+  const mission::CompiledState& state = plan_.program().node(plan_[node].state);
   auto made = std::make_shared<Reporter>();
   for (const mission::Port& port : *state.output_ports)
     made->ports.push_back(port.name);
@@ -223,15 +225,15 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporte
   return made;
 }
 
-/// An action that does not begin leaves its defaults, as one does that aborts.
+/// An action that does not begin leaves its default outputs, like one that aborts.
 ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
   return counting_reporter(context)->report({kAborted, std::move(why)}, default_outputs(context.node()));
 }
 
 void ActionEnvironment::start(NodeContext& context, Completions& completions) {
-  if (desk_->completions == nullptr) {
-    const std::lock_guard lock(desk_->mutex);
-    desk_->completions = &completions;
+  if (receiver_->completions == nullptr) {
+    const std::lock_guard lock(receiver_->mutex);
+    receiver_->completions = &completions;
   }
   const PlannedNode& planned = plan_[context.node()];
   switch (planned.role) {
@@ -292,7 +294,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
 
 namespace {
 
-/// What is true afterwards and was not before, and what is not any more.
+/// The facts that became true, and those that became false.
 std::vector<cdtn::NamedEffect> changes(const mission::World::Facts& before,
                                        const mission::World::Facts& after) {
   std::vector<cdtn::NamedEffect> effects;
@@ -307,9 +309,26 @@ std::vector<cdtn::NamedEffect> changes(const mission::World::Facts& before,
 
 }  // namespace
 
-/// In virtual time it runs at once, and ends when it would have.
-void ActionEnvironment::start_subtree(NodeContext& context, Completions& completions) {
+/// The subtree of the node, with everything that it begins with.
+mission::MissionPart ActionEnvironment::part(NodeContext& context) const {
   const PlannedNode& planned = plan_[context.node()];
+  const auto slash = planned.path.rfind('/');
+  std::string parent(planned.path);  // the root of a library has no path element of its own
+  if (plan_.program().node(planned.state).parent != mission::kNoState)
+    parent.resize(slash == std::string::npos ? 0 : slash);
+  const Value error = value(context, planned.error_before);
+  const auto texts = context.world().texts(plan_.network().facts);
+  return {planned.state,
+          parent,
+          inputs(context),
+          error.is_string() ? error.as_string() : "",
+          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals,
+          iterations_,
+          mission::World::Facts(texts.begin(), texts.end())};
+}
+
+/// In virtual time the subtree runs immediately, and its end is reported for the time at which it occurs.
+void ActionEnvironment::start_subtree(NodeContext& context, Completions& completions) {
   const bool in_virtual_time = options_.clock == cdtn::ClockKind::Virtual;
   auto clock = std::make_shared<VirtualClock>();
   mission::EngineOptions options;
@@ -318,21 +337,8 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   options.history = false;
   options.observe = options_.observe;
   options.preemption_grace = options_.preemption_grace;
-  const auto slash = planned.path.rfind('/');
-  std::string around(planned.path);  // a root has no name of its own within what uses it
-  if (plan_.program().node(planned.state).parent != mission::kNoState)
-    around.resize(slash == std::string::npos ? 0 : slash);
-  const Value error = value(context, planned.error_before);
-  const auto texts = context.world().texts(plan_.network().facts);
-  const mission::World::Facts world(texts.begin(), texts.end());
-  options.part =
-      mission::MissionPart{planned.state,
-                           around,
-                           inputs(context),
-                           error.is_string() ? error.as_string() : "",
-                           planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals,
-                           iterations_,
-                           world};
+  options.part = part(context);
+  const mission::World::Facts world = options.part->world;
   auto reports = reporter(context.node());
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
@@ -356,12 +362,11 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
                                  std::move(report));
   }
   running_[index(context.node())] = {reports, [engine] { engine->stop(); }};
-  subtrees_.emplace_back([carry_out, desk = desk_, node = context.node(), attempt = context.attempt()] {
-    desk->tell(node, attempt, carry_out());
-  });
+  subtrees_.emplace_back([carry_out, receiver = receiver_, node = context.node(),
+                          attempt = context.attempt()] { receiver->deliver(node, attempt, carry_out()); });
 }
 
-/// What keeps this thread, and can only be ended from another.
+/// Registers the subtree that occupies this thread, so that another thread can stop it.
 void ActionEnvironment::occupy(mission::Engine* opaque_subtree) {
   const std::lock_guard lock(stopping_);
   subtree_ = opaque_subtree;

@@ -14,8 +14,8 @@
 
 namespace segue::convert {
 
-/// Carries out the nodes of a plan: actions by their runners, opaque subtrees by an engine each, the rest by
-/// itself.
+/// Executes the nodes of a plan: actions by their runners, each opaque subtree by its own engine, all others
+/// directly.
 class ActionEnvironment final : public cdtn::Environment {
  public:
   ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
@@ -27,9 +27,9 @@ class ActionEnvironment final : public cdtn::Environment {
   void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override;
   void ended(cdtn::NodeId node, std::uint32_t attempt) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
-  /// From any thread: preempts an opaque subtree that keeps the engine's thread, as it does in virtual time.
+  /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.
   void stop();
-  /// What ends from now on is told to nobody.
+  /// Ends are ignored from now on. Blocks while one is being delivered.
   void close();
 
   mission::Globals globals;
@@ -37,11 +37,11 @@ class ActionEnvironment final : public cdtn::Environment {
  private:
   class NodeCall;
   struct Reporter;
-  /// Where ends are told, as long as the engine runs.
-  struct Desk {
-    std::mutex mutex;
+  /// Delivers ends to the engine as long as it runs. Shared with completers, which may outlive this.
+  struct EndReceiver {
+    std::mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
     cdtn::Completions* completions = nullptr;
-    void tell(cdtn::NodeId node, std::uint32_t attempt, cdtn::ReportPtr report);
+    void deliver(cdtn::NodeId node, std::uint32_t attempt, cdtn::ReportPtr report);
   };
   struct Running {
     std::shared_ptr<Reporter> reporter;
@@ -49,6 +49,7 @@ class ActionEnvironment final : public cdtn::Environment {
   };
 
   void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
+  [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context) const;
   void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);
@@ -63,9 +64,9 @@ class ActionEnvironment final : public cdtn::Environment {
   const std::vector<std::shared_ptr<mission::ActionRunner>> by_action_;
   const RunOptions options_;
   const std::shared_ptr<mission::Iterations> iterations_;
-  std::shared_ptr<Desk> desk_ = std::make_shared<Desk>();
-  std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be told to end early
-  std::mutex stopping_;
+  std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
+  std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted
+  std::mutex stopping_;                                 ///< guards the next two
   bool stopped_ = false;
   mission::Engine* subtree_ = nullptr;  ///< runs on the engine's thread
   std::vector<std::jthread> subtrees_;

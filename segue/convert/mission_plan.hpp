@@ -14,15 +14,15 @@
 #include <utility>
 #include <vector>
 
-/// Missions as task networks: what a state machine does, unrolled into nodes that run concurrently.
+/// Missions as task networks: state machines that are unrolled into nodes, which run concurrently.
 namespace segue::convert {
 
-/// Action: a leaf. OpaqueSubtree: a state that runs by itself, one thing after the other, with all that is in
-/// it. Join: tells whether one of several ways to a state was taken. Copy: an input or a constant that a
-/// container hands on under a condition. Global: reads a global variable.
+/// Action: a leaf. OpaqueSubtree: a state with everything in it, run sequentially as one node. Join: says
+/// whether one of several ways to a state was taken. Copy: forwards an input or a constant of a container
+/// under a condition. Global: reads a global variable.
 enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global };
 
-/// Where a value comes from: the first input that is there, the newest first; else `rest`.
+/// Where a value comes from: the newest input that exists, or else `rest`.
 struct ValueSource {
   struct Feed {
     std::uint32_t input = 0;  ///< of TaskNetwork::names
@@ -32,9 +32,9 @@ struct ValueSource {
   Defaults rest;
 };
 
-/// How a state beside a decider may have ended: as `outcome`, if that input says `reached`.
+/// A way in which a sibling of a decider may have ended: with `outcome`, if the input says `reached`.
 struct BranchEnd {
-  std::uint32_t input = cdtn::kNone;  ///< none: that is certain
+  std::uint32_t input = cdtn::kNone;  ///< none: this is certain
   cdtn::OutcomeId reached{};
   mission::Outcome outcome = 0;
   ValueSource error;
@@ -44,35 +44,36 @@ struct BranchSource {
   std::vector<BranchEnd> ends;
 };
 
-/// What a node of the network is in the mission.
+/// The meaning of a node of the network in the mission.
 struct PlannedNode {
   Role role = Role::Action;
   mission::StateIndex state = mission::kNoState;
-  std::uint32_t iteration = 0;      ///< how often it stands in the plan before
+  std::uint32_t iteration = 0;      ///< how many nodes before it are of the same state
   std::string_view path;            ///< in TaskNetwork::names; empty: the mission itself, or no state
-  std::vector<ValueSource> inputs;  ///< by port; of a Copy or Global: one, what it hands on
+  std::vector<ValueSource> inputs;  ///< by port; of a Copy or Global: one, the forwarded value
   ValueSource error_before;
-  ValueSource begun;  ///< how often the state has begun, where its action asks for that
+  ValueSource begun;  ///< how often the state has begun, if its action depends on it
   bool counts = false;
-  std::vector<BranchSource> branches;                             ///< deciders
-  std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>> joined;  ///< Join: inputs and what they must say
+  std::vector<BranchSource> branches;  ///< deciders
+  std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>>
+      joined;  ///< Join: inputs and the values that they must have
   std::string global;
-  std::string refused;  ///< why the action will not begin, whatever holds then
+  std::string refused;  ///< why the action can never begin
 };
 
-/// Names of outputs beside those of ports.
+/// Names of outputs in addition to those of ports.
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
-inline constexpr std::string_view kErrorOutput = "#error";      ///< only where it aborted
+inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
 inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kValueOutput = "value";
 
-/// Why a state is a OpaqueSubtree.
+/// Why a state is an opaque subtree.
 struct OpaqueSubtreeReason {
   enum class Kind : std::uint8_t {
     None,
     Preemptive,         ///< a preemptive container
-    HandlesPreemption,  ///< `state`, in it, has a transition for its preemption
-    OpaqueBeside        ///< a barrier, and `state`, in it, may touch anything
+    HandlesPreemption,  ///< `state` in it has a transition for its preemption
+    OpaqueBeside        ///< a barrier, and `state` in it may touch anything
   };
   Kind kind = Kind::None;
   mission::StateIndex state = mission::kNoState;
@@ -80,14 +81,13 @@ struct OpaqueSubtreeReason {
 
 class Unroller;
 
-/// A mission on its way to be a task network. Grows while it runs: loops are unrolled ahead of what is
-/// decided, more iterations the longer they go on; what the mission does not expect (aborts, other outcomes
-/// than declared) is planned for once it has happened, where it leads back. One thread.
+/// A mission that is being unrolled into a task network, which grows while it runs. Loops are unrolled ahead
+/// of decisions, by more iterations the longer they run. Unexpected ends (aborts, other than expected
+/// outcomes) that lead back into a loop are planned for once they have happened. For one thread.
 class MissionPlan final : public cdtn::Expansion {
  public:
-  /// `inputs` by port of the root, null for its default; `facts` hold at the beginning, or do not, whatever
-  /// the mission says of its world. TypeMismatch for an input of another type, InvalidArgument for one too
-  /// many and for a fact that is none.
+  /// `inputs` by port of the root, null for its default; `facts` override the initial facts of the mission.
+  /// TypeMismatch for an input of another type, InvalidArgument for too many inputs and for malformed facts.
   static Result<std::unique_ptr<MissionPlan>> create(std::shared_ptr<const mission::Program> program,
                                                      std::vector<type::Value> inputs = {},
                                                      const std::vector<mission::Fact>& facts = {});
@@ -102,13 +102,13 @@ class MissionPlan final : public cdtn::Expansion {
   [[nodiscard]] const mission::Program& program() const { return *program_; }
   [[nodiscard]] const std::shared_ptr<const mission::Program>& shared_program() const { return program_; }
   [[nodiscard]] const PlannedNode& operator[](cdtn::NodeId node) const { return nodes_[index(node)]; }
-  /// Why it could not go on when it last tried: "" where it had planned as much as was wanted.
+  /// What must be known before it can plan further; empty if it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
-  /// The number of an outcome of that node's state.
+  /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 
-  /// How the mission ended. Requires a run to its end.
+  /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);
   [[nodiscard]] std::vector<type::Value> final_outputs();
 

@@ -13,9 +13,9 @@ using cdtn::OutcomeId;
 
 namespace {
 
-/// More tell an order of nodes little, and cost each of them.
+/// More conditions at a node add little to the order and cost memory.
 constexpr std::size_t kMostConditions = 8;
-/// A join of more is not looked into.
+/// Joins of more edges are not expanded.
 constexpr std::size_t kMostEdges = 64;
 
 }  // namespace
@@ -51,7 +51,7 @@ void PathConditions::decide(NodeId node, OutcomeId outcome) {
 }
 
 std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
-  // Outwards to what is certain; then back, so that every branch on the way knows what is around it.
+  // Outwards up to a certain edge, then back, so that every branch on the way knows its enclosing edge.
   std::vector<std::uint32_t>& way = way_;
   way.clear();
   for (BranchEdge at = edge; !at.always(); at = branches_[at.branch].around) {
@@ -107,8 +107,8 @@ BranchEdge PathConditions::common(BranchEdge a, BranchEdge b) {
   return a;
 }
 
-/// Edges within others go, and all edges of one branch become the edge around it. False where nothing was to
-/// be done.
+/// Removes edges within others, and replaces all edges of one branch by its enclosing edge. False if nothing
+/// changed.
 bool PathConditions::reduce(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = 0; j < edges.size(); ++j) {
@@ -134,7 +134,7 @@ bool PathConditions::reduce(std::vector<BranchEdge>& edges) {
   return false;
 }
 
-/// Puts for one join what it means.
+/// Replaces one join by its edges.
 bool PathConditions::expand(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (edges[i].always()) continue;

@@ -9,8 +9,8 @@
 
 namespace segue::convert {
 
-/// When something is on the path: a branch ends with that outcome, and all branches around it as they must.
-/// Without a branch: always.
+/// A condition: the branch ends with that outcome, and so do the enclosing branches with theirs. Without a
+/// branch: always true.
 struct BranchEdge {
   std::uint32_t branch = cdtn::kNone;
   cdtn::OutcomeId outcome{};
@@ -19,31 +19,32 @@ struct BranchEdge {
 };
 
 /// The branches of a plan: nodes whose outcomes lead to different places. They form a tree, since each lies
-/// on one edge of another; what several edges lead to is told by a branch of its own, a join. What has been
-/// decided is taken into account as it becomes known. Not thread safe.
+/// on one edge of another. A place that several edges lead to has a branch of its own, a join. Decisions are
+/// taken into account as they become known. Not thread safe.
 class PathConditions {
  public:
-  /// `node` lies on `around` and ends with one of `outcomes`; if one is expected, others are not.
+  /// Adds a branch: `node` lies on `around` and ends with one of `outcomes`. If one is expected, the others
+  /// are not.
   std::uint32_t add(cdtn::NodeId node, BranchEdge around, std::vector<cdtn::OutcomeId> outcomes,
                     std::optional<cdtn::OutcomeId> expected);
-  /// `node` ends with `reached` where one of `edges` is on the path, all of which lie within `around`.
+  /// Adds a join: `node` ends with `reached` if one of `edges`, all within `around`, is on the path.
   BranchEdge add_join(cdtn::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
                       cdtn::OutcomeId reached, cdtn::OutcomeId missed);
   void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
 
   [[nodiscard]] cdtn::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
-  /// The edge without what is decided; nothing where it is off the path.
+  /// The edge without decided branches; nothing if it is off the path.
   std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
-  /// Whether `outer` is on the path whenever `inner` is, as far as the tree tells.
+  /// Whether the tree proves that `outer` is on the path whenever `inner` is.
   bool implies(BranchEdge inner, BranchEdge outer);
-  /// Whether they cannot both be on the path, as far as the tree tells.
+  /// Whether the tree proves that they cannot both be on the path.
   bool exclude(BranchEdge a, BranchEdge b);
   /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
   /// Requires that they are live.
   std::optional<BranchEdge> merged(std::vector<BranchEdge> edges);
   /// The innermost edge that both imply.
   BranchEdge common(BranchEdge a, BranchEdge b);
-  /// Whether nothing between `outer` and `edge` is against what is expected.
+  /// Whether all branches between `outer` and `edge` are taken as expected.
   bool expected(BranchEdge edge, BranchEdge outer);
   /// The innermost conditions of the edge, for a node that lies on it.
   [[nodiscard]] std::vector<cdtn::Condition> conditions(BranchEdge edge);
@@ -54,7 +55,7 @@ class PathConditions {
     BranchEdge around;
     std::uint32_t depth = 0;
     std::vector<cdtn::OutcomeId> outcomes;
-    std::vector<BranchEdge> meaning;  ///< joins
+    std::vector<BranchEdge> meaning;  ///< joins: the edges
     std::optional<cdtn::OutcomeId> decided;
     std::optional<cdtn::OutcomeId> expected;
     bool dead = false;

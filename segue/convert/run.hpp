@@ -15,11 +15,11 @@ namespace segue::convert {
 
 struct RunOptions {
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
-  bool strict = false;         ///< irreversible nodes wait for every earlier node that may fail
+  bool strict = false;         ///< irreversible nodes wait for all earlier nodes that may fail
   bool speculate = true;       ///< pure actions run ahead
   std::uint32_t workers = 0;   ///< actions that run at the same time; 0: any number
   std::size_t horizon = 1000;  ///< unfinished nodes that are planned ahead
-  bool log = false;            ///< what happened when, in the result of the network
+  bool log = false;            ///< record events in the result of the network
   Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions
   std::vector<mission::Fact> facts{};                    ///< likewise
   std::function<void(std::string)> warn;                 ///< likewise
@@ -28,12 +28,12 @@ struct RunOptions {
   mission::ActionObserver observe{};
 };
 
-/// A mission that runs concurrently, with the outcome of its sequential run (docs/missions.md). One run each;
-/// one thread, but for stop().
+/// Runs a mission concurrently, with the outcome of its sequential run (docs/missions.md). Runs once. For one
+/// thread, except stop().
 class Run {
  public:
-  /// `inputs` by port of the mission, null for its default. NotFound where an action has no runner; else as
-  /// Plan::create.
+  /// `inputs` by port of the mission, null for its default. NotFound if an action has no runner; otherwise
+  /// fails as Plan::create.
   static Result<std::unique_ptr<Run>> create(std::shared_ptr<const mission::Program> program,
                                              const mission::Runners& runners, std::vector<type::Value> inputs,
                                              RunOptions options = {});
@@ -41,7 +41,7 @@ class Run {
 
   /// Blocks until the mission has ended.
   const mission::MissionResult& run();
-  /// From any thread: preempts what is under way; nothing new starts.
+  /// From any thread: preempts everything that runs; nothing new starts.
   void stop();
 
   /// After the run.
@@ -56,9 +56,9 @@ class Run {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Plans about `most` nodes, or as far as the mission can be known; then, where `assumed` is given, on as if
-/// actions ended as these runners say, in virtual time. Blocks; the plan is of no use for a run afterwards.
-/// An error of the mission itself, which ends it early, is returned; NotFound where an action has no runner.
+/// Plans about `most` nodes, or as many as are known before anything runs. With `assumed` it continues from
+/// there in virtual time, as if actions ended as these runners say. Blocks; the plan cannot be run
+/// afterwards. Returns the error of the mission if that ends it early; NotFound if an action has no runner.
 Result<std::optional<Error>> plan_ahead(MissionPlan& plan, std::size_t most,
                                         const mission::Runners* assumed = nullptr);
 

@@ -80,7 +80,7 @@ states:
   std::promise<void> goes_on;
   int turns = 0;
   mission::Runners runners;
-  runners.add("again", [&](mission::Call&) {
+  runners.add("again", [&](mission::ActionCall&) {
     if (++turns == 100) goes_on.set_value();
     return mission::Ending{};
   });

@@ -21,7 +21,7 @@ Defaults with(const Defaults& defaults, Default more) {
   return extended;
 }
 
-/// What was written before, where the new value always counts, goes; and what is off the path.
+/// Removes earlier writes that the new value always replaces, and writes that are off the path.
 void Slots::write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths) {
   auto& writes = slots_[slot];
   std::erase_if(writes, [&](Write& old) {
@@ -33,7 +33,7 @@ void Slots::write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditi
   writes.push_back({++turn_, when, std::move(value)});
 }
 
-/// Takes in a write, the newest first; false where nothing older counts.
+/// Adds a write; called with the newest first. False if no older write counts.
 bool Slots::Reader::take(const Write& write) {
   const auto when = paths.live(write.when);
   if (!when || paths.exclude(*when, at)) return true;
@@ -52,7 +52,7 @@ bool Slots::Reader::take(const Write& write) {
 Symbol Slots::read(const std::vector<std::uint32_t>& slots, BranchEdge at, PathConditions& paths) const {
   Reader reader{at, paths, {}};
   if (slots.size() == 1 && !planted(ConversionFault::TakesOldestWrite)) {
-    const auto& writes = slots_[slots.front()];  // in the order of their turns
+    const auto& writes = slots_[slots.front()];  // in the order of writing
     for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
       ++write;
   } else {

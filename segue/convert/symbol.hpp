@@ -11,17 +11,17 @@
 
 namespace segue::convert {
 
-/// What stands for a null: a constant, or the output "value" of a node that reads a global variable.
+/// The replacement of a null: a constant, or the output "value" of a node that reads a global variable.
 struct Default {
   type::Value value;
   cdtn::NodeId reader{cdtn::kNone};
 };
-/// One after the other, until one is not null. Null: none.
+/// Tried in their order until one is not null. Null pointer: there are none.
 using Defaults = std::shared_ptr<const std::vector<Default>>;
-/// With one more at the end, unless a constant before it can never be null.
+/// `defaults` with one more at the end, unless an earlier constant can never be null.
 Defaults with(const Defaults& defaults, Default more);
 
-/// An output of a node that may be the value, and what stands for a null there.
+/// An output of a node that may be the value, with the defaults for a null.
 struct Candidate {
   cdtn::NodeId node{};
   std::uint32_t output = 0;  ///< of TaskNetwork::names
@@ -29,23 +29,22 @@ struct Candidate {
   Defaults defaults;
 };
 
-/// A value that is known when the plan runs: of the last candidate that has run, in program order; where none
-/// has, `rest`.
+/// A value that is known when the plan runs: that of the last candidate in program order that has run, or
+/// else `rest`.
 struct Symbol {
   std::vector<Candidate> candidates;
   Defaults rest;
 };
 
-/// Ports and variables that the states of a container exchange, as they are when the plan will have got
-/// there: for each slot, who may have written it last.
+/// The ports and variables of a container at a point of the plan: for each slot, the nodes that may have
+/// written it last.
 class Slots {
  public:
   explicit Slots(std::size_t count) : slots_(count) {}
 
-  /// From here on, where `when` is on the path, the slot holds `value`, all of whose candidates lie on
-  /// `when`.
+  /// From here on the slot holds `value` if `when` is on the path. All candidates of `value` lie on `when`.
   void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
-  /// What was written last to any of the slots, seen from `at`. Where nobody may have written, `rest` is
+  /// What was written last to any of the slots, seen from `at`. If nothing may have been written, `rest` is
   /// null.
   [[nodiscard]] Symbol read(const std::vector<std::uint32_t>& slots, BranchEdge at,
                             PathConditions& paths) const;

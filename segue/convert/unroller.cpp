@@ -12,10 +12,10 @@ namespace segue::convert {
 using cdtn::NodeId;
 using cdtn::OutcomeId;
 using mission::kAborted;
+using mission::NextStep;
 using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
-using mission::Step;
 
 Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs)
     : plan_(plan), given_(std::move(inputs)), touches_(plan.program().mission().actions.size()) {
@@ -55,7 +55,7 @@ bool Unroller::step(Track& track) {
   return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
 }
 
-/// Goes back into the first loop that turned out to go on; forgets those that did not.
+/// Resumes the first loop that turned out to continue; drops alternatives that turned out not to.
 void Unroller::take_alternatives(Track& track) {
   for (std::size_t i = 0; i < track.alternatives.size();) {
     Frame& frame = track.alternatives[i].back();
@@ -96,8 +96,8 @@ bool Unroller::step_hierarchy(Track& track) {
   return visit(track, child);
 }
 
-/// Another iteration where it is certain, or as far ahead as the loop has gone on before; past it where it is
-/// not expected to go on.
+/// Plans another iteration if it is certain, or as many ahead as the loop has run before; continues after the
+/// loop if it is expected to end.
 bool Unroller::end_of_loop(Track& track) {
   Frame& frame = track.frames.back();
   ContainerExecution& activation = *frame.activation;
@@ -150,7 +150,7 @@ void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
   plan_.waits_for_ = fmt::format("whether the loop at {} goes on{}", path_of(activation, head), addition);
 }
 
-/// Whether there is a way to something behind a loop.
+/// Whether there is a way to a state after the loop.
 bool Unroller::leads_on(Frame& frame, std::uint32_t from) {
   ContainerExecution& activation = *frame.activation;
   const auto live = [&](const Exit& exit) { return paths_.live(exit.arrival.when).has_value(); };
@@ -176,7 +176,7 @@ std::string Unroller::path_of(const ContainerExecution& around, StateIndex child
   return around.entry.path.empty() ? id : around.entry.path + "/" + id;
 }
 
-/// Enters the state at the frame's place, where anything leads to it.
+/// Enters the state at the position of the frame, if a way leads to it.
 bool Unroller::visit(Track& track, StateIndex state) {
   Frame& frame = track.frames.back();
   ContainerExecution& activation = *frame.activation;
@@ -200,8 +200,9 @@ bool Unroller::visit(Track& track, StateIndex state) {
     candidates.insert(candidates.end(), entry.errors.begin(), entry.errors.end());
   }
   entry.path = path_of(activation, state);
-  entry.aborts_handled = activation.entry.aborts_handled || node(state).next[1].kind != Step::Kind::Nowhere;
-  waiting = {};  // nothing comes to it any more, unless it is in a loop
+  entry.aborts_handled =
+      activation.entry.aborts_handled || node(state).next[1].kind != NextStep::Kind::Nowhere;
+  waiting = {};  // no further way leads to it, unless it is in a loop
   ++frame.place;
   enter(track, std::move(entry));
   return !track.pending;
@@ -217,7 +218,7 @@ bool Unroller::enter_pending(Track& track) {
   return !track.pending;
 }
 
-/// The state comes next; a leaf that names what it touches by its inputs once they are known.
+/// Plans the state next; a leaf whose inputs determine its facts or resources only once these are known.
 
 void Unroller::enter(Track& track, StateEntry entry) {
   const StateIndex state = entry.state;
@@ -237,7 +238,7 @@ void Unroller::enter(Track& track, StateEntry entry) {
 
 void Unroller::enter_container(Track& track, StateEntry entry) {
   const StateIndex state = entry.state;
-  const mission::Node& container = node(state);
+  const mission::CompiledState& container = node(state);
   auto activation = std::make_shared<ContainerExecution>(std::move(entry), container.slots);
   track.frames.push_back({activation, 0, {}, {}});
   if (container.kind == StateKind::Library) {
@@ -247,19 +248,19 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   }
   const BranchEdge when = activation->entry.when;
   auto slot = static_cast<std::uint32_t>(activation->entry.inputs.size());
-  for (const mission::Supply& variable : container.variables) {
+  for (const mission::PortSource& variable : container.variables) {
     Symbol value;
     value.rest = with({}, fallback(variable, when));
     activation->slots.write(slot++, when, std::move(value), paths_);
   }
   for (std::uint32_t i = 0; i < activation->entry.inputs.size(); ++i)
     activation->slots.write(i, when, activation->entry.inputs[i], paths_);
-  for (const mission::Copy& copy : container.at_begin)
+  for (const mission::SlotCopy& copy : container.at_begin)
     activation->slots.write(copy.to, when, activation->slots.read({copy.from}, when, paths_), paths_);
   if (container.kind == StateKind::Hierarchy) {
     activation->arrivals.resize(container.children.size());
     activation->order = order_of(state);
-    if (container.start.kind == Step::Kind::Child)
+    if (container.start.kind == NextStep::Kind::Child)
       activation->arrivals[container.start.child].push_back({when, false, {}});
     else
       activation->exits.push_back({container.start.outcome, {when, false, {}}});
@@ -279,13 +280,13 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   }
 }
 
-/// The hierarchy at the top of the track is done with.
+/// Ends the hierarchy at the top of the track.
 void Unroller::leave(Track& track) {
   const auto activation = track.frames.back().activation;
   const StateIndex state = activation->entry.state;
   StateEnd end;
   end.exits = activation->exits;
-  for (const mission::Supply& output : node(state).outputs) {
+  for (const mission::PortSource& output : node(state).outputs) {
     Symbol value = activation->slots.read(output.slots, activation->entry.when, paths_);
     if (!value.rest) value.rest = with({}, fallback(output, activation->entry.when));
     end.outputs.push_back(std::move(value));
@@ -294,14 +295,14 @@ void Unroller::leave(Track& track) {
   finish(track, state, std::move(end));
 }
 
-/// Tells the container around, which is now at the top of the track.
+/// Passes the end to the parent, which is now at the top of the track.
 void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
   if (track.frames.empty()) {
     track.end = std::move(end);
     return;
   }
   Frame& frame = track.frames.back();
-  const mission::Node& around = node(frame.activation->entry.state);
+  const mission::CompiledState& around = node(frame.activation->entry.state);
   if (around.kind == StateKind::Hierarchy) return finish_in_hierarchy(frame, state, std::move(end));
   if (around.kind != StateKind::Library) return finish_decider(track, state, std::move(end));
   const StateEntry& entry = frame.activation->entry;
@@ -318,25 +319,25 @@ void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
 
 void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end) {
   ContainerExecution& activation = *frame.activation;
-  const mission::Node& child = node(state);
+  const mission::CompiledState& child = node(state);
   std::erase_if(end.exits, [&](Exit& exit) {
     const auto live = paths_.live(exit.arrival.when);
     if (live) exit.arrival.when = *live;
     return !live;
   });
-  if (end.exits.empty()) return;  // it has turned out to be off the path
-  // It is written whichever way the child ends; where it is entered is where all its ends lie.
+  if (end.exits.empty()) return;  // it turned out to be off the path
+  // Outputs are written however the child ends, so the condition is that of its entry.
   BranchEdge entered = end.exits.front().arrival.when;
   for (const Exit& exit : end.exits)
     entered = paths_.common(entered, exit.arrival.when);
   take_outputs(activation, state, entered, std::move(end.outputs));
   for (Exit& exit : end.exits) {
-    const Step& step = child.next[static_cast<std::size_t>(exit.outcome + 2)];
+    const NextStep& step = child.next[static_cast<std::size_t>(exit.outcome + 2)];
     exit.arrival.aborted = exit.outcome == kAborted;
-    if (step.kind == Step::Kind::Child) {
+    if (step.kind == NextStep::Kind::Child) {
       activation.arrivals[step.child].push_back(std::move(exit.arrival));
     } else {
-      const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : exit.outcome;
+      const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
       activation.exits.push_back({outcome, std::move(exit.arrival)});
     }
   }
@@ -362,7 +363,7 @@ bool Unroller::step_barrier(Track& track) {
 
 void Unroller::join_barrier(Track& track) {
   ContainerExecution& activation = *track.frames.back().activation;
-  const mission::Node& barrier = node(activation.entry.state);
+  const mission::CompiledState& barrier = node(activation.entry.state);
   const std::vector<StateEnd> ends = ends_beside(track);
   std::size_t next = 0;
   for (const StateIndex child : barrier.children) {
@@ -375,11 +376,11 @@ void Unroller::join_barrier(Track& track) {
   entry.inputs = inputs_of(activation, barrier.decider, entry.when);
   entry.path = path_of(activation, barrier.decider);
   entry.aborts_handled =
-      activation.entry.aborts_handled || node(barrier.decider).next[1].kind != Step::Kind::Nowhere;
+      activation.entry.aborts_handled || node(barrier.decider).next[1].kind != NextStep::Kind::Nowhere;
   enter(track, std::move(entry));
 }
 
-/// How the states of the barrier at the top of the track end.
+/// The ends of the states of the barrier at the top of the track.
 std::vector<StateEnd> Unroller::ends_beside(const Track& track) const {
   std::vector<StateEnd> ends;
   for (const auto& beside : track.frames.back().tracks)
@@ -391,8 +392,8 @@ void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
   ContainerExecution& activation = *track.frames.back().activation;
   take_outputs(activation, state, activation.entry.when, end.outputs);
   for (Exit& exit : end.exits) {
-    const Step& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
-    const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : exit.outcome;
+    const NextStep& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
+    const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
     activation.exits.push_back({outcome, std::move(exit.arrival)});
   }
   leave(track);
@@ -404,12 +405,12 @@ const std::shared_ptr<const WeakOrder>& Unroller::order_of(StateIndex hierarchy)
   const auto& children = node(hierarchy).children;
   std::vector<std::vector<std::uint32_t>> successors(children.size());
   for (std::size_t i = 0; i < children.size(); ++i) {
-    for (const Step& step : node(children[i]).next) {
-      if (step.kind == Step::Kind::Child) successors[i].push_back(step.child);
+    for (const NextStep& step : node(children[i]).next) {
+      if (step.kind == NextStep::Kind::Child) successors[i].push_back(step.child);
     }
   }
-  const Step& start = node(hierarchy).start;
-  order = start.kind == Step::Kind::Child
+  const NextStep& start = node(hierarchy).start;
+  order = start.kind == NextStep::Kind::Child
               ? std::make_shared<const WeakOrder>(weak_order(successors, start.child))
               : std::make_shared<const WeakOrder>();
   return order;

@@ -13,10 +13,10 @@
 
 namespace segue::convert {
 
-/// A way to a state, and what went wrong on it.
+/// A way to a state, with the error that occurred on it.
 struct Arrival {
   BranchEdge when;
-  bool aborted = false;  ///< the state before aborted, and the next one learns why
+  bool aborted = false;  ///< the preceding state aborted, and the next one gets its error
   std::vector<Candidate> errors;
 };
 struct Exit {
@@ -24,18 +24,18 @@ struct Exit {
   Arrival arrival;
 };
 
-/// How a state ends in the plan: in every way it can.
+/// All ways in which a state of the plan can end.
 struct StateEnd {
   std::vector<Symbol> outputs;
   std::vector<Exit> exits;
 };
 
-/// What a state is entered with.
+/// The data with which a state is entered.
 struct StateEntry {
   mission::StateIndex state = mission::kNoState;
   BranchEdge when;
   std::string path;
-  bool aborts_handled = false;  ///< somebody around follows its abort
+  bool aborts_handled = false;  ///< an enclosing state handles its abort
   std::vector<Symbol> inputs;
   std::vector<Candidate> errors;
 };
@@ -53,47 +53,47 @@ struct ContainerExecution {
 
 struct Track;
 
-/// How far the plan has got within a container.
+/// The position up to which a container has been planned.
 struct Frame {
   struct Loop {
-    std::uint32_t head = 0;  ///< a place in the order
+    std::uint32_t head = 0;  ///< position in the order
     std::size_t iterations = 1;
     std::vector<std::vector<BranchEdge>>
-        open{};  ///< of iterations that are not certain: where they are entered
+        open{};  ///< by uncertain iteration: the edges on which it is entered
   };
   std::shared_ptr<ContainerExecution> activation;
   std::uint32_t place = 0;
   std::vector<Loop> loops;
-  std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state but the decider
+  std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state except the decider
 };
 
-/// One sequence of states: the mission, or a state of a barrier. Where it went past a loop that is expected
-/// to have ended, it keeps how to go back into it.
+/// One sequence of states: the mission, or a state of a barrier. Where it was planned beyond a loop that is
+/// expected to end, `alternatives` has the frames from which to resume that loop.
 struct Track {
   std::vector<Frame> frames;
   std::vector<std::vector<Frame>> alternatives;
-  std::optional<StateEntry> pending;  ///< comes next, once it is known what it touches
+  std::optional<StateEntry> pending;  ///< comes next, once its facts and resources are known
   std::optional<StateEnd> end;
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 
-/// What an action touches, once that is known.
+/// The facts and resources of an action, once known.
 struct Touch {
-  std::optional<std::vector<std::size_t>> named_by{};  ///< inputs that tell, by port
-  bool known = false;                                  ///< for all its nodes: no input tells
+  std::optional<std::vector<std::size_t>> named_by{};  ///< the inputs that determine them, by port
+  bool known = false;                                  ///< the same for all its nodes
   std::vector<cdtn::Literal> preconditions{};
   std::vector<cdtn::Literal> effects{};
   std::vector<cdtn::Claim> claims{};
 };
 
-/// Walks through a mission as the reference engine would, in all ways at once. States of a hierarchy are
-/// taken in a weak topological order, so that every way to a state is known before it becomes a node, and
-/// each state stands in the plan once for each iteration of the loops around it.
+/// Walks through a mission as the reference engine would, along all ways at once. States of a hierarchy are
+/// taken in a weak topological order: all ways to a state are known before it becomes a node, and each state
+/// gets one node for each iteration of the loops that contain it.
 class Unroller {
  public:
   Unroller(MissionPlan& plan, std::vector<type::Value> inputs);
   Result<void> begin();
-  /// A node more, or a few; false where the plan must wait for what is decided.
+  /// Plans one node or a few; false if the plan must wait for a decision.
   bool step() { return step(main_); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
   [[nodiscard]] bool finished() const { return main_.settled(); }
@@ -150,11 +150,11 @@ class Unroller {
   void take_outputs(ContainerExecution& activation, mission::StateIndex child, BranchEdge when,
                     std::vector<Symbol> outputs);
   std::vector<Symbol> inputs_of(ContainerExecution& activation, mission::StateIndex child, BranchEdge at);
-  Default fallback(const mission::Supply& supply, BranchEdge at);
+  Default fallback(const mission::PortSource& supply, BranchEdge at);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
   void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
   [[nodiscard]] std::optional<std::string> look_up(const StateEntry& entry, Touch& touch);
-  [[nodiscard]] const mission::Node& node(mission::StateIndex state) const {
+  [[nodiscard]] const mission::CompiledState& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }
   [[nodiscard]] const mission::Action& action(mission::StateIndex state) const {
@@ -165,14 +165,14 @@ class Unroller {
   std::vector<type::Value> given_;
   PathConditions paths_;
   Track main_;
-  std::vector<OpaqueSubtreeReason> subtrees_;                ///< by state
-  std::vector<std::string> varying_;                         ///< resources that come and go, as patterns
-  std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node that has ended
+  std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state
+  std::vector<std::string> varying_;           ///< patterns of resources that are created or removed
+  std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
-  cdtn::NodeSpec spec_;                ///< of the node at hand
+  cdtn::NodeSpec spec_;                ///< of the current node
 };
 
 }  // namespace segue::convert

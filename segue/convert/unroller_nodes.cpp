@@ -18,10 +18,10 @@ using cdtn::NodeSpec;
 using cdtn::OutcomeId;
 using mission::Action;
 using mission::kNoState;
+using mission::NextStep;
 using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
-using mission::Step;
 using type::Value;
 
 namespace {
@@ -30,7 +30,7 @@ bool declares_footprint(const Action& action) {
   return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
 }
 
-/// What it decides depends on nothing but how the others ended.
+/// Such a decider depends only on how its siblings ended.
 bool is_pure(const Action& action) {
   return action.pure || std::holds_alternative<mission::Decision>(action.run);
 }
@@ -40,7 +40,7 @@ NodeClass class_of(const Action& action) {
   return is_pure(action) ? NodeClass::Pure : NodeClass::Irreversible;
 }
 
-/// What reads reality without saying what of it may rely on anything.
+/// A sensing action without declared preconditions may rely on any fact.
 bool is_opaque(const Action& action) {
   return class_of(action) != NodeClass::Pure && !declares_footprint(action) &&
          !planted(ConversionFault::NothingIsOpaque);
@@ -52,7 +52,7 @@ Duration expected_duration(const Action& action) {
   return simulated == nullptr ? Duration::zero() : simulated->duration;
 }
 
-/// Whether what it does depends on how often it has been done.
+/// Whether the action depends on how often its state has begun.
 bool counts_executions(const Action& action) {
   const auto* simulated = std::get_if<mission::Simulated>(&action.run);
   return simulated != nullptr && simulated->outcomes.size() > 1;
@@ -64,12 +64,12 @@ std::string numbered(std::string_view name, std::size_t number) {
 
 }  // namespace
 
-/// States that run sequentially: preemptive ones, hierarchies where a preemption is handled, and barriers
-/// with an action that does not say what it touches, since those would otherwise wait for each other.
+/// Finds the states that run sequentially as one node: preemptive ones, hierarchies that handle a preemption,
+/// and barriers with an opaque action, whose states would otherwise wait for each other.
 void Unroller::find_opaque_subtrees() {
   const std::size_t count = plan_.program().nodes().size();
   subtrees_.assign(count, {});
-  std::vector<StateIndex> opaque(count, kNoState);  // by state: what in it may touch anything
+  std::vector<StateIndex> opaque(count, kNoState);  // by state: the state in it that may touch anything
   for (bool changed = true; changed;) {
     changed = false;
     for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;) {
@@ -88,8 +88,8 @@ void Unroller::find_opaque_subtrees() {
   }
 }
 
-/// Units of these are taken in program order by all who use them, also those that are planned before the
-/// first who makes or removes some.
+/// Resources of which units are created or removed. All their users take units in program order, including
+/// those that are planned before the first node that creates or removes some.
 void Unroller::find_varying() {
   for (const Action& each : plan_.program().mission().actions) {
     for (const mission::ResourceUse& use : each.resources) {
@@ -117,13 +117,13 @@ StateIndex Unroller::opaque_within(StateIndex state, const std::vector<StateInde
   return kNoState;
 }
 
-/// `opaque`: what in it may touch anything, if something may.
+/// `opaque`: the state in it that may touch anything, if there is one.
 OpaqueSubtreeReason Unroller::subtree_reason(StateIndex state, StateIndex opaque) const {
-  const mission::Node& entry = node(state);
+  const mission::CompiledState& entry = node(state);
   if (entry.kind == StateKind::Preemptive) return {OpaqueSubtreeReason::Kind::Preemptive, state};
   if (entry.kind == StateKind::Hierarchy) {
     const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
-      return child != entry.decider && node(child).next[0].kind != Step::Kind::Nowhere;
+      return child != entry.decider && node(child).next[0].kind != NextStep::Kind::Nowhere;
     });
     if (handler != entry.children.end()) return {OpaqueSubtreeReason::Kind::HandlesPreemption, *handler};
   }
@@ -133,7 +133,7 @@ OpaqueSubtreeReason Unroller::subtree_reason(StateIndex state, StateIndex opaque
   return {};
 }
 
-/// An empty one, with room from the last.
+/// An empty specification that reuses the memory of the last.
 NodeSpec& Unroller::blank() {
   NodeSpec fresh;
   const auto keep_room = [](auto& from, auto& to) {
@@ -149,7 +149,7 @@ NodeSpec& Unroller::blank() {
   return spec_;
 }
 
-/// As the state is called, or else by that name.
+/// The node is named after its state, or else as given.
 NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name) {
   auto& names = plan_.network_.names;
   const bool is_state = !node.path.empty();
@@ -162,7 +162,7 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   return id;
 }
 
-/// Every candidate becomes an input of its own, since what stands for a null may differ.
+/// Every candidate becomes a separate input, since their defaults may differ.
 ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view name) {
   auto& names = plan_.network_.names;
   ValueSource source;
@@ -188,8 +188,8 @@ ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_
   return source;
 }
 
-/// A default from the mission; a global variable is read by a node of its own, where it has its turn.
-Default Unroller::fallback(const mission::Supply& supply, BranchEdge at) {
+/// A default of the mission. A global variable is read by a separate node, at its place in the program order.
+Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   if (supply.global.empty()) return {supply.fallback};
   NodeSpec& spec = blank();
   spec.opaque = true;
@@ -203,7 +203,7 @@ Default Unroller::fallback(const mission::Supply& supply, BranchEdge at) {
 
 std::vector<Symbol> Unroller::inputs_of(ContainerExecution& activation, StateIndex child, BranchEdge at) {
   std::vector<Symbol> inputs;
-  for (const mission::Supply& supply : node(child).inputs) {
+  for (const mission::PortSource& supply : node(child).inputs) {
     Symbol input = activation.slots.read(supply.slots, at, paths_);
     const Default none = fallback(supply, at);
     for (Candidate& candidate : input.candidates)
@@ -216,14 +216,14 @@ std::vector<Symbol> Unroller::inputs_of(ContainerExecution& activation, StateInd
 
 void Unroller::take_outputs(ContainerExecution& activation, StateIndex child, BranchEdge when,
                             std::vector<Symbol> outputs) {
-  const mission::Node& state = node(child);
+  const mission::CompiledState& state = node(child);
   for (std::uint32_t i = 0; i < outputs.size(); ++i)
     store(activation, state.first_output + i, when, std::move(outputs[i]));
-  for (const mission::Copy& copy : state.into_variables)
+  for (const mission::SlotCopy& copy : state.into_variables)
     store(activation, copy.to, when, activation.slots.read({copy.from}, when, paths_));
 }
 
-/// What would count even where `when` is off the path gets a node on it.
+/// A value that would also count if `when` is off the path gets a Copy node on it.
 void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value) {
   const bool certain = paths_.implies(activation.entry.when, when);
   bool within = certain || planted(ConversionFault::SkipsCopies);
@@ -254,7 +254,7 @@ Symbol Unroller::copied(Symbol value, BranchEdge when) {
   return result;
 }
 
-/// Where several ways lead to one state: the edge that stands for all of them.
+/// The edge that represents all the ways that lead to one state.
 BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   if (arrivals.size() == 1) return arrivals.front().when;
   std::vector<BranchEdge> edges;
@@ -310,7 +310,7 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
   return chosen({}, symbol.rest);
 }
 
-/// The inputs that name facts and resources, by port; nothing where one is not known yet.
+/// The inputs that facts and resources refer to, by port; nothing if one is not known yet.
 std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entry) {
   const Action& what = action(entry.state);
   Touch& touch = touches_[node(entry.state).action];
@@ -330,7 +330,7 @@ std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entr
   return values;
 }
 
-/// What it touches; where a name cannot be formed, that it will not begin.
+/// Adds the facts and resources of the action; if a name cannot be formed, the action will not begin.
 void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
   Touch& touch = touches_[node(entry.state).action];
   if (!touch.known) {
@@ -345,7 +345,7 @@ void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& pla
   spec.claims = touch.claims;
 }
 
-/// Why a name cannot be formed, if that is so.
+/// The error if a name cannot be formed.
 std::optional<std::string> Unroller::look_up(const StateEntry& entry, Touch& touch) {
   const Action& what = action(entry.state);
   const auto values = naming_values(entry);
@@ -375,7 +375,7 @@ std::optional<std::string> Unroller::look_up(const StateEntry& entry, Touch& tou
   return std::nullopt;
 }
 
-/// How often the state has begun is a value like others, so that runs ahead know it too.
+/// The count of begins is passed as a value, so that speculative runs see it too.
 void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& entry) {
   if (!counts_executions(action(entry.state))) return;
   auto& begun = begun_.try_emplace(entry.state, 1).first->second;
@@ -384,7 +384,7 @@ void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& ent
 }
 
 StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& spec) {
-  const mission::Node& state = node(entry.state);
+  const mission::CompiledState& state = node(entry.state);
   StateEnd end;
   for (const mission::Port& port : *state.output_ports) {
     Symbol value;
@@ -413,7 +413,7 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   return end;
 }
 
-/// For a decider: how the states beside it end.
+/// For a decider: how its siblings end.
 std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const StateEntry& decider,
                                                      const std::vector<StateEnd>& ends) {
   std::vector<BranchSource> sources;
@@ -474,7 +474,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
 }
 
 StateEnd Unroller::add_subtree(const StateEntry& entry) {
-  const mission::Node& state = node(entry.state);
+  const mission::CompiledState& state = node(entry.state);
   NodeSpec& spec = blank();
   PlannedNode planned;
   planned.role = Role::OpaqueSubtree;

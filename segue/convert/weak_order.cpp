@@ -10,8 +10,8 @@ namespace {
 
 using Vertex = std::uint32_t;
 
-/// Strongly connected components within components: the head of each is taken out, and what is left falls
-/// apart again. Nothing recurses, so depth costs memory only.
+/// Finds strongly connected components, removes the head of each, and decomposes the rest again. Nothing
+/// recurses, so depth costs memory only.
 class Builder {
  public:
   Builder(const std::vector<std::vector<Vertex>>& successors, WeakOrder& order)
@@ -32,8 +32,8 @@ class Builder {
   }
 
  private:
-  /// A component that is still to be put in order, its head first; or, without vertices, the end of the loop
-  /// whose head has the place `head`.
+  /// A component that is still to be ordered, its head first; or, without vertices, the end of the loop whose
+  /// head has the place `head`.
   struct Work {
     std::vector<Vertex> vertices;
     Vertex head = 0;
@@ -104,7 +104,7 @@ class Builder {
     stack_.push_back(vertex);
   }
 
-  /// A component is whole; who was visited first is where it is entered.
+  /// A component is complete; its first visited vertex is its entry.
   void close(Vertex head) {
     Work component{{head}, 0};
     for (;;) {
@@ -117,7 +117,7 @@ class Builder {
     found_.push_back(std::move(component));
   }
 
-  /// They were found the last first, as a stack wants them.
+  /// Components are found last one first, which is the order for a stack.
   void put_off() {
     std::ranges::move(found_, std::back_inserter(open_));
     found_.clear();
@@ -125,7 +125,7 @@ class Builder {
 
   const std::vector<std::vector<Vertex>>& successors_;
   WeakOrder& order_;
-  std::vector<std::uint32_t> part_;  ///< by vertex: which component it was last found in
+  std::vector<std::uint32_t> part_;  ///< by vertex: the component in which it was found last
   std::vector<Mark> marks_;
   std::vector<Vertex> stack_;
   std::vector<Work> found_;

@@ -6,17 +6,17 @@
 
 namespace segue::convert {
 
-/// A directed graph's vertices in an order in which every edge that leads back leads to the head of a loop
-/// around where it comes from. Loops nest, and lie side by side.
+/// The vertices of a directed graph in an order in which every backward edge leads to the head of a loop that
+/// contains its origin. Loops are nested or disjoint.
 struct WeakOrder {
-  std::vector<std::uint32_t> vertices;  ///< those that `start` leads to, the start first
-  std::vector<std::uint32_t> end;       ///< by place: heads of loops: the place behind the loop; others: 0
-  std::vector<std::uint32_t> place;     ///< by vertex; kUnreached where nothing leads
+  std::vector<std::uint32_t> vertices;  ///< those reachable from `start`, which is the first
+  std::vector<std::uint32_t> end;    ///< by place: for heads of loops the place after the loop, otherwise 0
+  std::vector<std::uint32_t> place;  ///< by vertex; kUnreached if it is not reachable
   static constexpr std::uint32_t kUnreached = static_cast<std::uint32_t>(-1);
 };
 
 /// A weak topological order (F. Bourdoncle, "Efficient chaotic iteration strategies with widenings", 1993) by
-/// strongly connected components within components. Time grows with edges times the depth of loops.
+/// recursive strongly connected components. Time grows with the edges times the depth of loops.
 WeakOrder weak_order(const std::vector<std::vector<std::uint32_t>>& successors, std::uint32_t start);
 
 }  // namespace segue::convert

@@ -10,14 +10,14 @@
 namespace segue::draw {
 
 std::string_view to_string(Diagram::Role role) {
-  static constexpr std::array<std::string_view, 7> kNames{"irreversible", "pure", "sensing",    "routine",
-                                                          "join",         "copy", "global read"};
+  static constexpr std::array<std::string_view, 7> kNames{
+      "irreversible", "pure", "sensing", "opaque subtree", "join", "copy", "global read"};
   return kNames.at(static_cast<std::size_t>(role));
 }
 
 std::string_view to_string(Diagram::Kind kind) {
   static constexpr std::array<std::string_view, Diagram::kKinds> kNames{
-      "data", "condition", "world", "resource", "group", "opaque", "routine"};
+      "data", "condition", "world", "resource", "group", "opaque", "opaque subtree"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

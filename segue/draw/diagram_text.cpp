@@ -13,6 +13,9 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
+/// An opaque subtree in JSON, whatever people read.
+constexpr std::string_view kSubtreeKey = "routine";
+
 constexpr std::string_view kStrict = "starts when nothing before it can fail any more";
 
 std::string plural(std::size_t count, std::string_view one) {
@@ -53,7 +56,7 @@ Value to_value(const Diagram& diagram, const Diagram::Dependency& dependency) {
   Value::List causes;
   for (const Diagram::Cause& cause : dependency.causes) {
     ValueMap map;
-    map.append("kind", std::string(to_string(cause.kind)));
+    map.append("kind", cause.kind == Diagram::Kind::OpaqueSubtree ? kSubtreeKey : to_string(cause.kind));
     map.append("subject", cause.subject);
     map.append(cause.kind == Diagram::Kind::Data ? "output" : "detail", cause.detail);
     causes.emplace_back(std::move(map));

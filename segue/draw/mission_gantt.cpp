@@ -37,7 +37,7 @@ class MachineGantt {
     find_ends();
     for (std::uint32_t i = 0; i < items().size(); ++i) {
       places_[i].before = leaf_before(i);
-      if (is_leaf(program_, items()[i].state)) add(i);
+      if (mission::is_leaf(program_.node(items()[i].state).kind)) add(i);
     }
     mark_critical();
     gantt_.arrange();
@@ -61,7 +61,7 @@ class MachineGantt {
   void find_ends() {
     for (auto i = static_cast<std::uint32_t>(items().size()); i-- > 0;) {
       const History::Item& item = items()[i];
-      if (is_leaf(program_, item.state)) places_[i].last = i;
+      if (mission::is_leaf(program_.node(item.state).kind)) places_[i].last = i;
       if (item.parent == History::kNone || places_[i].last == kNone) continue;
       std::uint32_t& around = places_[item.parent].last;
       if (around == kNone || end_of(places_[i].last) > end_of(around)) around = places_[i].last;
@@ -141,11 +141,6 @@ class MachineGantt {
 };
 
 }  // namespace
-
-bool is_leaf(const mission::Program& program, mission::StateIndex state) {
-  const auto kind = program.node(state).kind;
-  return kind == StateKind::Execution || kind == StateKind::Decider;
-}
 
 Gantt gantt_of(const mission::Program& program, const mission::History& history,
                const mission::Outcome& outcome, TimePoint begin, TimePoint end) {

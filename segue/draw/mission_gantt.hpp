@@ -9,9 +9,6 @@
 
 namespace segue::draw {
 
-/// Whether the state is one that does something itself.
-bool is_leaf(const mission::Program& program, mission::StateIndex state);
-
 /// A run of a state machine as drawings show it: a node for each execution of a leaf. Each waited for the
 /// outcome of the leaf before it. The chain of nodes that the run was as long for goes through the last to
 /// end of those side by side. Sequential are all leaves one after the other. `end` is for what has not ended.

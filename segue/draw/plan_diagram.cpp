@@ -26,7 +26,7 @@ std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
     case OpaqueSubtreeReason::Kind::HandlesPreemption:
       return "since a preemption of " + id(reason.state) + " is handled in it";
     case OpaqueSubtreeReason::Kind::OpaqueBeside:
-      return "since " + id(reason.state) + " in it, side by side with others, may touch anything";
+      return "since " + id(reason.state) + " in it, concurrent with others, may touch anything";
     case OpaqueSubtreeReason::Kind::None:
       break;
   }

@@ -164,7 +164,7 @@ TEST(MissionDiagram, TellsWhyAStateIsARoutine) {
 )j"));
   EXPECT_EQ(node(first, "s").role, Diagram::Role::OpaqueSubtree);
   EXPECT_THAT(node(first, "s").note, HasSubstr("ends preempts the others"));
-  EXPECT_THAT(causes(first, "s", "t"), ElementsAre("routine s: it may touch anything"));
+  EXPECT_THAT(causes(first, "s", "t"), ElementsAre("opaque subtree s: it may touch anything"));
 
   const Diagram second = diagram("mission: m\n" + actions + states("hierarchy", R"j(    start: a
     states:

@@ -9,23 +9,23 @@ namespace segue::mission {
 
 using type::Value;
 
-const Action& Call::action() const {
+const Action& ActionCall::action() const {
   return program().mission().actions[program().node(state()).action];
 }
 
-const Value& Call::input(std::string_view name) const {
+const Value& ActionCall::input(std::string_view name) const {
   static const Value kNull;
   const auto found = position(action().inputs, name);
   return found ? inputs()[*found] : kNull;
 }
 
-bool Call::set_output(std::string_view name, Value value) {
+bool ActionCall::set_output(std::string_view name, Value value) {
   const auto found = position(action().outputs, name);
   if (found) outputs()[*found] = std::move(value);
   return found.has_value();
 }
 
-std::optional<Outcome> Call::outcome(std::string_view name) const {
+std::optional<Outcome> ActionCall::outcome(std::string_view name) const {
   if (name == kAbortedName) return kAborted;
   if (name == kPreemptedName) return kPreempted;
   const auto& outcomes = action().outcomes;
@@ -36,12 +36,12 @@ std::optional<Outcome> Call::outcome(std::string_view name) const {
 
 namespace {
 
-/// What is simulated, and what is expected of actions that say nothing else.
+/// Runs simulated actions, and by `expect` those that are simulated on request.
 class Simulation final : public ActionRunner {
  public:
   explicit Simulation(bool as_expected) : as_expected_(as_expected) {}
 
-  std::optional<Ending> start(Call& call) override {
+  std::optional<Ending> start(ActionCall& call) override {
     if (call.backward()) return Ending{};
     const Action& action = call.action();
     const auto* declared = std::get_if<Simulated>(&action.run);
@@ -62,7 +62,7 @@ class Simulation final : public ActionRunner {
   }
 
  private:
-  static std::optional<Ending> after(Call& call, Duration duration, Ending ending) {
+  static std::optional<Ending> after(ActionCall& call, Duration duration, Ending ending) {
     if (duration == Duration::zero()) return ending;
     call.end_after(duration, std::move(ending));
     return std::nullopt;
@@ -73,17 +73,17 @@ class Simulation final : public ActionRunner {
 
 class Decisions final : public ActionRunner {
  public:
-  std::optional<Ending> start(Call& call) override {
+  std::optional<Ending> start(ActionCall& call) override {
     const auto& decision = std::get<Decision>(call.action().run);
     for (const DecisionRule& rule : decision.rules) {
       const bool fits = std::ranges::all_of(rule.when, [&](const auto& when) { return holds(call, when); });
       if (fits) return Ending{call.outcome(rule.outcome).value_or(kAborted), {}};
     }
-    return Ending{kAborted, "none of its rules fits how the states ended"};
+    return Ending{kAborted, "none of its rules matches how the states ended"};
   }
 
  private:
-  static bool holds(const Call& call, const std::pair<std::string, std::string>& when) {
+  static bool holds(const ActionCall& call, const std::pair<std::string, std::string>& when) {
     return std::ranges::any_of(call.branches(), [&](const BranchResult& branch) {
       return call.program().state(branch.state).id.str() == when.first &&
              call.program().outcome_name(branch.state, branch.outcome) == when.second;
@@ -94,7 +94,7 @@ class Decisions final : public ActionRunner {
 class FunctionRunner final : public ActionRunner {
  public:
   explicit FunctionRunner(Function function) : function_(std::move(function)) {}
-  std::optional<Ending> start(Call& call) override { return function_(call); }
+  std::optional<Ending> start(ActionCall& call) override { return function_(call); }
 
  private:
   Function function_;

@@ -15,28 +15,28 @@ namespace segue::mission::detail {
 
 struct Activation;
 
-/// A value that states of a container exchange, and when it was written (0: never).
+/// A value that is passed between the states of a container, and when it was written (0: never).
 struct Slot {
   type::Value value;
   std::uint64_t stamp = 0;
 };
 
-/// What a step back needs to know of a child that has ended.
-struct Trail {
+/// The data needed to step back over a child that has ended.
+struct UndoRecord {
   std::uint32_t position = 0;
   std::uint32_t item = History::kNone;
   std::vector<type::Value> inputs{};                     ///< of a leaf
   World::Changes changed{};                              ///< likewise
   bool refused = false;                                  ///< likewise
-  std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< what its end replaced
-  Outcome last = 0;                                      ///< of the container, before it
+  std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< the values that its end replaced
+  Outcome last = 0;                                      ///< `last` of the container before it
   std::string error{};
-  Activation* kept = nullptr;  ///< a container's or library's activation with its own trail
+  Activation* kept = nullptr;  ///< activation of a container or library, with its own records
 };
 
-/// One execution of a state. Belongs to the engine's pool; the generation tells one use from the next.
+/// One execution of a state. Belongs to the engine's pool and is reused; the generation distinguishes uses.
 struct Activation {
-  /// Done: ended, and waiting for its siblings.
+  /// Done: it has ended and waits for its siblings.
   enum class Phase : std::uint8_t { Begin, Proceed, Wait, Finish, Done };
 
   StateIndex state = kNoState;
@@ -44,32 +44,32 @@ struct Activation {
   Phase phase = Phase::Begin;
   bool preempted = false;
   bool held = false;
-  bool pass = false;      ///< held, and let go for one child
-  bool mark = false;      ///< where a step over or out ends
-  bool deferred = false;  ///< a leaf under way that a Completer will end
-  bool refused = false;   ///< a leaf whose action was not begun, for want of a fact
-  bool recalled = false;  ///< a leaf whose end is that of an earlier run
+  bool pass = false;      ///< was held and is released for one child
+  bool mark = false;      ///< a step over or out ends here
+  bool deferred = false;  ///< a leaf that a completer will end
+  bool refused = false;   ///< a leaf whose action did not begin: a precondition is not met
+  bool replayed = false;  ///< a leaf whose end comes from the journal
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
   std::uint64_t generation = 0;
   Outcome outcome = 0;
-  std::string error;                ///< what it, or the last of its children, aborted with
-  std::string error_before;         ///< leaves: of the state before
-  std::vector<GroundFact> effects;  ///< leaves: if they end as expected
-  World::Changes changed{};         ///< leaves: what came of that
+  std::string error;                ///< the error of this state, or of its last child
+  std::string error_before;         ///< leaves: the error of the preceding state
+  std::vector<GroundFact> effects;  ///< leaves: applied if they end as expected
+  World::Changes changed{};         ///< leaves: the changes this made
   std::vector<type::Value> inputs;
   std::vector<type::Value> outputs;
-  std::function<void()> preempt;  ///< leaves under way
-  Ending timed;                   ///< how it ends when its time is over
+  std::function<void()> preempt;  ///< leaves that a completer will end
+  Ending timed;                   ///< how it ends when its timer expires
 
   std::vector<Slot> slots;  ///< containers, from here on
-  Step pending;             ///< Hierarchy: what comes next
-  Outcome last = 0;         ///< of the child before
+  NextStep pending;         ///< Hierarchy: the next step
+  Outcome last = 0;         ///< outcome of the preceding child
   std::vector<Activation*> children;
   std::uint32_t open = 0;       ///< concurrency: children that have not ended
-  Activation* first = nullptr;  ///< Preemptive: who ended first
+  Activation* first = nullptr;  ///< Preemptive: the child that ended first
   std::vector<BranchResult> branches;
-  std::vector<Trail> trail;
+  std::vector<UndoRecord> undo;
 };
 
 }  // namespace segue::mission::detail

@@ -9,23 +9,23 @@
 #include <string>
 #include <vector>
 
-/// The parts of validate(). Internal; each reports and goes on.
+/// The parts of validate(). Internal; each reports all problems that it finds.
 namespace segue::mission::detail {
 
-/// All of them.
+/// All checks below.
 Diagnostics validate(const MissionIndex& index);
-/// Actions by themselves: values, outcomes and placeholders that mean something.
+/// Actions on their own: values, outcomes and placeholders.
 void check_actions(const Mission& mission, Diagnostics& diagnostics);
-/// Facts that contradict each other, stand there twice, or can never become as somebody needs them.
+/// Facts that contradict each other, are listed twice, or can never become as an action needs them.
 void check_facts(const Mission& mission, Diagnostics& diagnostics);
-/// Resources that are needed but can never be there.
+/// Resources that an action needs but that can never exist.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
 /// Names, transitions, reachability, deciders, recursion of libraries.
 void check_control(const MissionIndex& index, Diagnostics& diagnostics);
-/// Ports and their types, writers that can never be.
+/// Ports and their types; inputs that are read before they can have been written.
 void check_data(const MissionIndex& index, Diagnostics& diagnostics);
 
-/// The siblings that every child of a hierarchy leads to, by position among the children.
+/// The siblings that the transitions of every child of a hierarchy lead to, by position among the children.
 class Successors {
  public:
   Successors() = default;
@@ -39,15 +39,15 @@ class Successors {
   std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> all_;
 };
-/// Which children the start of a hierarchy leads to.
+/// The children that can be reached from the start of a hierarchy.
 std::vector<bool> reached(const MissionIndex& index, StateIndex hierarchy, const Successors& successors);
 
-void check_value(const Port& declared, const type::Value& value, const std::string& what, const Place& where,
-                 const Mission& mission, Diagnostics& diagnostics);
+void check_value(const Port& declared, const type::Value& value, const std::string& what,
+                 const SourcePlace& where, const Mission& mission, Diagnostics& diagnostics);
 
 /// ", did you mean 'x'?" among ports.
 std::string suggestion(const std::vector<Port>& ports, const std::string& name);
-/// "state 'look'", "the mission" or "library 'grasp'".
-std::string told(const Mission& mission, StateIndex state);
+/// The state as messages name it: "state 'look'", "the mission" or "library 'grasp'".
+std::string state_text(const Mission& mission, StateIndex state);
 
 }  // namespace segue::mission::detail

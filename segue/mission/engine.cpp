@@ -15,7 +15,7 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
                                                EngineOptions options) {
   if (options.journal != nullptr && (options.backward || options.part)) {
     return fail(ErrorCode::Unsupported,
-                "what is in a journal cannot be stepped back, and is of a whole mission");
+                "a run with a journal cannot be stepped back, and must be of a whole mission");
   }
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();

@@ -25,43 +25,44 @@ class EngineCore;
 }  // namespace detail
 
 /// How often each state has begun, by StateIndex. Shared by engines that run parts of one mission.
+/// Counters only: they order nothing between threads.
 using Iterations = std::vector<std::atomic<std::uint32_t>>;
 
-/// One state of a mission, and all in it, that runs by itself.
+/// One state of a mission with everything in it, which an engine runs on its own.
 struct MissionPart {
   StateIndex state = 0;
-  std::string path;  ///< of the state around; "" where that is the mission
+  std::string path;  ///< of the parent state; "" if that is the mission
   std::vector<type::Value> inputs;
-  std::string error_before;  ///< what the state before it aborted with
-  Globals globals;           ///< shared with whoever made this
+  std::string error_before;  ///< with which the preceding state aborted
+  Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
-  World::Facts world;  ///< what holds when it begins
+  World::Facts world;  ///< the facts that hold when it begins
 };
 
 struct EngineOptions {
-  /// With a VirtualClock time jumps to the next end of an action as soon as nothing else is to be done.
+  /// A VirtualClock jumps to the next end of an action as soon as nothing else can go on.
   Clock* clock = &RealClock::instance();
   bool history = true;
-  /// Keeps what is needed to step back: inputs, and the values that executions replaced.
+  /// Keeps the data needed to step back: inputs, and the values that executions replaced.
   bool backward = false;
-  /// How long an action that is preempted may go on, in real time; then it counts as aborted and is
-  /// forgotten.
+  /// How long a preempted action may take to end, in real time; then it counts as aborted and its end is
+  /// ignored.
   Duration preemption_grace = std::chrono::seconds(10);
-  /// Hold at the beginning, or do not, whatever the mission says of its world.
+  /// Facts that hold at the beginning, or do not, in place of what the mission declares.
   std::vector<Fact> facts{};
-  /// Told what is odd but no failure, such as an input of another type than declared.
+  /// Receives warnings, such as that an input is not of the declared type. On the engine's thread.
   std::function<void(std::string)> warn;
   /// Called for every action that begins and every one that ends, but for those whose ends a journal supplies
   /// and while a step back is carried out. An action that a resumed run skips has an end only.
   ActionObserver observe{};
-  /// Where it writes what it does, and finds what an earlier run has done. Not with `backward`, nor for a
+  /// Records the run, and supplies the ends of an earlier run that is resumed. Not with `backward`, nor for a
   /// part.
   std::shared_ptr<RunJournal> journal{};
-  /// Runs only that; by default the whole mission, with globals and iterations of its own.
+  /// Runs only this part; by default the whole mission, with its own globals and iterations.
   std::optional<MissionPart> part{};
 };
 
-/// How a mission ended. Outputs are in the order of the root's declaration.
+/// How a mission ended. Outputs are in the order in which the root declares them.
 struct MissionResult {
   Outcome outcome = 0;
   std::string outcome_name;
@@ -69,56 +70,58 @@ struct MissionResult {
   std::vector<type::Value> outputs;
 };
 
-/// Runs a mission as it is written: the reference semantics, which is RAFCON's (docs/missions.md). One thread
-/// owns an engine and calls everything but what says otherwise. One run each.
+/// Runs a mission sequentially as it is written, which is the reference semantics (that of RAFCON; see
+/// docs/missions.md). All functions are called by one thread, except where they say otherwise. An engine runs
+/// once.
 class Engine {
  public:
-  /// NotFound where an action has no runner, InvalidArgument where a given fact is none, Unsupported for a
-  /// journal of what is to be stepped back.
+  /// NotFound if an action has no runner, InvalidArgument if a given fact is malformed, Unsupported for a
+  /// journal together with `backward` or a part.
   static Result<std::unique_ptr<Engine>> create(std::shared_ptr<const Program> program,
                                                 const Runners& runners, EngineOptions options = {});
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
-  /// Inputs of the root, by name, in place of their defaults. NotFound, TypeMismatch. Before the first run().
+  /// Sets an input of the root in place of its default. NotFound, TypeMismatch. Before the first run().
   Result<void> set_input(std::string_view name, type::Value value);
-  /// Begins at that state ("fetch/grasp") instead of the start of the hierarchies around it. NotFound. Before
-  /// the first run().
+  /// Begins at that state ("fetch/grasp") instead of at the start states of its parents. NotFound. Before the
+  /// first run().
   Result<void> start_at(std::string_view path);
 
   enum class Progress { Ended, Held };
-  /// Goes on until the mission has ended, or all that could go on is held (paused or stepped). Blocks.
+  /// Runs until the mission has ended, or until everything that could go on is held (by a pause or a step).
+  /// Blocks, without a deadline, while actions run.
   Progress run();
   /// Requires that run() has answered Ended.
   [[nodiscard]] const MissionResult& result() const;
 
-  /// From any thread: hierarchies stop before their next state. Actions under way go on.
+  /// From any thread: hierarchies stop before their next state. Running actions continue.
   void pause();
-  /// From any thread: preempts everything under way; preemption handlers still run.
+  /// From any thread: preempts everything that runs; preemption handlers still execute.
   void stop();
 
-  /// What run() does next, once it has answered Held (or before its first call): everything; one state,
-  /// entering it where it has states; one state with all that is in it; the rest of the hierarchy; until this
-  /// state comes next.
+  /// How far the next run() goes, called after run() has returned Held or before its first call: to the end;
+  /// one state, entering it if it has states; one state with everything in it; to the end of the hierarchy;
+  /// until `path` is the next state.
   void resume();
   void step_into();
   void step_over();
   void step_out();
   void run_to(std::string path);
-  /// Undoes the last action before where the mission is held, and blocks until that has ended. Its backward
-  /// execution is called, then all data is as it was before it. States side by side are undone together.
-  /// InvalidState where nothing is held or `backward` was not asked for, NotFound at the beginning.
+  /// Undoes the action before the point at which the mission is held: calls its backward execution, blocks
+  /// until that has ended, and restores all data. Concurrent states are undone together. InvalidState if the
+  /// mission is not held or `backward` was not set, NotFound at the beginning.
   Result<void> step_back();
-  /// The states that come next where it is held, as paths, in their order.
+  /// The paths of the states that come next where the mission is held.
   [[nodiscard]] std::vector<std::string> held_at() const;
 
   [[nodiscard]] const Program& program() const;
   [[nodiscard]] const History& history() const;
   [[nodiscard]] Globals& globals();
-  /// The facts that hold: what the mission began with, and what came about by actions that ended as expected.
+  /// The facts that hold: the initial ones, changed by the actions that ended as expected.
   [[nodiscard]] const World& world() const;
-  /// Executions of states that have begun, actions and containers.
+  /// How many executions of states have begun, actions and containers alike.
   [[nodiscard]] std::uint64_t executions() const;
 
  private:

@@ -7,13 +7,13 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
-/// Whether a hierarchy waits before its next child; then it is among the held.
+/// Whether the hierarchy stops before its next child; if so it is added to `held_`.
 bool EngineCore::holds(Activation& hierarchy) {
   if (std::exchange(hierarchy.pass, false)) return false;
   bool stop = mode_ == Mode::Hold || hierarchy.mark;
   if (mode_ == Mode::Until) stop = next_path(hierarchy) == until;
   if (mode_ == Mode::Marked && !stop) {
-    // What is inside of a mark goes on; what is beside or around of all marks stops.
+    // Descendants of a marked hierarchy continue; everything else stops.
     stop = true;
     for (const Activation* around = hierarchy.parent; around != nullptr && stop; around = around->parent)
       stop = !around->mark;
@@ -46,7 +46,7 @@ void EngineCore::release(Mode mode) {
   }
 }
 
-/// Marks what is held, or the nearest hierarchies around it.
+/// Marks the held hierarchies, or with `outside` the nearest hierarchy that encloses each.
 void EngineCore::mark_held(bool outside) {
   for (Activation& activation : pool_)
     activation.mark = false;
@@ -74,53 +74,54 @@ std::vector<std::string> EngineCore::held_at() const {
 }
 
 void EngineCore::remember(Activation& hierarchy, Activation& child) {
-  Trail trail{program->node(child.state).position,
-              child.item,
-              {},
-              child.changed,
-              child.refused,
-              std::move(replaced_),
-              hierarchy.last,
-              hierarchy.error,
-              nullptr};
+  UndoRecord record{program->node(child.state).position,
+                    child.item,
+                    {},
+                    child.changed,
+                    child.refused,
+                    std::move(replaced_),
+                    hierarchy.last,
+                    hierarchy.error,
+                    nullptr};
   replaced_.clear();
   const StateKind kind = program->node(child.state).kind;
   if (is_container(kind) || kind == StateKind::Library) {
-    trail.kept = &child;
+    record.kept = &child;
   } else {
-    trail.inputs = std::move(child.inputs);
+    record.inputs = std::move(child.inputs);
     free(child);
   }
-  hierarchy.trail.push_back(std::move(trail));
+  hierarchy.undo.push_back(std::move(record));
 }
 
 Result<void> EngineCore::step_back() {
   if (!options.backward) {
-    return fail(ErrorCode::InvalidState, "nothing was kept for steps back; run with `backward`");
+    return fail(ErrorCode::InvalidState, "stepping back was not enabled; run with `backward`");
   }
-  if (held_.empty()) return fail(ErrorCode::InvalidState, "the mission is not held");
+  if (held_.empty()) return fail(ErrorCode::InvalidState, "the mission is not paused");
   auto hierarchy = out_to_something_done(*held_.back());
   if (!hierarchy) return hierarchy.error();
   undo_at(**hierarchy);
   return {};
 }
 
-/// The hierarchy itself, or the nearest around it that has done something; those between are left backwards.
+/// The hierarchy itself, or the nearest enclosing one with something to undo; those in between are left
+/// through their beginning.
 Result<Activation*> EngineCore::out_to_something_done(Activation& hierarchy) {
   Activation* child = nullptr;
   Activation* around = &hierarchy;
-  while (around != nullptr && around->trail.empty()) {
+  while (around != nullptr && around->undo.empty()) {
     if (is_concurrency(program->node(around->state).kind)) {
-      return fail(ErrorCode::NotFound, "what was before is outside of states that run side by side");
+      return fail(ErrorCode::NotFound, "the preceding step lies outside the concurrent states");
     }
     child = around;
     around = around->parent;
   }
-  if (around == nullptr) return fail(ErrorCode::NotFound, "nothing has been done yet");
+  if (around == nullptr) return fail(ErrorCode::NotFound, "no action has been executed yet");
   held_.pop_back();
   hierarchy.held = false;
   if (child == nullptr) return around;
-  around->pending = {Step::Kind::Child, program->node(child->state).position, 0};
+  around->pending = {NextStep::Kind::Child, program->node(child->state).position, 0};
   around->phase = Phase::Proceed;
   around->children.clear();
   for (Activation* inner = &hierarchy; inner != around;) {
@@ -132,27 +133,27 @@ Result<Activation*> EngineCore::out_to_something_done(Activation& hierarchy) {
   return around;
 }
 
-/// Undoes the last action in a hierarchy that has done something, and holds before it.
+/// Undoes the last action of a hierarchy that has one, and holds before that action.
 void EngineCore::undo_at(Activation& hierarchy) {
   Activation* at = &hierarchy;
   while (true) {
-    Trail trail = std::move(at->trail.back());
-    at->trail.pop_back();
-    restore(*at, trail);
-    if (trail.kept == nullptr) {
-      undo_leaf(*at, program->node(at->state).children[trail.position], trail);
+    UndoRecord record = std::move(at->undo.back());
+    at->undo.pop_back();
+    restore(*at, record);
+    if (record.kept == nullptr) {
+      undo_leaf(*at, program->node(at->state).children[record.position], record);
       break;
     }
-    Activation* inner = trail.kept;
+    Activation* inner = record.kept;
     while (program->node(inner->state).kind == StateKind::Library)
       inner = inner->children.front();
-    if (inner->trail.empty()) {
-      undo_all(*trail.kept);
-      forget(*trail.kept);
+    if (inner->undo.empty()) {
+      undo_all(*record.kept);
+      forget(*record.kept);
       break;
     }
-    // Enters it again, at its end.
-    at->children.assign(1, trail.kept);
+    // The step back enters the child again, at its end.
+    at->children.assign(1, record.kept);
     at->phase = Phase::Wait;
     at = inner;
   }
@@ -160,22 +161,22 @@ void EngineCore::undo_at(Activation& hierarchy) {
   mode_ = Mode::Hold;
 }
 
-void EngineCore::restore(Activation& hierarchy, Trail& trail) {
-  for (auto replaced = trail.before.rbegin(); replaced != trail.before.rend(); ++replaced)
+void EngineCore::restore(Activation& hierarchy, UndoRecord& record) {
+  for (auto replaced = record.before.rbegin(); replaced != record.before.rend(); ++replaced)
     hierarchy.slots[replaced->first] = std::move(replaced->second);
-  hierarchy.last = trail.last;
-  hierarchy.error = std::move(trail.error);
-  hierarchy.pending = {Step::Kind::Child, trail.position, 0};
+  hierarchy.last = record.last;
+  hierarchy.error = std::move(record.error);
+  hierarchy.pending = {NextStep::Kind::Child, record.position, 0};
   hierarchy.phase = Phase::Proceed;
 }
 
-/// Calls the action backward and waits for its end.
-void EngineCore::undo_leaf(Activation& around, StateIndex state, const Trail& done) {
+/// Calls the backward execution of the action and blocks until it has ended.
+void EngineCore::undo_leaf(Activation& around, StateIndex state, const UndoRecord& done) {
   if (done.item != History::kNone) history.undo(done.item);
   if (done.refused) return;
   Activation& leaf = *make(state, &around);
   leaf.inputs = done.inputs;
-  for (const Supply& output : program->node(state).outputs)
+  for (const PortSource& output : program->node(state).outputs)
     leaf.outputs.push_back(fallback(output));
   backward_ = true;
   bool under_way = false;
@@ -185,7 +186,7 @@ void EngineCore::undo_leaf(Activation& around, StateIndex state, const Trail& do
     leaf.phase = Phase::Wait;
     while (leaf.phase == Phase::Wait) {
       wait();
-      read_news();
+      read_messages();
     }
     std::erase(ready_, &leaf);
   }
@@ -193,22 +194,22 @@ void EngineCore::undo_leaf(Activation& around, StateIndex state, const Trail& do
   world.undo(done.changed);
 }
 
-/// Every action within, the last first; of states side by side the last branch first.
+/// Undoes every action inside, last one first; of concurrent branches, the last branch first.
 void EngineCore::undo_all(Activation& kept) {
   struct Work {
     Activation* activation;
-    const Trail* trail;
+    const UndoRecord* record;
   };
   std::vector<Work> open = {{&kept, nullptr}};
   while (!open.empty()) {
     const Work work = open.back();
     open.pop_back();
-    if (work.trail != nullptr && work.trail->kept == nullptr) {
-      const StateIndex state = program->node(work.activation->state).children[work.trail->position];
-      undo_leaf(*work.activation, state, *work.trail);
+    if (work.record != nullptr && work.record->kept == nullptr) {
+      const StateIndex state = program->node(work.activation->state).children[work.record->position];
+      undo_leaf(*work.activation, state, *work.record);
       continue;
     }
-    Activation& inside = work.trail == nullptr ? *work.activation : *work.trail->kept;
+    Activation& inside = work.record == nullptr ? *work.activation : *work.record->kept;
     const StateKind kind = program->node(inside.state).kind;
     if (inside.item != History::kNone) history.undo(inside.item);
     if (kind == StateKind::Execution)
@@ -217,20 +218,20 @@ void EngineCore::undo_all(Activation& kept) {
     if (kind == StateKind::Decider) world.undo(inside.changed);
     for (Activation* child : inside.children)
       open.push_back({child, nullptr});
-    for (const Trail& trail : inside.trail)
-      open.push_back({&inside, &trail});
+    for (const UndoRecord& record : inside.undo)
+      open.push_back({&inside, &record});
   }
 }
 
-/// Gives a kept activation and all within back to the pool.
+/// Returns a kept activation and everything inside it to the pool.
 void EngineCore::forget(Activation& kept) {
   std::vector<Activation*> open = {&kept};
   while (!open.empty()) {
     Activation& activation = *open.back();
     open.pop_back();
     open.insert(open.end(), activation.children.begin(), activation.children.end());
-    for (const Trail& trail : activation.trail) {
-      if (trail.kept != nullptr) open.push_back(trail.kept);
+    for (const UndoRecord& record : activation.undo) {
+      if (record.kept != nullptr) open.push_back(record.kept);
     }
     free(activation);
   }

@@ -7,7 +7,7 @@ namespace segue::mission::detail {
 
 namespace {
 
-/// Steps after which others that are ready have their turn.
+/// Steps after which the next activation that is ready gets its turn.
 constexpr int kTurn = 64;
 
 }  // namespace
@@ -35,7 +35,7 @@ void EngineCore::begin() {
     root_->error_before = options.part->error_before;
   } else {
     root_ = make(0, nullptr);
-    for (const Supply& supply : program->node(0).inputs)
+    for (const PortSource& supply : program->node(0).inputs)
       root_->inputs.push_back(fallback(supply));
   }
   for (auto& [position, value] : given_inputs)
@@ -46,7 +46,7 @@ void EngineCore::begin() {
 Engine::Progress EngineCore::run() {
   if (root_ == nullptr) begin();
   while (!ended) {
-    if (mailbox->has_news()) read_news();
+    if (mailbox->has_messages()) read_messages();
     if (!ready_.empty()) {
       Activation* next = ready_.front();
       ready_.pop_front();
@@ -60,7 +60,7 @@ Engine::Progress EngineCore::run() {
 
 void EngineCore::go_on(Activation* activation) {
   for (int i = 0; activation != nullptr; ++i) {
-    if (i > 0 && mailbox->has_news()) return ready_.push_front(activation);
+    if (i > 0 && mailbox->has_messages()) return ready_.push_front(activation);
     if (i == kTurn) return ready_.push_back(activation);
     activation = step(*activation);
   }
@@ -81,11 +81,11 @@ Activation* EngineCore::step(Activation& activation) {
   return nullptr;
 }
 
-/// False where nothing can come any more but through a release of what is held.
+/// False if everything that could continue is held, so that only a release can go on.
 bool EngineCore::wait() {
-  if (recall_next() || begin_postponed() || fire_timers()) return true;
+  if (replay_next() || begin_postponed() || fire_timers()) return true;
   const bool timed = !timers_.empty();
-  if (!timed && open_calls_ == 0) return mailbox->has_news();
+  if (!timed && open_calls_ == 0) return mailbox->has_messages();
   if (timed && virtual_clock_ != nullptr && open_calls_ == 0) {
     virtual_clock_->advance(timers_.top().when - now());
     return true;
@@ -99,16 +99,17 @@ bool EngineCore::wait() {
   return true;
 }
 
-void EngineCore::read_news() {
-  Mailbox::News news = mailbox->take();
-  for (Letter& letter : news.letters) {
-    Activation& activation = *letter.activation;
-    if (!activation.deferred || activation.generation != letter.generation) continue;
-    if (letter.outputs.size() == activation.outputs.size()) activation.outputs = std::move(letter.outputs);
-    complete(activation, std::move(letter.ending));
+void EngineCore::read_messages() {
+  Mailbox::Messages messages = mailbox->take();
+  for (CompletionMessage& completion : messages.completions) {
+    Activation& activation = *completion.activation;
+    if (!activation.deferred || activation.generation != completion.generation) continue;
+    if (completion.outputs.size() == activation.outputs.size())
+      activation.outputs = std::move(completion.outputs);
+    complete(activation, std::move(completion.ending));
   }
-  if (news.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
-  if (!news.stop) return;
+  if (messages.pause && mode_ == Mode::Run) mode_ = Mode::Hold;
+  if (!messages.stop) return;
   mode_ = Mode::Run;
   if (options.journal != nullptr) options.journal->close();
   if (root_ != nullptr) preempt(*root_);
@@ -118,10 +119,10 @@ bool EngineCore::fire_timers() {
   bool fired = false;
   while (!timers_.empty()) {
     const Timer timer = timers_.top();
-    const bool void_ = timer.activation->generation != timer.generation;
-    if (!void_ && timer.when > now()) break;
+    const bool stale = timer.activation->generation != timer.generation;
+    if (!stale && timer.when > now()) break;
     timers_.pop();
-    if (void_) continue;
+    if (stale) continue;
     complete(*timer.activation, std::move(timer.activation->timed));
     fired = true;
   }
@@ -135,7 +136,7 @@ void EngineCore::abandon_late() {
     Activation& activation = *late.second.activation;
     if (activation.generation != late.second.generation) return true;
     if (late.first > real) return false;
-    activation.preempted = false;  // it did not do as it was told: that is a failure
+    activation.preempted = false;  // it ignored its preemption, which is a failure
     complete(activation, {kAborted, "it was preempted, but went on; given up"});
     return true;
   });
@@ -164,7 +165,7 @@ void EngineCore::preempt(Activation& root) {
     if (activation.deferred) {
       late_.emplace_back(RealClock::instance().now() + options.preemption_grace,
                          Timer{{}, 0, &activation, activation.generation});
-      if (const auto told = std::exchange(activation.preempt, nullptr)) told();
+      if (const auto notify = std::exchange(activation.preempt, nullptr)) notify();
     } else if (program->node(activation.state).kind != StateKind::Library) {
       complete(activation, {kPreempted, {}});
     }

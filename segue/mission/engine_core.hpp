@@ -17,8 +17,15 @@
 
 namespace segue::mission::detail {
 
-/// The engine behind Engine. Executions are activations that point to the one around; nothing recurses, so
-/// depth costs memory only. What can go on is in `ready_`; each goes on until it waits, or for a while.
+/// The implementation of Engine. Every execution of a state is an activation that points to that of its
+/// parent; nothing recurses, so nesting costs memory only. Activations that can go on are in `ready_`; each
+/// runs until it has to wait, or for kTurn steps.
+///
+/// Invariants: an activation is in `ready_` or in `held_`, or waits (Phase::Wait) for its children, a timer
+/// or a completer, or waits for its siblings (Phase::Done). `open_calls_` counts the leaves that a completer
+/// or the journal will end. A timer, a completion or a postponed leaf belongs to one use of an activation:
+/// where the generation has changed since, it is ignored. Everything here belongs to the engine's thread;
+/// other threads reach it only through the mailbox.
 class EngineCore {
  public:
   EngineCore(std::shared_ptr<const Program> program, std::vector<std::shared_ptr<ActionRunner>> runners,
@@ -27,8 +34,8 @@ class EngineCore {
   Engine::Progress run();
 
   enum class Mode : std::uint8_t { Run, Hold, Marked, Until };
-  /// Lets go what is held: in Hold for one child each, in Marked until it is back at a mark, in Until the
-  /// path.
+  /// Releases what is held: in Hold for one child each, in Marked until it is back at a mark, in Until up to
+  /// the path `until`.
   void release(Mode mode);
   void mark_held(bool outside);
   Result<void> step_back();
@@ -61,19 +68,19 @@ class EngineCore {
     }
   };
 
-  // engine_core.cpp: who goes on, time, news
+  // engine_core.cpp: scheduling, time, messages
   void begin();
   void go_on(Activation* activation);
   Activation* step(Activation& activation);
   bool wait();
-  void read_news();
+  void read_messages();
   bool fire_timers();
   void abandon_late();
   void complete(Activation& activation, Ending ending);
   void preempt(Activation& root);
   [[nodiscard]] TimePoint now() const { return options.clock->now(); }
 
-  // engine_states.cpp: the rules of every kind of state
+  // engine_states.cpp: the semantics of each kind of state
   Activation* enter(Activation& activation);
   Activation* enter_leaf(Activation& activation);
   Activation* enter_library(Activation& activation);
@@ -81,8 +88,8 @@ class EngineCore {
   Activation* proceed(Activation& hierarchy);
   Activation* leave(Activation& activation, Outcome outcome);
   Activation* finish(Activation& activation);
-  bool look_at_facts(Activation& leaf);
-  void bring_about(Activation& leaf);
+  bool check_preconditions(Activation& leaf);
+  void apply_effects(Activation& leaf);
   Activation* child_of_hierarchy(Activation& hierarchy, Activation& child);
   Activation* child_of_concurrency(Activation& concurrency, Activation& child);
   Activation* join(Activation& concurrency);
@@ -92,7 +99,7 @@ class EngineCore {
   void check(Activation& leaf, const Ending& ending);
   void first_step(Activation& hierarchy);
 
-  // engine_data.cpp: activations and what flows between them
+  // engine_data.cpp: activations and the data flow between them
   Activation* make(StateIndex state, Activation* parent);
   void free(Activation& activation);
   void free_children(Activation& container);
@@ -101,21 +108,21 @@ class EngineCore {
   void set(Activation& container, std::uint32_t slot, type::Value value);
   void take_outputs(Activation& container, const Activation& child);
   void give_outputs(Activation& container);
-  [[nodiscard]] type::Value fallback(const Supply& supply);
-  static const Slot* newest(const Supply& supply, const Activation& container);
+  [[nodiscard]] type::Value fallback(const PortSource& supply);
+  static const Slot* newest(const PortSource& supply, const Activation& container);
   void warn(const Activation& activation, const std::string& message) const;
 
-  // engine_journal.cpp: what outlives the run
-  Ending call_recorded(Activation& leaf, bool& under_way);
-  Ending begin_recorded(Activation& leaf, bool& under_way);
+  // engine_journal.cpp: recording and replaying
+  Ending call_with_journal(Activation& leaf, bool& under_way);
+  Ending begin_with_journal(Activation& leaf, bool& under_way);
   bool recall(Activation& leaf);
-  bool recall_next();
+  bool replay_next();
   bool begin_postponed();
   [[nodiscard]] std::optional<Ending> settled(const Activation& leaf) const;
   void record_begin(const Activation& leaf);
   void record_end(const Activation& leaf);
 
-  // engine_control.cpp: holding and going back
+  // engine_control.cpp: holding, stepping and stepping back
   [[nodiscard]] bool holds(Activation& hierarchy);
   void let_go(Activation& activation);
   [[nodiscard]] std::string next_path(const Activation& hierarchy) const;
@@ -123,8 +130,8 @@ class EngineCore {
   Result<Activation*> out_to_something_done(Activation& hierarchy);
   void undo_at(Activation& hierarchy);
   void hold(Activation& hierarchy);
-  void restore(Activation& hierarchy, Trail& trail);
-  void undo_leaf(Activation& around, StateIndex state, const Trail& done);
+  void restore(Activation& hierarchy, UndoRecord& record);
+  void undo_leaf(Activation& around, StateIndex state, const UndoRecord& done);
   void undo_all(Activation& kept);
   void forget(Activation& kept);
 
@@ -134,13 +141,13 @@ class EngineCore {
   std::vector<Activation*> held_;
   std::priority_queue<Timer> timers_;
   using Waiting = std::pair<Activation*, std::uint64_t>;  ///< and its generation
-  std::map<std::size_t, Waiting> recalled_;               ///< by place in the journal
-  std::deque<Waiting> postponed_;                         ///< not in the journal, begun after what is
-  std::size_t recalled_count_ = 0;
-  std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, and when they are given up
+  std::map<std::size_t, Waiting> replaying_;              ///< by position in the journal
+  std::deque<Waiting> postponed_;  ///< not in the journal; begin once its entries are replayed
+  std::size_t replayed_count_ = 0;
+  std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, with the time at which they are abandoned
   std::shared_ptr<Iterations> iterations_;
-  std::vector<bool> touches_;  ///< by action: it names facts, or resources by its inputs
-  std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its trail
+  std::vector<bool> touches_;  ///< by action: it has facts, or resources named by inputs
+  std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its undo record
   Activation* root_ = nullptr;
   Mode mode_ = Mode::Run;
   VirtualClock* virtual_clock_ = nullptr;

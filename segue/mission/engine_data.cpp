@@ -18,7 +18,7 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.parent = parent;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
-  activation.refused = activation.recalled = false;
+  activation.refused = activation.replayed = false;
   activation.changed = {};
   activation.item = History::kNone;
   activation.outcome = activation.last = 0;
@@ -37,7 +37,7 @@ void EngineCore::free(Activation& activation) {
   activation.children.clear();
   activation.branches.clear();
   activation.effects.clear();
-  activation.trail.clear();
+  activation.undo.clear();
   free_.push_back(&activation);
 }
 
@@ -47,7 +47,7 @@ void EngineCore::free_children(Activation& container) {
   container.children.clear();
 }
 
-Value EngineCore::fallback(const Supply& supply) {
+Value EngineCore::fallback(const PortSource& supply) {
   if (supply.global.empty()) return supply.fallback;
   auto value = globals.get(supply.global);
   if (value) return std::move(*value);
@@ -55,7 +55,7 @@ Value EngineCore::fallback(const Supply& supply) {
   return {};
 }
 
-const Slot* EngineCore::newest(const Supply& supply, const Activation& container) {
+const Slot* EngineCore::newest(const PortSource& supply, const Activation& container) {
   const Slot* found = nullptr;
   for (const std::uint32_t index : supply.slots) {
     const Slot& slot = container.slots[index];
@@ -64,9 +64,9 @@ const Slot* EngineCore::newest(const Supply& supply, const Activation& container
   return found;
 }
 
-/// A null never replaces a default.
+/// A null value never replaces a default.
 void EngineCore::fill_inputs(Activation& child, Activation& container) {
-  const Node& node = program->node(child.state);
+  const CompiledState& node = program->node(child.state);
   child.inputs.clear();
   child.inputs.reserve(node.inputs.size());
   for (std::size_t i = 0; i < node.inputs.size(); ++i) {
@@ -84,17 +84,17 @@ void EngineCore::fill_inputs(Activation& child, Activation& container) {
 }
 
 void EngineCore::set_up(Activation& container) {
-  const Node& node = program->node(container.state);
+  const CompiledState& node = program->node(container.state);
   container.slots.resize(node.slots);
   for (Slot& slot : container.slots)
     slot.stamp = 0;
-  // The variables' defaults are the oldest.
+  // Defaults of variables count as written before everything else.
   auto slot = static_cast<std::uint32_t>(container.inputs.size());
-  for (const Supply& variable : node.variables)
+  for (const PortSource& variable : node.variables)
     container.slots[slot++] = {fallback(variable), ++stamp_};
   for (std::uint32_t i = 0; i < container.inputs.size(); ++i)
     container.slots[i] = {container.inputs[i], ++stamp_};
-  for (const Copy& copy : node.at_begin)
+  for (const SlotCopy& copy : node.at_begin)
     container.slots[copy.to] = {container.slots[copy.from].value, ++stamp_};
 }
 
@@ -106,17 +106,17 @@ void EngineCore::set(Activation& container, std::uint32_t slot, Value value) {
 }
 
 void EngineCore::take_outputs(Activation& container, const Activation& child) {
-  const Node& node = program->node(child.state);
+  const CompiledState& node = program->node(child.state);
   for (std::uint32_t i = 0; i < child.outputs.size(); ++i)
     set(container, node.first_output + i, child.outputs[i]);
-  for (const Copy& copy : node.into_variables)
+  for (const SlotCopy& copy : node.into_variables)
     set(container, copy.to, container.slots[copy.from].value);
 }
 
 void EngineCore::give_outputs(Activation& container) {
-  const Node& node = program->node(container.state);
+  const CompiledState& node = program->node(container.state);
   container.outputs.clear();
-  for (const Supply& output : node.outputs) {
+  for (const PortSource& output : node.outputs) {
     const Slot* slot = newest(output, container);
     container.outputs.push_back(slot == nullptr ? fallback(output) : slot->value);
   }
@@ -129,7 +129,7 @@ void EngineCore::warn(const Activation& activation, const std::string& message) 
 std::string EngineCore::path(const Activation& activation) const {
   std::vector<const std::string*> ids;
   for (const Activation* a = &activation; a != nullptr; a = a->parent) {
-    // A root has no name of its own within what uses it.
+    // The root of a library has no path element of its own.
     if (program->node(a->state).parent != kNoState) ids.push_back(&program->state(a->state).id.str());
   }
   std::string text = options.part ? options.part->path : std::string();

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an engine writes into the journal of its run, and takes from that of a run that broke off.
+// Recording a run in its journal, and replaying the journal of an interrupted run.
 #include <segue/mission/engine_core.hpp>
 
 #include <algorithm>
 
 namespace segue::mission::detail {
 
-/// What an earlier run has ended comes first; what it has not begins only then.
-Ending EngineCore::call_recorded(Activation& leaf, bool& under_way) {
+/// Ends that the journal has are replayed first; actions that it lacks begin only after that.
+Ending EngineCore::call_with_journal(Activation& leaf, bool& under_way) {
   under_way = true;
   if (recall(leaf)) return {};
-  if (recalled_count_ < options.journal->size()) {
+  if (replayed_count_ < options.journal->size()) {
     postponed_.emplace_back(&leaf, leaf.generation);
     return {};
   }
-  return begin_recorded(leaf, under_way);
+  return begin_with_journal(leaf, under_way);
 }
 
-Ending EngineCore::begin_recorded(Activation& leaf, bool& under_way) {
+Ending EngineCore::begin_with_journal(Activation& leaf, bool& under_way) {
   under_way = false;
   if (auto ending = settled(leaf)) return *std::move(ending);
   record_begin(leaf);
@@ -29,24 +29,24 @@ bool EngineCore::begin_postponed() {
   if (postponed_.empty()) return false;
   const auto [leaf, generation] = postponed_.front();
   postponed_.pop_front();
-  if (leaf->generation != generation) return true;  // preempted meanwhile
+  if (leaf->generation != generation) return true;  // it was preempted meanwhile
   bool under_way = false;
-  Ending ending = begin_recorded(*leaf, under_way);
+  Ending ending = begin_with_journal(*leaf, under_way);
   if (!under_way) complete(*leaf, std::move(ending));
   return true;
 }
 
-/// True where its end is known: it comes in its turn, as ends of what is under way do.
+/// True if the journal has the end of this execution: replay_next() will deliver it in its turn.
 bool EngineCore::recall(Activation& leaf) {
   const auto place = options.journal->find(path(leaf), leaf.iteration);
   if (!place) return false;
   leaf.deferred = true;
   ++open_calls_;
-  recalled_.emplace(*place, std::pair(&leaf, leaf.generation));
+  replaying_.emplace(*place, std::pair(&leaf, leaf.generation));
   return true;
 }
 
-/// Of an action that had begun and not ended when an earlier run broke off: how it is taken to have ended.
+/// For an action that was running when the earlier run was interrupted: how it is taken to have ended.
 std::optional<Ending> EngineCore::settled(const Activation& leaf) const {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
   switch (options.journal->interrupted(path(leaf), leaf.iteration)) {
@@ -56,7 +56,7 @@ std::optional<Ending> EngineCore::settled(const Activation& leaf) const {
       return Ending{expected == outcomes.end() ? 0 : static_cast<Outcome>(expected - outcomes.begin()), {}};
     }
     case RunJournal::UnderWay::Abort:
-      return Ending{kAborted, "it had begun and not ended when the run broke off"};
+      return Ending{kAborted, "it had begun but not ended when the earlier run was interrupted"};
     case RunJournal::UnderWay::Again:
     case RunJournal::UnderWay::Refuse:
       break;
@@ -64,14 +64,14 @@ std::optional<Ending> EngineCore::settled(const Activation& leaf) const {
   return std::nullopt;
 }
 
-/// The next end of the earlier run, as soon as nothing else is to be done: so everything comes in the order
-/// in which it came then. False where there is none.
-bool EngineCore::recall_next() {
-  if (recalled_.empty()) return false;
-  const auto [place, waiting] = *recalled_.begin();
-  recalled_.erase(recalled_.begin());
+/// Delivers the next end of the earlier run. Called only when nothing else can go on, so that all ends come
+/// in their original order. False if there is none.
+bool EngineCore::replay_next() {
+  if (replaying_.empty()) return false;
+  const auto [place, waiting] = *replaying_.begin();
+  replaying_.erase(replaying_.begin());
   const auto [leaf, generation] = waiting;
-  ++recalled_count_;
+  ++replayed_count_;
   if (leaf->generation != generation) return true;
   const RunJournal::End& end = (*options.journal)[place];
   if (end.outputs.size() == leaf->outputs.size()) leaf->outputs = end.outputs;
@@ -82,7 +82,7 @@ bool EngineCore::recall_next() {
     if (const auto erased = globals.erase(name); !erased) warn(*leaf, erased.error().message);
   }
   leaf->preempted = end.preempted;
-  leaf->recalled = true;
+  leaf->replayed = true;
   complete(*leaf, {end.outcome, end.error});
   return true;
 }

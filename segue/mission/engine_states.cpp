@@ -9,8 +9,8 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
-/// An execution as its runner sees it.
-class EngineCore::LeafCall final : public Call {
+/// The execution of a leaf as its runner sees it.
+class EngineCore::LeafCall final : public ActionCall {
  public:
   LeafCall(EngineCore& engine, Activation& activation) : engine_(engine), activation_(activation) {}
   [[nodiscard]] StateIndex state() const override { return activation_.state; }
@@ -48,7 +48,7 @@ class EngineCore::LeafCall final : public Call {
 };
 
 Activation* EngineCore::enter(Activation& activation) {
-  const Node& node = program->node(activation.state);
+  const CompiledState& node = program->node(activation.state);
   ++executions;
   activation.iteration = (*iterations_)[activation.state]++;
   if (options.history) {
@@ -74,21 +74,21 @@ Activation* EngineCore::enter(Activation& activation) {
   return enter_concurrency(activation);
 }
 
-/// Its start, or where a start at a path leads.
+/// The start of the hierarchy, or the child on the path at which the mission was told to start.
 void EngineCore::first_step(Activation& hierarchy) {
   hierarchy.pending = program->node(hierarchy.state).start;
   if (start_path.empty()) return;
-  const Node& wanted = program->node(start_path.back());
+  const CompiledState& wanted = program->node(start_path.back());
   if (wanted.parent != hierarchy.state) return;
-  hierarchy.pending = {Step::Kind::Child, wanted.position, 0};
+  hierarchy.pending = {NextStep::Kind::Child, wanted.position, 0};
   start_path.pop_back();
 }
 
 Activation* EngineCore::enter_leaf(Activation& leaf) {
-  for (const Supply& output : program->node(leaf.state).outputs)
+  for (const PortSource& output : program->node(leaf.state).outputs)
     leaf.outputs.push_back(fallback(output));
   if (leaf.preempted) return leave(leaf, kPreempted);
-  if (touches_[program->node(leaf.state).action] && !look_at_facts(leaf)) return leave(leaf, kAborted);
+  if (touches_[program->node(leaf.state).action] && !check_preconditions(leaf)) return leave(leaf, kAborted);
   bool under_way = false;
   const Ending ending = call(leaf, under_way);
   if (under_way) {
@@ -100,8 +100,8 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   return &leaf;
 }
 
-/// Whether the action may begin; else the error says why not.
-bool EngineCore::look_at_facts(Activation& leaf) {
+/// Whether the action may begin; if not, the error of the leaf says why.
+bool EngineCore::check_preconditions(Activation& leaf) {
   auto touched = footprint(program->mission(), program->mission().actions[program->node(leaf.state).action],
                            leaf.inputs, path(leaf));
   if (!touched) {
@@ -116,15 +116,15 @@ bool EngineCore::look_at_facts(Activation& leaf) {
   return false;
 }
 
-/// What is declared belongs to the outcome that is expected.
-void EngineCore::bring_about(Activation& leaf) {
+/// Declared effects only apply if the action ends with its expected outcome.
+void EngineCore::apply_effects(Activation& leaf) {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
   if (program->outcome_name(leaf.state, leaf.outcome) == action.foreseen_outcome())
     leaf.changed = world.apply(leaf.effects);
 }
 
 Ending EngineCore::call(Activation& leaf, bool& under_way) {
-  return options.journal == nullptr ? execute(leaf, under_way) : call_recorded(leaf, under_way);
+  return options.journal == nullptr ? execute(leaf, under_way) : call_with_journal(leaf, under_way);
 }
 
 Ending EngineCore::execute(Activation& leaf, bool& under_way) {
@@ -140,11 +140,11 @@ Ending EngineCore::execute(Activation& leaf, bool& under_way) {
   } catch (const std::exception& exception) {
     return {kAborted, exception.what()};
   } catch (...) {
-    return {kAborted, "it threw something that is no exception"};
+    return {kAborted, "it threw an object that is not a std::exception"};
   }
 }
 
-/// What a leaf answered, as its outcome.
+/// Turns the ending that an action reported into the outcome of its state.
 void EngineCore::check(Activation& leaf, const Ending& ending) {
   const auto outcomes = static_cast<Outcome>(program->node(leaf.state).outcomes->size());
   leaf.outcome = ending.outcome;
@@ -153,9 +153,9 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
     leaf.outcome = kPreempted;
   } else if (ending.outcome < kPreempted || ending.outcome >= outcomes) {
     leaf.outcome = kAborted;
-    leaf.error = "its action ended with an outcome that it does not have";
+    leaf.error = "its action ended with an outcome that it does not declare";
   }
-  if (leaf.recalled) return;
+  if (leaf.replayed) return;
   if (options.journal != nullptr) record_end(leaf);
   if (!options.observe || backward_) return;
   const std::string at = path(leaf);
@@ -175,7 +175,7 @@ Activation* EngineCore::enter_library(Activation& library) {
 }
 
 Activation* EngineCore::enter_concurrency(Activation& concurrency) {
-  const Node& node = program->node(concurrency.state);
+  const CompiledState& node = program->node(concurrency.state);
   set_up(concurrency);
   concurrency.phase = Phase::Wait;
   if (concurrency.preempted) return leave(concurrency, kPreempted);
@@ -190,12 +190,12 @@ Activation* EngineCore::enter_concurrency(Activation& concurrency) {
   return nullptr;
 }
 
-/// The next child of a hierarchy, unless it is held, preempted or at its end.
+/// Begins the next child of a hierarchy, unless the hierarchy is held, preempted or at its end.
 Activation* EngineCore::proceed(Activation& hierarchy) {
-  const Step step = hierarchy.pending;
-  if (step.kind == Step::Kind::Leave) return leave(hierarchy, step.outcome);
+  const NextStep step = hierarchy.pending;
+  if (step.kind == NextStep::Kind::Leave) return leave(hierarchy, step.outcome);
   if (mode_ != Mode::Run && !hierarchy.preempted && holds(hierarchy)) return nullptr;
-  // Only a child that handles the preemption of the one before still runs.
+  // After a preemption only a child runs that handles the preemption of its predecessor.
   if (hierarchy.preempted && hierarchy.last != kPreempted) return leave(hierarchy, kPreempted);
   Activation* child = make(program->node(hierarchy.state).children[step.child], &hierarchy);
   fill_inputs(*child, hierarchy);
@@ -212,7 +212,7 @@ Activation* EngineCore::leave(Activation& activation, Outcome outcome) {
 }
 
 Activation* EngineCore::finish(Activation& activation) {
-  const Node& node = program->node(activation.state);
+  const CompiledState& node = program->node(activation.state);
   if (is_container(node.kind)) {
     give_outputs(activation);
     if (activation.preempted) activation.outcome = kPreempted;
@@ -221,7 +221,7 @@ Activation* EngineCore::finish(Activation& activation) {
   if (!activation.error.empty()) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
-  if (!activation.effects.empty()) bring_about(activation);
+  if (!activation.effects.empty()) apply_effects(activation);
   if (activation.item != History::kNone)
     history.end(activation.item, activation.outcome, now(), activation.error);
   Activation* around = activation.parent;
@@ -233,7 +233,7 @@ Activation* EngineCore::finish(Activation& activation) {
     return nullptr;
   }
   if (activation.mark) around->mark = true;
-  const Node& outer = program->node(around->state);
+  const CompiledState& outer = program->node(around->state);
   if (outer.kind == StateKind::Hierarchy) return child_of_hierarchy(*around, activation);
   if (outer.kind != StateKind::Library) return child_of_concurrency(*around, activation);
   around->outputs = std::move(activation.outputs);
@@ -265,15 +265,16 @@ Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& ch
   }
   hierarchy.last = outcome;
   hierarchy.error = std::move(error);
-  // What nobody handles goes up; outcomes of its own lead somewhere, or the mission is not valid.
-  if (hierarchy.pending.kind == Step::Kind::Nowhere)
+  // An unhandled abort or preemption propagates to the parent. Other outcomes always have a transition, since
+  // the mission is valid.
+  if (hierarchy.pending.kind == NextStep::Kind::Nowhere)
     return leave(hierarchy, outcome == kAborted ? kAborted : kPreempted);
   return &hierarchy;
 }
 
 Activation* EngineCore::child_of_concurrency(Activation& concurrency, Activation& child) {
   child.phase = Phase::Done;
-  const Node& node = program->node(concurrency.state);
+  const CompiledState& node = program->node(concurrency.state);
   if (child.state == node.decider) return follow(concurrency, child);
   if (node.kind == StateKind::Preemptive && concurrency.first == nullptr) {
     concurrency.first = &child;
@@ -284,9 +285,9 @@ Activation* EngineCore::child_of_concurrency(Activation& concurrency, Activation
   return --concurrency.open == 0 ? join(concurrency) : nullptr;
 }
 
-/// All children have ended.
+/// Called when all children have ended.
 Activation* EngineCore::join(Activation& concurrency) {
-  const Node& node = program->node(concurrency.state);
+  const CompiledState& node = program->node(concurrency.state);
   for (const Activation* child : concurrency.children) {
     take_outputs(concurrency, *child);
     concurrency.branches.push_back({child->state, child->outcome, child->error});
@@ -302,12 +303,12 @@ Activation* EngineCore::join(Activation& concurrency) {
   return decider;
 }
 
-/// Leaves as the transition of the child that counts says.
+/// Ends the concurrency as the transition of the decisive child says.
 Activation* EngineCore::follow(Activation& concurrency, const Activation& child) {
   if (program->node(child.state).kind == StateKind::Decider) take_outputs(concurrency, child);
-  const Step step = program->node(child.state).next[static_cast<std::size_t>(child.outcome + 2)];
+  const NextStep step = program->node(child.state).next[static_cast<std::size_t>(child.outcome + 2)];
   if (child.outcome == kAborted) concurrency.error = child.error.empty() ? "state aborted" : child.error;
-  const Outcome outcome = step.kind == Step::Kind::Leave ? step.outcome : child.outcome;
+  const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : child.outcome;
   return leave(concurrency, outcome);
 }
 

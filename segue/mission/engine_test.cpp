@@ -37,7 +37,7 @@ std::unique_ptr<Engine> engine_for(Mission mission, const Runners& runners, Engi
 /// Ends every execution from a thread of its own; keeps them until it goes.
 class Threads final : public ActionRunner {
  public:
-  std::optional<Ending> start(Call& call) override {
+  std::optional<Ending> start(ActionCall& call) override {
     const auto completer = call.defer([] {});
     std::vector<type::Value> outputs(call.outputs().begin(), call.outputs().end());
     threads_.emplace_back([completer, outputs] { completer({0, {}}, outputs); });
@@ -51,7 +51,7 @@ class Threads final : public ActionRunner {
 /// Ends when it is preempted, from another thread; says when it is under way.
 class UntilPreempted final : public ActionRunner {
  public:
-  std::optional<Ending> start(Call& call) override {
+  std::optional<Ending> start(ActionCall& call) override {
     auto completer = std::make_shared<Completer>();
     *completer = call.defer([this, completer] {
       threads_.emplace_back([completer] { (*completer)({0, {}}, {}); });
@@ -174,7 +174,7 @@ TEST(MissionEngine, isPausedFromAnotherThread) {
   Runners runners;
   std::latch looping(1);
   std::atomic<bool> first = true;
-  runners.add("a", [&](Call&) {
+  runners.add("a", [&](ActionCall&) {
     if (first.exchange(false)) looping.count_down();
     return Ending{};
   });
@@ -196,7 +196,7 @@ TEST(MissionEngine, outlivedByACompleter) {
   class Keeps final : public ActionRunner {
    public:
     explicit Keeps(std::optional<Completer>& late) : late_(late) {}
-    std::optional<Ending> start(Call& call) override {
+    std::optional<Ending> start(ActionCall& call) override {
       late_ = call.defer([] {});
       return std::nullopt;
     }

@@ -11,39 +11,40 @@
 #include <vector>
 
 /// Reading, writing and validating mission files (docs/missions.md). Readers report every problem with file,
-/// line and column. Pure but for the functions that say that they read files.
+/// line and column. Functions are pure unless they say that they read files.
 namespace segue::mission {
 
-/// A mission file as it is; libraries in other files stay names. Nothing where there are errors.
+/// Reads the text of a mission file; libraries in other files remain names. Nothing if there are errors.
 std::optional<Mission> read_mission(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 
 /// The exact inverse of read_mission.
 std::string write_mission(const Mission& mission);
 
-/// Reads the library files that the mission names but does not hold, and theirs in turn: `NAME.yaml` in the
-/// folder of the file that names it, then in `folders`. What cannot be found is left for validate() to
-/// report. Actions of libraries get the library's name in front where another action has theirs.
+/// Reads the library files that the mission names but does not contain, and those that they name in turn:
+/// `NAME.yaml` in the folder of the file that names it, then in `folders`. Missing libraries are left for
+/// validate() to report. An action of a library whose name is taken gets the library's name as a prefix.
+/// Blocks on files.
 void add_libraries(Mission& mission, const std::vector<std::filesystem::path>& folders,
                    Diagnostics& diagnostics);
 
-/// Every problem of a mission whose libraries are added: names that mean nothing, outcomes that lead nowhere,
-/// states that are never reached, types that do not match, inputs that nobody can have written, libraries
-/// that use themselves, facts and resources that nobody can ever make true or create. Linear but for the
-/// reachability of writers, which is looked for within one container.
+/// Finds every problem of a mission whose libraries have been added: unknown names, outcomes without a
+/// transition, unreachable states, types that do not match, inputs that are read before they can have been
+/// written, recursive libraries, facts and resources that no action can provide. Linear, except for the
+/// search for writers within one container.
 Diagnostics validate(const Mission& mission);
 
-/// Where the script of an action lies that names a file; relative to the file that declares the action.
+/// The path of an action's script file, which is relative to the file that declares the action.
 std::filesystem::path script_file(const Mission& mission, const Action& action);
 
-/// All three: reads the file and its libraries, and validates. Nothing where there are errors. Warns of
-/// scripts that are not there.
+/// Reads the file and its libraries and validates the mission. Nothing if there are errors. Warns of missing
+/// scripts. Blocks on files.
 std::optional<Mission> load_mission(const std::filesystem::path& file,
                                     const std::vector<std::filesystem::path>& library_folders,
                                     Diagnostics& diagnostics);
 
-/// Whether a value may stand in a port of that type. Null always may.
+/// Whether a port of that type accepts the value. Null is always accepted.
 bool accepts(std::string_view type, const type::Value& value);
-/// Whether what leaves a port of type `from` may enter one of type `to`.
+/// Whether values of a port of type `from` may flow to a port of type `to`.
 bool connects(std::string_view from, std::string_view to);
 
 }  // namespace segue::mission

@@ -14,7 +14,7 @@ using type::Value;
 
 namespace {
 
-/// As it stands in a name: 2.0 is 2, since both are the same value.
+/// The value as part of a name: 2.0 becomes 2, since both are the same value.
 std::optional<std::string> name_part(const Value& value) {
   if (value.is_string()) return value.as_string();
   if (value.is_bool() || value.is_integer()) return type::describe(value);
@@ -33,7 +33,7 @@ std::string ground_text(const std::string& predicate, const std::vector<std::str
   return text + ')';
 }
 
-/// One execution's names.
+/// Forms the names of one execution.
 class Grounding {
  public:
   Grounding(const Mission& mission, const Action& action, std::span<const Value> inputs,
@@ -86,7 +86,7 @@ class Grounding {
     return ground_text(fact.predicate, arguments);
   }
 
-  /// Each "{port}" is looked at once: what a value says is never read as a placeholder.
+  /// Every placeholder is replaced once; the text of a value is never taken for a placeholder.
   Result<std::string> filled(const std::string& text, const std::string& what) {
     std::string result;
     for (std::size_t i = 0; i < text.size();) {
@@ -111,7 +111,7 @@ class Grounding {
     if (part && is_fact_argument(*part)) return *part;
     return fail(ErrorCode::InvalidArgument, where() + ": its " + what + " cannot be formed: the input " +
                                                 quote(input) + " is " + type::describe(value) +
-                                                (part ? ", which is no name" : ""));
+                                                (part ? ", which cannot be part of a name" : ""));
   }
 
   [[nodiscard]] const Value* input(const std::string& name) const {
@@ -119,7 +119,7 @@ class Grounding {
     return port && *port < inputs_.size() ? &inputs_[*port] : nullptr;
   }
 
-  /// Whether the resource is as the action asks.
+  /// Checks that the resource has the parameters that the action requires.
   Result<void> check_parameters(const ResourceUse& use, const std::string& name) {
     if (use.parameters.as_map().empty()) return {};
     const auto resource = std::ranges::find(mission_.resources, name, &Resource::name);
@@ -130,7 +130,7 @@ class Grounding {
       const Value* there = resource == mission_.resources.end() ? nullptr : resource->parameters.find(key);
       if (wanted != nullptr && there != nullptr && *wanted == *there) continue;
       return fail(ErrorCode::InvalidArgument,
-                  where() + ": its resource " + quote(name) + " shall have the parameter " + quote(key) +
+                  where() + ": its resource " + quote(name) + " must have the parameter " + quote(key) +
                       " with " + type::describe(wanted == nullptr ? none : *wanted) + ", but " +
                       (there == nullptr ? "has none" : "it is " + type::describe(*there)));
     }

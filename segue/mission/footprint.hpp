@@ -11,38 +11,39 @@
 
 namespace segue::mission {
 
-/// A fact with values in the places of inputs: "at(robot,table)", "ready()".
+/// A fact with values in place of inputs: "at(robot,table)", "ready()".
 struct GroundFact {
   std::string text;
-  bool holds = true;  ///< or does not
+  bool holds = true;  ///< false: it must not hold, or is made false
   friend bool operator==(const GroundFact&, const GroundFact&) = default;
 };
 
-/// What one execution of an action relies on, and what it changes.
+/// What one execution of an action relies on and what it changes.
 struct Footprint {
-  std::vector<GroundFact> preconditions;  ///< each fact once
-  std::vector<GroundFact> effects;        ///< likewise; of contradicting ones that which makes the fact true
-  std::vector<std::string> resources;     ///< the names, in the order of the action's declaration
+  std::vector<GroundFact> preconditions;  ///< no duplicates
+  std::vector<GroundFact>
+      effects;  ///< no duplicates; of contradicting ones, the one that makes the fact true
+  std::vector<std::string> resources;  ///< names, in the order in which the action declares them
 };
 
-/// The positions of the inputs that an action's facts and resources name; each once.
+/// The positions of the inputs that an action's facts and resources refer to; no duplicates.
 std::vector<std::size_t> naming_inputs(const Action& action);
 
-/// What the action touches with these inputs. InvalidArgument, which names the state (`path`), the fact or
-/// resource, the input and its value, where a name cannot be formed: of nothing, a list or a map, or of text
-/// that is no argument of a fact; or where preconditions contradict each other, or a resource is not as its
-/// parameters ask.
+/// The facts and resources of an execution with these inputs. InvalidArgument if a name cannot be formed,
+/// since an input is null, a list, a map, or text that cannot be an argument; if preconditions contradict
+/// each other; or if a resource does not have the required parameters. The error names the state (`path`),
+/// the fact or resource, the input and its value.
 Result<Footprint> footprint(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
                             std::string_view path);
 
-/// Why an action whose precondition is not as it says does not begin.
+/// The error of an action that does not begin since this precondition is not met.
 std::string precondition_error(const GroundFact& precondition);
 
-/// A fact without inputs as it is named everywhere: "at(robot,table)", "ready()". InvalidArgument where it is
-/// none.
+/// A fact without inputs in its canonical form: "at(robot,table)", "ready()". InvalidArgument if it is
+/// malformed or refers to an input.
 Result<GroundFact> ground(const Fact& fact);
 
-/// "p(a)" or "!p(a)": what holds, or does not, at the beginning of a run. ParseError.
+/// Parses "p(a)" or "!p(a)": a fact that holds, or does not, at the beginning of a run. ParseError.
 Result<Fact> parse_initial_fact(std::string_view text);
 
 }  // namespace segue::mission

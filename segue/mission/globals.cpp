@@ -48,7 +48,7 @@ std::string type_of(const type::Value& value) {
 
 Error locked(const std::string& name) {
   return fail(ErrorCode::PermissionDenied,
-              "the global variable " + quote(name) + " is locked by somebody else");
+              "the global variable " + quote(name) + " is locked by another holder");
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ Result<void> Globals::erase(const std::string& name) {
 
 Result<Globals::Key> Globals::lock(const std::string& name, Duration timeout) {
   std::unique_lock guard(variables_->mutex);
-  // Looked up each time: while this waits, others may delete the variable.
+  // Looked up each time: another thread may erase the variable while this one waits.
   const auto holder = [&]() -> Key& { return variables_->by_name[name].holder; };
   if (!variables_->unlocked.wait_for(guard, timeout, [&] { return holder() == 0; }))
     return fail(ErrorCode::DeadlineExceeded, "the global variable " + quote(name) + " stayed locked");

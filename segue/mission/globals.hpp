@@ -15,32 +15,32 @@
 
 namespace segue::mission {
 
-/// The global variables of a run: a handle, whose copies are the same variables and may outlive the run.
-/// Thread safe; values are copied in and out. A variable keeps the type of its declaration, and one without
-/// declaration that which it was made with.
+/// The global variables of a run. A handle: copies refer to the same variables and may outlive the run.
+/// Thread safe; values are copied in and out. A variable keeps its declared type, or without a declaration
+/// the type with which it was created.
 class Globals {
  public:
-  /// What lock() gave; only its holder may write a locked variable.
+  /// Returned by lock(); only its holder may write a locked variable.
   using Key = std::uint64_t;
 
   explicit Globals(const std::vector<Port>& declared = {});
 
   [[nodiscard]] std::optional<type::Value> get(std::string_view name) const;
-  /// TypeMismatch; PermissionDenied where the variable is locked and `key` is not its key. A variable that is
-  /// not there is made, of type `type` or else of that of the value.
+  /// TypeMismatch; PermissionDenied if the variable is locked and `key` is not its key. A missing variable is
+  /// created, of type `type` or else of the type of the value.
   Result<void> set(const std::string& name, type::Value value, Key key = 0, std::string_view type = {});
-  /// PermissionDenied where it is locked. Deleting what is not there is no error.
+  /// PermissionDenied if it is locked. Erasing a missing variable is no error.
   Result<void> erase(const std::string& name);
 
-  /// Waits until nobody holds the lock, for `timeout` of real time at the most: DeadlineExceeded. A variable
-  /// that is not there is made, empty.
+  /// Blocks until the lock is free, for at most `timeout` of real time; then DeadlineExceeded. A missing
+  /// variable is created without a value.
   Result<Key> lock(const std::string& name, Duration timeout);
-  /// PermissionDenied where `key` is not that of the lock; `force` takes it from whoever holds it.
+  /// PermissionDenied if `key` is not that of the lock, unless `force` is set.
   Result<void> unlock(const std::string& name, Key key, bool force = false);
-  /// Whether somebody holds the lock who has another key.
+  /// Whether the lock is held with another key.
   [[nodiscard]] bool is_locked(std::string_view name, Key key = 0) const;
 
-  /// All, by name.
+  /// All variables, by name.
   [[nodiscard]] type::Value snapshot() const;
 
  private:

@@ -12,30 +12,30 @@
 
 namespace segue::mission {
 
-/// What was executed, as a tree: every execution of a state, in the order in which they began. Owned by an
-/// engine; read it in the engine's thread.
+/// The executions of states as a tree, in the order in which they began. Owned by an engine; to be read on
+/// the engine's thread.
 class History {
  public:
   static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
 
   struct Item {
-    std::uint32_t parent = kNone;  ///< the item of the state around
+    std::uint32_t parent = kNone;  ///< the item of the parent state
     StateIndex state = kNoState;
     std::uint32_t iteration = 0;  ///< how often the state had begun before
     Outcome outcome = 0;
     bool ended = false;
-    bool undone = false;  ///< a later step back took it back
+    bool undone = false;  ///< by a later step back
     TimePoint began{};
     TimePoint end{};
   };
 
   [[nodiscard]] const std::vector<Item>& items() const { return items_; }
-  /// What an item aborted with; empty where it did not.
+  /// The error with which an item aborted; empty if it did not.
   [[nodiscard]] std::string_view error(std::uint32_t item) const {
     const auto found = errors_.find(item);
     return found == errors_.end() ? std::string_view{} : std::string_view(found->second);
   }
-  /// "fetch/grasp": through libraries too.
+  /// "fetch/grasp"; continues into libraries.
   [[nodiscard]] std::string path(const Program& program, std::uint32_t item) const;
 
   std::uint32_t begin(Item item) {

@@ -25,7 +25,7 @@ MissionIndex::MissionIndex(const Mission& mission) : mission_(mission) {
   resolve();
 }
 
-/// Where a child is, or would be entered.
+/// The position at which a child is, or would be inserted.
 std::size_t MissionIndex::place_of(StateIndex parent, std::string_view id, std::uint32_t tag,
                                    std::size_t place) const {
   const std::size_t mask = children_.size() - 1;
@@ -70,10 +70,10 @@ void MissionIndex::resolve() {
     const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
     actions_of_.push_back(leaf ? action(state.action) : nullptr);
     first_target_.push_back(static_cast<std::uint32_t>(targets_.size()));
-    for (const Transition& transition : state.transitions)
+    for (const StateTransition& transition : state.transitions)
       targets_.push_back(transition.to.leaves() ? kNoState : child(state.parent, transition.to.state));
     first_flow_.push_back(static_cast<std::uint32_t>(flows_.size()));
-    const auto touched = [&](const PortRef& ref) {
+    const auto touched = [&](const FlowPort& ref) {
       return ref.owner == Owner::Child ? child(i, ref.state) : kNoState;
     };
     for (const DataFlow& flow : state.flows)
@@ -97,7 +97,8 @@ StateIndex MissionIndex::child(StateIndex parent, const StateId& id) const {
 }
 
 std::optional<Interface> MissionIndex::interface(StateIndex index) const {
-  // A library may be nothing but a use of another one; as many steps as there are libraries end every chain.
+  // A library may consist of the use of another one. No chain without a cycle has more steps than there are
+  // libraries.
   for (std::size_t steps = 0; steps <= mission_.libraries.size(); ++steps) {
     const State& state = mission_.states[index];
     if (is_container(state.kind)) return Interface{&state.inputs, &state.outputs, &state.outcomes};

@@ -13,53 +13,53 @@
 
 namespace segue::mission {
 
-/// What a state shows to its surroundings, wherever that is declared. Points into the mission.
+/// The ports and outcomes of a state, wherever they are declared. Points into the mission.
 struct Interface {
   const std::vector<Port>* inputs = nullptr;
   const std::vector<Port>* outputs = nullptr;
   const std::vector<std::string>* outcomes = nullptr;
 };
 
-/// The states whose ports a data flow touches; kNoState where it is the container itself, or there is none.
+/// The states whose ports a data flow connects; kNoState for the container itself, or if there is none.
 struct FlowStates {
   StateIndex from = kNoState;
   StateIndex to = kNoState;
 };
 
-/// Finds by name, each reference between states once for all who ask. Valid as long as the mission lives
-/// unchanged; reading from several threads is fine.
+/// Looks up what names refer to; references between states are resolved once, by the constructor. Valid as
+/// long as the mission exists and is not changed. May be read by several threads.
 class MissionIndex {
  public:
   explicit MissionIndex(const Mission& mission);
 
   [[nodiscard]] const Mission& mission() const { return mission_; }
-  /// nullptr or kNoState where there is none; of two with the same name the first.
+  /// nullptr or kNoState if there is none; the first of several with one name.
   [[nodiscard]] const Action* action(const ActionName& name) const;
   [[nodiscard]] const Library* library(std::string_view name) const;
   [[nodiscard]] StateIndex child(StateIndex parent, const StateId& id) const;
-  /// The action of a leaf; nullptr where there is none.
+  /// The action of a leaf; nullptr if there is none.
   [[nodiscard]] const Action* action_of(StateIndex leaf) const { return actions_of_[leaf]; }
-  /// Its place among the children of its parent.
+  /// Its position among the children of its parent.
   [[nodiscard]] std::uint32_t position(StateIndex state) const { return positions_[state]; }
-  /// The sibling that a transition leads to; kNoState where it leaves, or there is none.
+  /// The sibling that a transition leads to; kNoState if it leaves the parent, or there is no such sibling.
   [[nodiscard]] StateIndex target(StateIndex state, std::size_t transition) const {
     return targets_[first_target_[state] + transition];
   }
   [[nodiscard]] FlowStates flow(StateIndex container, std::size_t flow) const {
     return flows_[first_flow_[container] + flow];
   }
-  /// States that are called as one before them beside them.
+  /// States whose id an earlier sibling has already.
   [[nodiscard]] const std::vector<StateIndex>& duplicates() const { return duplicates_; }
-  /// Nothing where the state's action or library is not there, or libraries only use each other in a circle.
+  /// Nothing if the state's action or library is missing, or if its libraries only use each other in a cycle.
   [[nodiscard]] std::optional<Interface> interface(StateIndex state) const;
 
  private:
-  /// A place of an open hash table, whose key is in the mission.
+  /// An entry of an open hash table; its key is in the mission.
   struct Slot {
     std::uint32_t tag = 0;
     StateIndex state = kNoState;
   };
-  /// Where a child is, or would be entered, looking from `place` on.
+  /// The position at which a child is, or would be inserted; the search begins at `place`.
   [[nodiscard]] std::size_t place_of(StateIndex parent, std::string_view id, std::uint32_t tag,
                                      std::size_t place) const;
   void enter_children();
@@ -78,7 +78,7 @@ class MissionIndex {
   std::vector<StateIndex> duplicates_;
 };
 
-/// The position of the port of that name; nothing where there is none.
+/// The position of the port of that name; nothing if there is none.
 std::optional<std::size_t> position(const std::vector<Port>& ports, std::string_view name);
 
 }  // namespace segue::mission

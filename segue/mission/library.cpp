@@ -13,14 +13,14 @@ namespace {
 
 using std::filesystem::path;
 
-/// Files are relative to the mission's: one name in two folders is two scripts.
+/// Files are relative to that of the mission, so the same name in two folders is two scripts.
 bool scripts_are_one(const Action& a, const Action& b) {
   const auto* script = std::get_if<Script>(&a.run);
   return script == nullptr || script->file.empty() ||
          path(a.where.file).parent_path() == path(b.where.file).parent_path();
 }
 
-/// Puts the state machines of other files into a mission.
+/// Adds the state machines of other files to a mission.
 class Collector {
  public:
   Collector(Mission& mission, const std::vector<path>& folders, Diagnostics& diagnostics)
@@ -29,7 +29,7 @@ class Collector {
   void run() {
     for (const Library& library : mission_.libraries)
       known_.insert(library.name);
-    // The list grows as libraries bring states that use further ones.
+    // The list grows: the states of a library may use further libraries.
     for (StateIndex index = 0; index < mission_.states.size(); ++index) {
       const State& state = mission_.states[index];
       if (state.kind == StateKind::Library && known_.insert(state.library).second)
@@ -38,7 +38,7 @@ class Collector {
   }
 
  private:
-  void add(const std::string name, const Place user) {
+  void add(const std::string name, const SourcePlace user) {
     const path file = find(name, path(user.file.empty() ? mission_.file : user.file).parent_path());
     if (file.empty()) return;
     const auto text = model::detail::read_text(file, diagnostics_);
@@ -71,7 +71,7 @@ class Collector {
     mission_.libraries.push_back({name, offset, mission_.states[offset].where});
     for (Library& inner : library.libraries) {
       if (!known_.insert(inner.name).second) {
-        diagnostics_.error("duplicate-library", "library " + quote(inner.name) + " is there twice",
+        diagnostics_.error("duplicate-library", "library " + quote(inner.name) + " is defined twice",
                            inner.where);
         continue;
       }
@@ -80,7 +80,7 @@ class Collector {
     }
   }
 
-  /// Those of another definition get the library's name in front.
+  /// An action that differs from one of the same name gets the library's name as a prefix.
   void take_actions(const std::string& name, Mission& library) {
     std::string prefix = name;
     std::ranges::replace(prefix, '/', ':');
@@ -110,7 +110,7 @@ class Collector {
       } else if (!(*same == item)) {
         diagnostics_.error(
             "conflicting-declaration",
-            what + " " + quote(item.name) + " is declared otherwise at " + to_string(same->where),
+            what + " " + quote(item.name) + " is declared differently at " + to_string(same->where),
             item.where);
       }
     }

@@ -14,19 +14,19 @@ namespace segue::mission::detail {
 struct Activation;
 
 /// The end of an execution, on its way to the engine.
-struct Letter {
+struct CompletionMessage {
   Activation* activation = nullptr;
   std::uint64_t generation = 0;
   Ending ending;
   std::vector<type::Value> outputs;
 };
 
-/// What other threads tell an engine. Thread safe; outlives the engine in the hands of completers.
+/// Messages from other threads to an engine. Thread safe. Completers share it, so it may outlive the engine.
 class Mailbox {
  public:
-  void post(Letter letter) {
+  void post(CompletionMessage completion) {
     const std::lock_guard guard(mutex_);
-    letters_.push_back(std::move(letter));
+    completions_.push_back(std::move(completion));
     changed();
   }
   void request_pause() {
@@ -40,44 +40,47 @@ class Mailbox {
     changed();
   }
 
-  /// Cheap: whether take() would give anything.
-  [[nodiscard]] bool has_news() const { return news_.load(std::memory_order_acquire); }
+  /// Whether take() would return anything. Takes no lock: the engine asks before every step.
+  [[nodiscard]] bool has_messages() const { return pending_.load(std::memory_order_acquire); }
 
-  struct News {
-    std::vector<Letter> letters;
+  struct Messages {
+    std::vector<CompletionMessage> completions;
     bool pause = false;
     bool stop = false;
   };
-  News take() {
+  Messages take() {
     const std::lock_guard guard(mutex_);
-    News news{std::move(letters_), pause_, stop_};
-    letters_.clear();
+    Messages messages{std::move(completions_), pause_, stop_};
+    completions_.clear();
     pause_ = stop_ = false;
-    news_.store(false, std::memory_order_release);
-    return news;
+    pending_.store(false, std::memory_order_release);
+    return messages;
   }
 
-  /// Blocks until there are news or, in real time, `deadline`; for ever without one.
+  /// Blocks until a message has arrived or, in real time, until `deadline`; without one, until a message
+  /// arrives.
   void wait(std::optional<TimePoint> deadline) {
     std::unique_lock guard(mutex_);
-    const auto told = [this] { return has_news(); };
+    const auto arrived = [this] { return has_messages(); };
     if (deadline) {
-      arrived_.wait_until(guard, *deadline, told);
+      arrived_.wait_until(guard, *deadline, arrived);
     } else {
-      arrived_.wait(guard, told);
+      arrived_.wait(guard, arrived);
     }
   }
 
  private:
+  /// Requires the lock. The store releases what was written before it to whoever sees has_messages() without
+  /// the lock; what is then taken is read under the lock.
   void changed() {
-    news_.store(true, std::memory_order_release);
+    pending_.store(true, std::memory_order_release);
     arrived_.notify_all();
   }
 
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< guards all below; `pending_` is written under it and read without it
   std::condition_variable arrived_;
-  std::atomic<bool> news_{false};
-  std::vector<Letter> letters_;
+  std::atomic<bool> pending_{false};
+  std::vector<CompletionMessage> completions_;
   bool pause_ = false;
   bool stop_ = false;
 };

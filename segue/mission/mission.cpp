@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/history.hpp>
 #include <segue/mission/mission.hpp>
 
 namespace segue::mission {
 
-std::string to_string(const PortRef& ref) {
+std::string to_string(const FlowPort& ref) {
   switch (ref.owner) {
     case Owner::Child:
       return ref.state.str() + "." + ref.port;
@@ -25,14 +26,33 @@ StateIndex Mission::add(StateIndex parent, State state) {
   return index;
 }
 
-std::string Mission::path(StateIndex state) const {
-  std::vector<const std::string*> ids;
-  for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
-    ids.push_back(&states[state].id.str());
+namespace {
+
+/// From the innermost to the outermost.
+std::string joined(const std::vector<const std::string*>& ids) {
   std::string text;
   for (auto id = ids.rbegin(); id != ids.rend(); ++id)
     text += (text.empty() ? "" : "/") + **id;
   return text;
+}
+
+}  // namespace
+
+std::string Mission::path(StateIndex state) const {
+  std::vector<const std::string*> ids;
+  for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)
+    ids.push_back(&states[state].id.str());
+  return joined(ids);
+}
+
+std::string History::path(const Program& program, std::uint32_t item) const {
+  std::vector<const std::string*> ids;
+  for (; item != kNone; item = items_[item].parent) {
+    // The root of a library has no path element of its own.
+    const StateIndex state = items_[item].state;
+    if (program.node(state).parent != kNoState) ids.push_back(&program.state(state).id.str());
+  }
+  return joined(ids);
 }
 
 }  // namespace segue::mission

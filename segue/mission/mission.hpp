@@ -24,57 +24,61 @@ inline constexpr std::array<std::string_view, 6> kStateKindNames = {"execution",
 inline bool is_container(StateKind kind) {
   return kind == StateKind::Hierarchy || kind == StateKind::Barrier || kind == StateKind::Preemptive;
 }
+/// A state with an action.
+inline bool is_leaf(StateKind kind) {
+  return kind == StateKind::Execution || kind == StateKind::Decider;
+}
 inline bool is_concurrency(StateKind kind) {
   return kind == StateKind::Barrier || kind == StateKind::Preemptive;
 }
 
-/// The outcomes that every state has beside its own.
+/// The outcomes that every state has in addition to its own.
 inline constexpr std::string_view kAbortedName = "aborted";
 inline constexpr std::string_view kPreemptedName = "preempted";
 
-/// Where a transition leads: to a sibling, or out of the parent with an outcome of the parent.
+/// The target of a transition: a sibling, or an outcome of the parent with which the parent ends.
 struct Target {
-  StateId state;  ///< empty: out
+  StateId state;  ///< empty: the parent ends
   std::string outcome;
   [[nodiscard]] bool leaves() const { return state.empty(); }
   friend bool operator==(const Target&, const Target&) = default;
 };
 
-struct Transition {
+struct StateTransition {
   std::string outcome;
   Target to;
-  Place where;
-  friend bool operator==(const Transition&, const Transition&) = default;
+  SourcePlace where;
+  friend bool operator==(const StateTransition&, const StateTransition&) = default;
 };
 
-/// Whose ports a data flow touches: those of a child, or those of the state that holds the flow.
+/// Whose ports a data flow connects: those of a child, or those of the container itself.
 enum class Owner : std::uint8_t { Child, Inputs, Outputs, Variables };
-struct PortRef {
+struct FlowPort {
   Owner owner = Owner::Child;
   StateId state;  ///< the child
   std::string port;
-  friend bool operator==(const PortRef&, const PortRef&) = default;
+  friend bool operator==(const FlowPort&, const FlowPort&) = default;
 };
-std::string to_string(const PortRef& ref);  ///< "grasp.pose", "variables.count"
+std::string to_string(const FlowPort& ref);  ///< "grasp.pose", "variables.count"
 
-/// Data only flows when the receiver begins (or, into variables, when the writer ends): it is no control
-/// flow.
+/// Data is transferred when the receiver begins, into variables when the writer ends. It never triggers
+/// anything.
 struct DataFlow {
-  PortRef from;
-  PortRef to;
-  Place where;
+  FlowPort from;
+  FlowPort to;
+  SourcePlace where;
   friend bool operator==(const DataFlow&, const DataFlow&) = default;
 };
 
-/// One state. Which members mean something depends on the kind.
+/// One state. Which members are used depends on the kind.
 struct State {
   StateId id;
-  std::string title;      ///< as people call it; may be empty
-  std::string script_id;  ///< as scripts know it, such as RAFCON's id; empty: `id`
+  std::string title;      ///< display name; may be empty
+  std::string script_id;  ///< its id in scripts, such as RAFCON's; empty: `id`
   std::string description;
   StateKind kind = StateKind::Execution;
   StateIndex parent = kNoState;
-  std::vector<Transition> transitions;  ///< of its own outcomes
+  std::vector<StateTransition> transitions;  ///< of its own outcomes
 
   ActionName action;                     ///< Execution, Decider
   std::string library;                   ///< Library: "folder/name"
@@ -89,25 +93,26 @@ struct State {
   std::optional<Target> start;       ///< Hierarchy
   std::vector<DataFlow> flows;
 
-  type::Value notes{type::ValueMap{}};  ///< whatever tools keep with it (RAFCON's semantic data)
-  Place where;
+  type::Value notes{type::ValueMap{}};  ///< data of tools, such as RAFCON's semantic data
+  SourcePlace where;
   friend bool operator==(const State&, const State&) = default;
 };
 
-/// A state machine that library states use; its tree hangs at `root`.
+/// A state machine that library states use; `root` is the root of its tree.
 struct Library {
   std::string name;
   StateIndex root = kNoState;
-  Place where;
+  SourcePlace where;
   friend bool operator==(const Library&, const Library&) = default;
 };
 
-/// A mission as it is written. All states stand in one list, parents before their children, so that no depth
-/// of nesting is a problem; references are names, which validate() checks. Not thread safe.
+/// A mission as it is written. All states are in one list, parents before their children, so that any depth
+/// of nesting can be handled without recursion. References are names, which validate() checks. Not thread
+/// safe.
 struct Mission {
   std::string name;
   std::vector<Port> globals;
-  std::vector<Fact> world;  ///< what holds at the beginning, without inputs; nothing else does
+  std::vector<Fact> world;  ///< the facts that hold at the beginning, without inputs
   std::vector<Resource> resources;
   std::vector<Action> actions;
   std::vector<State> states;  ///< states[0] is the root
@@ -121,7 +126,7 @@ struct Mission {
   [[nodiscard]] const State& root() const { return states.front(); }
   /// Appends a state under `parent` (kNoState: a root).
   StateIndex add(StateIndex parent, State state);
-  /// As scripts know the state.
+  /// The id of the state in scripts.
   [[nodiscard]] const std::string& script_id(StateIndex state) const {
     return states[state].script_id.empty() ? states[state].id.str() : states[state].script_id;
   }

@@ -60,7 +60,7 @@ class Reader {
     return state;
   }
 
-  /// "folder/name": identifiers, so that nobody leaves the folders of libraries.
+  /// "folder/name" may only consist of identifiers, so that no name leads out of the folders of libraries.
   void check_library(const std::string& name, const Value& at) {
     for (std::string_view rest = name;;) {
       const auto slash = rest.find('/');
@@ -82,7 +82,7 @@ class Reader {
 
   static std::string told(const State& state) { return "state " + quote(state.id.str()); }
 
-  /// The fields of a state; those of the mission's own may be asked for before, but not after.
+  /// Reads the fields of a state. Fields of the mission itself must have been read before.
   StateIndex read_state(State state, StateIndex parent, const Value& value, Fields& fields) {
     state.where = source_.at(value);
     state.title = fields.text("title");
@@ -128,7 +128,7 @@ class Reader {
     if (reserved || id.find('.') != std::string::npos) {
       source_.error("bad-name",
                     "no state can be called " + quote(id) + ": " +
-                        (reserved ? "in data flows this means the ports of the state around"
+                        (reserved ? "in data flows this means the ports of the parent state"
                                   : "in data flows '.' ends the name"),
                     at);
     }
@@ -218,11 +218,11 @@ class Reader {
         item);
   }
 
-  static std::optional<PortRef> read_port_ref(const std::string& text) {
+  static std::optional<FlowPort> read_port_ref(const std::string& text) {
     const auto dot = text.find('.');
     if (dot == std::string::npos || dot + 1 == text.size()) return std::nullopt;
     const std::string owner = text.substr(0, dot);
-    PortRef ref;
+    FlowPort ref;
     ref.port = text.substr(dot + 1);
     if (owner == "inputs") {
       ref.owner = Owner::Inputs;

@@ -18,7 +18,7 @@ Value write_flow(const DataFlow& flow) {
   const std::string from = to_string(flow.from);
   const std::string to = to_string(flow.to);
   constexpr std::string_view kLeadsTo = " -> ";
-  // A port may be called anything; the short form must read back as it was.
+  // A port may have any name; the short form is only used if it can be read back.
   std::string text = from + std::string(kLeadsTo) + to;
   if (text.find(kLeadsTo) == from.size()) return text;
   return Value::map({{"from", from}, {"to", to}});
@@ -50,12 +50,12 @@ void write_use(ValueMap& map, const State& state) {
 void write_transitions(ValueMap& map, const State& state) {
   if (state.transitions.empty()) return;
   ValueMap on;
-  for (const Transition& transition : state.transitions)
+  for (const StateTransition& transition : state.transitions)
     on.append(transition.outcome, target_text(transition.to));
   map.append("on", std::move(on));
 }
 
-/// As deep as the states are nested, which is as deep as a reader takes.
+/// Recurses as deep as the states are nested, which the reader limits.
 void write_state(ValueMap& map, const Mission& mission, StateIndex index) {
   const State& state = mission.states[index];
   const bool container = is_container(state.kind);

@@ -10,10 +10,10 @@
 namespace segue::mission {
 namespace {
 
-/// Resolves the names of a mission without errors.
+/// Resolves the names of a mission that validate() has found no errors in.
 class Compiler {
  public:
-  Compiler(const MissionIndex& index, std::vector<Node>& nodes)
+  Compiler(const MissionIndex& index, std::vector<CompiledState>& nodes)
       : mission_(index.mission()), index_(index), nodes_(nodes) {}
 
   void run() {
@@ -31,7 +31,7 @@ class Compiler {
  private:
   void interface(StateIndex i) {
     const State& state = mission_.states[i];
-    Node& node = nodes_[i];
+    CompiledState& node = nodes_[i];
     node.kind = state.kind;
     node.parent = state.parent;
     node.children = state.children;
@@ -50,8 +50,9 @@ class Compiler {
     }
   }
 
-  static std::vector<Supply> supplies(const std::vector<Port>& ports, const std::vector<PortValue>& given) {
-    std::vector<Supply> result;
+  static std::vector<PortSource> supplies(const std::vector<Port>& ports,
+                                          const std::vector<PortValue>& given) {
+    std::vector<PortSource> result;
     result.reserve(ports.size());
     for (const Port& port : ports) {
       const auto own = std::ranges::find(given, port.name, &PortValue::port);
@@ -60,8 +61,8 @@ class Compiler {
     return result;
   }
 
-  static Supply supply(const type::Value& value) {
-    Supply result;
+  static PortSource supply(const type::Value& value) {
+    PortSource result;
     if (!value.is_string() || !value.as_string().starts_with('$')) {
       result.fallback = value;
     } else if (value.as_string().starts_with("$$")) {
@@ -74,10 +75,10 @@ class Compiler {
 
   void container(StateIndex i) {
     const State& state = mission_.states[i];
-    Node& node = nodes_[i];
+    CompiledState& node = nodes_[i];
     auto slot = static_cast<std::uint32_t>(state.inputs.size() + state.variables.size());
     for (std::uint32_t position = 0; position < state.children.size(); ++position) {
-      Node& child = nodes_[state.children[position]];
+      CompiledState& child = nodes_[state.children[position]];
       child.position = position;
       child.first_output = slot;
       slot += static_cast<std::uint32_t>(child.output_ports->size());
@@ -97,7 +98,7 @@ class Compiler {
     const std::uint32_t from = slot_of(i, flow.from, states.from);
     switch (flow.to.owner) {
       case Owner::Child: {
-        Node& child = nodes_[states.to];
+        CompiledState& child = nodes_[states.to];
         child.inputs[*position(*child.input_ports, flow.to.port)].slots.push_back(from);
         return;
       }
@@ -107,7 +108,7 @@ class Compiler {
       default:
         break;
     }
-    const Copy copy{from, slot_of(i, flow.to, states.to)};
+    const SlotCopy copy{from, slot_of(i, flow.to, states.to)};
     if (flow.from.owner == Owner::Child) {
       nodes_[states.from].into_variables.push_back(copy);
     } else {
@@ -115,12 +116,12 @@ class Compiler {
     }
   }
 
-  [[nodiscard]] std::uint32_t slot_of(StateIndex i, const PortRef& ref, StateIndex owner) const {
+  [[nodiscard]] std::uint32_t slot_of(StateIndex i, const FlowPort& ref, StateIndex owner) const {
     const State& state = mission_.states[i];
     if (ref.owner == Owner::Inputs) return static_cast<std::uint32_t>(*position(state.inputs, ref.port));
     if (ref.owner == Owner::Variables)
       return static_cast<std::uint32_t>(state.inputs.size() + *position(state.variables, ref.port));
-    const Node& child = nodes_[owner];
+    const CompiledState& child = nodes_[owner];
     return child.first_output + static_cast<std::uint32_t>(*position(*child.output_ports, ref.port));
   }
 
@@ -134,9 +135,10 @@ class Compiler {
     }
   }
 
-  [[nodiscard]] Step step(StateIndex container, const Target& target, StateIndex sibling) const {
-    if (target.leaves()) return {Step::Kind::Leave, 0, number(*nodes_[container].outcomes, target.outcome)};
-    return {Step::Kind::Child, index_.position(sibling), 0};
+  [[nodiscard]] NextStep step(StateIndex container, const Target& target, StateIndex sibling) const {
+    if (target.leaves())
+      return {NextStep::Kind::Leave, 0, number(*nodes_[container].outcomes, target.outcome)};
+    return {NextStep::Kind::Child, index_.position(sibling), 0};
   }
 
   static Outcome number(const std::vector<std::string>& outcomes, std::string_view name) {
@@ -147,7 +149,7 @@ class Compiler {
 
   const Mission& mission_;
   const MissionIndex& index_;
-  std::vector<Node>& nodes_;
+  std::vector<CompiledState>& nodes_;
 };
 
 }  // namespace

@@ -11,68 +11,68 @@
 
 namespace segue::mission {
 
-/// Outcomes as numbers: those that every state has, and from 0 its own in the order of their declaration.
+/// Outcomes as numbers: negative for those that every state has, from 0 for its own in declaration order.
 using Outcome = std::int32_t;
 inline constexpr Outcome kAborted = -1;
 inline constexpr Outcome kPreempted = -2;
 
-/// Where an outcome leads.
-struct Step {
+/// What follows an outcome.
+struct NextStep {
   enum class Kind : std::uint8_t { Nowhere, Child, Leave };
   Kind kind = Kind::Nowhere;
   std::uint32_t child = 0;  ///< Child: position among the children
-  Outcome outcome = 0;      ///< Leave: of the state around
+  Outcome outcome = 0;      ///< Leave: outcome of the parent
 };
 
-/// Where the value of a port comes from. Slots are those of the container: its inputs, its variables, then
-/// the outputs of its children in their order.
-struct Supply {
-  std::vector<std::uint32_t> slots;  ///< the one written last counts
+/// Where the value of a port comes from. A container has slots for its inputs, its variables, and the outputs
+/// of its children, in this order.
+struct PortSource {
+  std::vector<std::uint32_t> slots;  ///< the most recently written one counts
   type::Value fallback;
-  std::string global;  ///< the fallback is this global variable; empty: it is `fallback`
+  std::string global;  ///< used as the fallback; empty: `fallback` is
 };
 
-/// From slot to slot.
-struct Copy {
+/// Copies one slot to another.
+struct SlotCopy {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
 };
 
-/// One state, with names resolved. What comes from the container around is empty for roots.
-struct Node {
+/// One state with all names resolved. Members that concern the parent are empty for roots.
+struct CompiledState {
   StateKind kind = StateKind::Execution;
   StateIndex parent = kNoState;
   std::uint32_t position = 0;     ///< among the children of the parent
   std::uint32_t action = 0;       ///< leaves: position in Mission::actions
-  StateIndex library = kNoState;  ///< Library: the root it runs
+  StateIndex library = kNoState;  ///< Library: the root that it runs
   const std::vector<Port>* input_ports = nullptr;
   const std::vector<Port>* output_ports = nullptr;
   const std::vector<std::string>* outcomes = nullptr;
 
-  std::vector<Supply> inputs;        ///< what each input gets when it begins
-  std::vector<Supply> outputs;       ///< containers: from their own slots; others: only fallbacks
-  std::vector<Step> next;            ///< by outcome + 2
-  std::uint32_t first_output = 0;    ///< slot of its first output in the container
-  std::vector<Copy> into_variables;  ///< done in the container when it has ended
+  std::vector<PortSource> inputs;        ///< evaluated when the state begins
+  std::vector<PortSource> outputs;       ///< containers: from their own slots; others: fallbacks only
+  std::vector<NextStep> next;            ///< by outcome + 2
+  std::uint32_t first_output = 0;        ///< slot of its first output in the parent
+  std::vector<SlotCopy> into_variables;  ///< done in the parent when it has ended
 
   std::uint32_t slots = 0;  ///< containers, from here on
   std::vector<StateIndex> children;
-  Step start;
-  std::vector<Supply> variables;  ///< what each variable is at the beginning
-  std::vector<Copy> at_begin;     ///< from inputs into variables
-  StateIndex decider = kNoState;  ///< Barrier
+  NextStep start;
+  std::vector<PortSource> variables;  ///< initial values
+  std::vector<SlotCopy> at_begin;     ///< from inputs to variables
+  StateIndex decider = kNoState;      ///< Barrier
 };
 
-/// A mission made ready to run: every name is a position. Immutable; any number of engines may share it.
+/// A mission that is ready to run: names are resolved to positions. Immutable; engines may share it.
 class Program {
  public:
-  /// InvalidArgument with the first of the problems that validate() finds.
+  /// InvalidArgument with the first problem that validate() finds.
   static Result<std::shared_ptr<const Program>> compile(Mission mission);
 
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.
-  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-  [[nodiscard]] const Node& node(StateIndex state) const { return nodes_[state]; }
+  [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }
+  [[nodiscard]] const CompiledState& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
   [[nodiscard]] std::string outcome_name(StateIndex state, Outcome outcome) const;
   /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
@@ -82,7 +82,7 @@ class Program {
 
  private:
   Mission mission_;
-  std::vector<Node> nodes_;
+  std::vector<CompiledState> nodes_;
 };
 
 }  // namespace segue::mission

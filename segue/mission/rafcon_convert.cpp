@@ -11,10 +11,10 @@ namespace {
 
 using type::Value;
 
-/// Numbers beyond this mean a machine that contains itself many times over; they stay there.
+/// Counters saturate here: a machine can contain its libraries exponentially often.
 constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
 
-/// A name as an id: letters, digits, '_' and '-'.
+/// Turns a name into an id of letters, digits, '_' and '-'.
 std::string identifier(const std::string& name) {
   std::string id;
   for (const char c : name) {
@@ -27,7 +27,7 @@ std::string identifier(const std::string& name) {
   return id.substr(0, 200);
 }
 
-/// The name, or with a number behind it where it is taken.
+/// The name, with a number appended if it is taken.
 std::string unique(std::string name, std::set<std::string>& taken) {
   std::string candidate = name;
   for (int i = 2; !taken.insert(candidate).second; ++i)
@@ -35,7 +35,7 @@ std::string unique(std::string name, std::set<std::string>& taken) {
   return candidate;
 }
 
-/// Ports and outcomes of a state by RAFCON's numbers, under the names they have in the mission.
+/// The names that the ports and outcomes of a state get in the mission, by RAFCON's numbers.
 struct Names {
   std::map<std::int64_t, std::string> inputs;
   std::map<std::int64_t, std::string> outputs;
@@ -89,7 +89,7 @@ class Converter {
     return names;
   }
 
-  /// What a state shows: a library state's is that of its machine, through any number of uses.
+  /// The state that declares the interface; for a library state, the root of its machine, transitively.
   const Names& names(const RafconState& state) {
     const RafconState* shown = &state;
     for (std::size_t steps = 0; shown->kind == StateKind::Library && steps <= files_.libraries.size();
@@ -122,7 +122,7 @@ class Converter {
     return result;
   }
 
-  /// The state and all below it, parents first.
+  /// Converts the state and its descendants, parents first.
   StateIndex add(const RafconState& raw, StateIndex parent, const std::string& id) {
     State state;
     state.id = StateId(id);
@@ -173,7 +173,7 @@ class Converter {
     return action.name;
   }
 
-  /// Here outcomes are numbered as they stand; in RAFCON numbers may be missing.
+  /// Missions number outcomes consecutively; in RAFCON numbers may be missing.
   void check_numbers(const RafconState& raw, const Names& shown) {
     std::int64_t next = 0;
     for (const auto& [id, name] : shown.outcomes) {
@@ -187,7 +187,7 @@ class Converter {
     }
   }
 
-  /// Children by RAFCON's ids.
+  /// The children by RAFCON's ids.
   struct Inside {
     const RafconState* raw = nullptr;
     StateIndex index = kNoState;
@@ -248,7 +248,7 @@ class Converter {
       }
       outcome = found->second;
     }
-    // What joins the states of a barrier to its decider is decoration there.
+    // Transitions between the states of a barrier and its decider have no effect in RAFCON.
     const bool decoration =
         raw.kind == StateKind::Barrier && (start || from->second.raw->kind != StateKind::Decider);
     if (decoration) return;
@@ -258,9 +258,9 @@ class Converter {
       mission_.states[index].start = std::move(*to);
       return;
     }
-    // Of several from one outcome, RAFCON takes the last.
+    // If several leave one outcome, RAFCON takes the last.
     auto& transitions = mission_.states[from->second.index].transitions;
-    std::erase_if(transitions, [&](const Transition& earlier) { return earlier.outcome == outcome; });
+    std::erase_if(transitions, [&](const StateTransition& earlier) { return earlier.outcome == outcome; });
     transitions.push_back({outcome, std::move(*to), link.where});
   }
 
@@ -272,20 +272,21 @@ class Converter {
       return;
     }
     diagnostics_.warning("dropped-flow",
-                         "a data flow in " + quote(raw.name) + " joins ports that are not there", link.where);
+                         "a data flow in " + quote(raw.name) + " connects ports that do not exist",
+                         link.where);
   }
 
-  std::optional<PortRef> port(const RafconState& raw, const std::string& state,
-                              std::optional<std::int64_t> id, bool source, const Children& children) {
+  std::optional<FlowPort> port(const RafconState& raw, const std::string& state,
+                               std::optional<std::int64_t> id, bool source, const Children& children) {
     if (!id) return std::nullopt;
     const auto inside = children.find(state);
     const Names& shown = names(inside == children.end() ? raw : *inside->second.raw);
     const auto look = [&](const std::map<std::int64_t, std::string>& names,
-                          Owner owner) -> std::optional<PortRef> {
+                          Owner owner) -> std::optional<FlowPort> {
       const auto found = names.find(*id);
       if (found == names.end()) return std::nullopt;
       const StateId child = owner == Owner::Child ? mission_.states[inside->second.index].id : StateId();
-      return PortRef{owner, child, found->second};
+      return FlowPort{owner, child, found->second};
     };
     if (inside != children.end()) return look(source ? shown.outputs : shown.inputs, Owner::Child);
     if (state != raw.id) return std::nullopt;
@@ -294,7 +295,7 @@ class Converter {
     return look(shown.variables, Owner::Variables);
   }
 
-  /// With all libraries in place; each is counted once and added as often as it is used.
+  /// Counts with all libraries expanded; each library is counted once and added for every use.
   RafconCounts count(const RafconState& state) {
     RafconCounts counts{1, 0, state.transitions.size(), state.flows.size()};
     const auto plus = [&](const RafconCounts& more) {

@@ -17,8 +17,8 @@ using model::detail::Source;
 using type::Value;
 using type::ValueMap;
 
-/// "rafcon.core.states.hierarchy_state.HierarchyState", in old files "rafcon.statemachine...": the last part
-/// tells.
+/// The kind is the last part of "rafcon.core.states.hierarchy_state.HierarchyState", in old files of
+/// "rafcon.statemachine...".
 std::optional<StateKind> kind_of(std::string_view qualified) {
   constexpr std::pair<std::string_view, StateKind> kKinds[] = {
       {"ExecutionState", StateKind::Execution},
@@ -34,7 +34,7 @@ std::optional<StateKind> kind_of(std::string_view qualified) {
   return std::nullopt;
 }
 
-/// {"__type__": "__builtin__.int"} or "int" by our names; others as they are.
+/// Maps {"__type__": "__builtin__.int"} or "int" to the names of missions; keeps other types.
 std::string type_name(const Value& value) {
   const Value* wrapped = value.find("__type__");
   const Value& named = wrapped == nullptr ? value : *wrapped;
@@ -52,7 +52,7 @@ std::string type_name(const Value& value) {
   return std::string(name);
 }
 
-/// Tuples as lists, types as their names. Nested no deeper than the parser allows.
+/// Turns tuples into lists and types into their names. The parser limits the nesting.
 Value plain(const Value& value) {
   if (value.is_list()) {
     Value::List list;
@@ -81,7 +81,7 @@ class Reader {
     state->where = source_.at(fields_.value());
     fields_.require("__jsonqualname__");
     const auto kind = kind_of(fields_.text("__jsonqualname__"));
-    if (!kind) source_.error("bad-kind", "this is no kind of state that RAFCON has", fields_.value());
+    if (!kind) source_.error("bad-kind", "this is not a kind of state that RAFCON has", fields_.value());
     state->kind = kind.value_or(StateKind::Execution);
     fields_.require("state_id");
     state->id = fields_.text("state_id");
@@ -110,7 +110,7 @@ class Reader {
     return result;
   }
 
-  /// The entries of a map whose keys are numbers.
+  /// Reads the entries of a map whose keys are numbers.
   template <class Read>
   void each(std::string_view key, Read read) {
     const Value* map = fields_.find(key, Value::Kind::Map);
@@ -209,7 +209,7 @@ namespace {
 using detail::RafconState;
 using std::filesystem::path;
 
-/// Deeper than any path can be.
+/// Deeper than any path in a file system can be.
 constexpr int kDeepest = 200;
 
 class Loader {
@@ -219,7 +219,7 @@ class Loader {
 
   detail::RafconFiles load(const path& folder) {
     files_.root = machine(folder);
-    // Libraries use further ones; the list grows while it is worked off.
+    // Libraries may use further ones, so the list grows during the loop.
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
       const auto [name, where] = wanted_[i];
       const auto [entry, fresh] = files_.libraries.try_emplace(name);
@@ -260,7 +260,7 @@ class Loader {
     for (const std::string_view key : {"root_state_storage_id", "root_state_id"}) {
       const type::Value* name = root->find(key);
       if (name == nullptr || !name->is_string()) continue;
-      // A name out of a file: never a way out of the folder.
+      // The name comes from a file: it must not lead out of the folder.
       const path inside = path(name->as_string()).filename();
       if (!inside.empty() && inside != "..") return state(folder / inside, 0);
     }

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-/// What stands in RAFCON's files, before it becomes a mission. Internal.
+/// The content of RAFCON's files, before it becomes a mission. Internal.
 namespace segue::mission::detail {
 
 struct RafconPort {
@@ -20,7 +20,7 @@ struct RafconPort {
 };
 using RafconPorts = std::map<std::int64_t, RafconPort>;
 
-/// An end of a transition or data flow: state ids, and numbers of outcomes or ports.
+/// A transition or data flow: ids of states, and numbers of outcomes or ports.
 struct RafconLink {
   std::string from_state;  ///< empty: null
   std::optional<std::int64_t> from;
@@ -49,7 +49,7 @@ struct RafconState {
   SourceLocation where;
 };
 
-/// The content of a core_data.json; children, script and notes stand in other files.
+/// The content of a core_data.json; children, script and notes are in other files.
 std::unique_ptr<RafconState> read_core_data(std::string_view text, const std::string& file,
                                             Diagnostics& diagnostics);
 
@@ -59,7 +59,7 @@ struct RafconFiles {
   std::map<std::string, std::unique_ptr<RafconState>> libraries;
 };
 
-/// Nothing where there are errors.
+/// Nothing if there are errors.
 std::optional<RafconImport> convert(const RafconFiles& files, Diagnostics& diagnostics);
 
 }  // namespace segue::mission::detail

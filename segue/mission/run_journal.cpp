@@ -22,7 +22,7 @@ using type::ValueMap;
 
 constexpr std::uint64_t kVersion = 1;
 
-/// FNV-1a of what the mission says, its libraries included; its scripts' files are not.
+/// FNV-1a of the mission with its libraries; script files are not included, so that they can be corrected.
 std::string digest(const Mission& mission) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const char c : write_mission(mission))
@@ -31,7 +31,7 @@ std::string digest(const Mission& mission) {
 }
 
 Error not_a_journal(const std::string& why) {
-  return fail(ErrorCode::ParseError, "this is no journal of a mission's run: " + why);
+  return fail(ErrorCode::ParseError, "this is not a journal of a mission run: " + why);
 }
 
 const Value& part(const Value& line, std::string_view key) {
@@ -75,11 +75,11 @@ Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
   Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC, 0600));
   if (!file.valid() && errno == EEXIST) {
     return fail(ErrorCode::AlreadyExists,
-                quote(path.string()) + " is there already: resume its run, or name another file");
+                quote(path.string()) + " already exists; resume its run, or name another file");
   }
   if (!file.valid()) return system_error("cannot open " + quote(path.string()), errno);
   if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0)
-    return fail(ErrorCode::InvalidState, "another run writes " + quote(path.string()));
+    return fail(ErrorCode::InvalidState, "another run is writing " + quote(path.string()));
   return file;
 }
 
@@ -99,8 +99,7 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
   line.append("start_at", start.start_at);
   journal->start_ = std::move(start);
   journal->write(line, true);
-  if (!journal->file_.valid())
-    return fail(ErrorCode::IoError, "nothing can be written to " + quote(file.string()));
+  if (!journal->file_.valid()) return fail(ErrorCode::IoError, "cannot write to " + quote(file.string()));
   return journal;
 }
 
@@ -115,12 +114,13 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
   const std::size_t whole = text->rfind('\n') == std::string::npos ? 0 : text->rfind('\n') + 1;
   if (auto taken = journal->read(std::string_view(*text).substr(0, whole), mission, file.string()); !taken)
     return taken.error();
-  if (journal->finished_) return fail(ErrorCode::InvalidState, "that run has ended; begin a new one");
+  if (journal->finished_) return fail(ErrorCode::InvalidState, "that run has ended; start a new one");
   if (const std::string open = journal->open_actions(); under_way == UnderWay::Refuse && !open.empty()) {
-    return fail(ErrorCode::InvalidState,
-                open +
-                    " had begun and not ended when the run broke off; say what is to become of it: again, "
-                    "skip or abort");
+    return fail(
+        ErrorCode::InvalidState,
+        open +
+            " had begun but not ended when the run was interrupted; choose what to do about it: again, "
+            "skip or abort");
   }
   if (::ftruncate(journal->file_.get(), static_cast<off_t>(whole)) != 0)
     return system_error("cannot write " + quote(file.string()), errno);
@@ -135,20 +135,22 @@ Result<void> RunJournal::read(std::string_view text, const Mission& mission, con
     auto line = type::parse_json(text.substr(0, end), name);
     text.remove_prefix(end + 1);
     ++number;
-    if (!line || !line->is_map()) return not_a_journal("line " + std::to_string(number) + " is no object");
+    if (!line || !line->is_map())
+      return not_a_journal("line " + std::to_string(number) + " is not an object");
     if (number > 1) {
       if (auto taken = take(*line); !taken)
         return not_a_journal("line " + std::to_string(number) + ": " + taken.error().message);
       continue;
     }
-    if (part(*line, "segue_mission_run") != Value(kVersion)) return not_a_journal("it does not say so");
+    if (part(*line, "segue_mission_run") != Value(kVersion))
+      return not_a_journal("its first line does not identify one");
     if (text_of(*line, "digest") != digest(mission)) {
       return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(*line, "mission")) +
                                                   " as it was then; this mission is another one");
     }
     start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at")};
   }
-  return number > 0 ? Result<void>{} : not_a_journal("it is empty, which it is made where a disk is full");
+  return number > 0 ? Result<void>{} : not_a_journal("it is empty, as a full disk leaves it");
 }
 
 Result<void> RunJournal::take(const Value& line) {
@@ -157,7 +159,7 @@ Result<void> RunJournal::take(const Value& line) {
     return {};
   }
   const Value& n = part(line, "n");
-  if (!n.is_integer()) return fail(ErrorCode::ParseError, "it lacks the number of the execution");
+  if (!n.is_integer()) return fail(ErrorCode::ParseError, "the number of the execution is missing");
   if (const Value* path = line.find("begun"); path != nullptr && path->is_string()) {
     open_[{path->as_string(), n.as_uint()}] = flag_of(line, "irreversible");
     return {};
@@ -165,7 +167,7 @@ Result<void> RunJournal::take(const Value& line) {
   const Value* path = line.find("ended");
   const Value& outcome = part(line, "outcome");
   if (path == nullptr || !path->is_string() || !outcome.is_integer())
-    return fail(ErrorCode::ParseError, "it tells neither of a begin nor of an end");
+    return fail(ErrorCode::ParseError, "it records neither a begin nor an end");
   const Value& outputs = part(line, "outputs");
   End end{static_cast<Outcome>(outcome.as_int()),
           text_of(line, "error"),
@@ -250,7 +252,7 @@ void RunJournal::write(const ValueMap& line, bool durable) {
   (void)::ftruncate(file_.get(), 0);
   file_ = Descriptor();
   if (warn_) {
-    warn_(system_error("this run cannot be resumed any more: its journal cannot be written", reason).message);
+    warn_(system_error("this run can no longer be resumed: its journal cannot be written", reason).message);
   }
 }
 

@@ -20,58 +20,60 @@
 
 namespace segue::mission {
 
-/// What a run has done, in a file that outlives it: a line of JSON for each action that begins and each that
-/// ends. A later run of the same mission takes ends from there instead of executing what has ended, in the
-/// order in which it ended, and so comes to where the earlier one broke off. Not thread safe.
+/// A file that records a run: a line of JSON for each action that begins and for each that ends. A later run
+/// of the same mission replays the recorded ends in their order instead of executing these actions, and so
+/// gets to the point at which the earlier run was interrupted. Not thread safe.
 ///
-/// A potentially irreversible action is in the file, and the file on the disk, before it begins. Where the
-/// file cannot be written any more the run goes on, `warn` is told once, and the file is emptied: it would
-/// tell of less than was done. NaN and infinities, which JSON lacks, become null.
+/// A potentially irreversible action is recorded, and the record synced to disk, before it begins. If the
+/// file can no longer be written, the run continues, `warn` is called once, and the file is emptied, since it
+/// would miss actions that were executed. NaN and infinities, which JSON lacks, become null.
 class RunJournal {
  public:
-  /// What a run begins with.
+  /// The parameters of the run.
   struct Start {
     type::ValueMap inputs;
     std::vector<std::string> facts;
     std::string start_at;
   };
-  /// What becomes of potentially irreversible actions that had begun and not ended: executed again; taken as
-  /// ended as expected, with default outputs; aborted.
+  /// What resume() does about potentially irreversible actions that were running when the run was
+  /// interrupted: refuse; execute them again; take them as ended as expected, with default outputs; or as
+  /// aborted.
   enum class UnderWay : std::uint8_t { Refuse, Again, Skip, Abort };
   struct End {
     Outcome outcome = 0;
     std::string error;
     bool preempted = false;
     std::vector<type::Value> outputs;
-    type::ValueMap globals;           ///< that were set
-    std::vector<std::string> erased;  ///< global variables
+    type::ValueMap globals;           ///< variables that were set
+    std::vector<std::string> erased;  ///< names of variables
   };
   using Warn = std::function<void(std::string)>;
 
-  /// AlreadyExists where the file is there, IoError, PermissionDenied.
+  /// AlreadyExists if the file exists, IoError, PermissionDenied.
   static Result<std::unique_ptr<RunJournal>> create(const std::filesystem::path& file, const Mission& mission,
                                                     Start start, Warn warn = {});
-  /// NotFound; ParseError where it is no such file, InvalidArgument where it is of another mission;
-  /// InvalidState where that run has ended, where another process writes the file, and, for Refuse, where
-  /// actions were under way: it names them. What was written last and broke off is cut.
+  /// NotFound; ParseError if it is not a journal; InvalidArgument if it is that of another mission;
+  /// InvalidState if that run has ended, if another process writes the file, and with Refuse if actions were
+  /// running, which it names. An incomplete last line is cut off.
   static Result<std::unique_ptr<RunJournal>> resume(const std::filesystem::path& file, const Mission& mission,
                                                     UnderWay under_way, Warn warn = {});
 
   [[nodiscard]] const Start& start() const { return start_; }
-  /// How many actions the earlier run has ended.
+  /// How many actions had ended in the earlier run.
   [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
-  /// Which of the ends is that of this execution.
+  /// The position of the end of this execution.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& path, std::uint64_t iteration) const;
   [[nodiscard]] const End& operator[](std::size_t place) const { return ends_[place]; }
-  /// What becomes of it if it was under way; Refuse where it was not.
+  /// What to do about this execution if it was running; Refuse if it was not.
   [[nodiscard]] UnderWay interrupted(const std::string& path, std::uint64_t iteration) const;
 
   void began(const std::string& path, std::uint64_t iteration, bool irreversible);
-  /// `globals`: all there are, by name.
+  /// `globals`: all variables, by name.
   void ended(const std::string& path, std::uint64_t iteration, End end, const type::Value& globals);
   void finished(const std::string& outcome);
-  /// The run is stopped: what ends from now on ends early and does not count, so that it can go on from here.
+  /// The run is being stopped: actions that end from now on were preempted and are not recorded, so that a
+  /// later run executes them.
   void close() { file_ = Descriptor(); }
 
  private:
@@ -89,9 +91,9 @@ class RunJournal {
   UnderWay under_way_ = UnderWay::Refuse;
   std::vector<End> ends_;
   std::map<Key, std::size_t> places_;
-  std::map<Key, bool> open_;  ///< begun, not ended; irreversible
+  std::map<Key, bool> open_;  ///< begun and not ended; whether irreversible
   bool finished_ = false;
-  type::Value globals_;  ///< as the file has them
+  type::Value globals_;  ///< as recorded last
 };
 
 }  // namespace segue::mission

@@ -36,14 +36,14 @@ class RunJournals : public ::testing::Test {
   RunJournals() {
     Diagnostics diagnostics;
     program_ = Program::compile(read_mission(kMission, "m.yaml", diagnostics).value()).value();
-    runners_.add("look", [this](Call& call) {
+    runners_.add("look", [this](ActionCall& call) {
       ++looks_;
       call.set_output("n", type::Value(2.0));
       EXPECT_TRUE(call.globals().set("seen", type::Value(1)));
       EXPECT_TRUE(call.globals().set("new", type::Value("text")));
       return Ending{};
     });
-    runners_.add("grasp", [this](Call& call) {
+    runners_.add("grasp", [this](ActionCall& call) {
       ++grasps_;
       EXPECT_EQ(call.input("n"), type::Value(2.0));
       EXPECT_EQ(call.globals().get("seen"), type::Value(1));
@@ -107,12 +107,12 @@ TEST_F(RunJournals, PureActionsThatWereUnderWayAreExecutedAgain) {
 
 TEST_F(RunJournals, SomebodySaysWhatBecomesOfWhatMayNotBeRepeated) {
   break_off_after(4);
-  EXPECT_THAT(to_string(resume().error()), HasSubstr("'grasp' had begun and not ended"));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("'grasp' had begun but not ended"));
   const std::string text = read_file(file_).value();
   EXPECT_EQ(run(resume(UnderWay::Skip)).outcome_name, "lost") << "what was expected";
   EXPECT_EQ(grasps_, 0);
   ASSERT_TRUE(write_file(file_, text));
-  EXPECT_THAT(run(resume(UnderWay::Abort)).error, HasSubstr("had begun and not ended"));
+  EXPECT_THAT(run(resume(UnderWay::Abort)).error, HasSubstr("had begun but not ended"));
   EXPECT_EQ(grasps_, 0);
   ASSERT_TRUE(write_file(file_, text));
   EXPECT_EQ(run(resume(UnderWay::Again)).outcome_name, "held");
@@ -123,7 +123,7 @@ TEST_F(RunJournals, ARunThatWasStoppedGoesOnFromThere) {
   class UntilStopped final : public ActionRunner {
    public:
     UntilStopped(int& calls, std::function<void()>& stop) : calls_(calls), stop_(stop) {}
-    std::optional<Ending> start(Call& call) override {
+    std::optional<Ending> start(ActionCall& call) override {
       if (++calls_ == 2) return Ending{*call.outcome("lost"), {}};
       auto completer = std::make_shared<Completer>();
       *completer = call.defer([completer] { (*completer)({0, {}}, {}); });
@@ -153,7 +153,7 @@ TEST_F(RunJournals, OneRunOneJournal) {
   const auto first = create();
   ASSERT_TRUE(first);
   EXPECT_EQ(create().error().code, ErrorCode::AlreadyExists);
-  EXPECT_THAT(to_string(resume().error()), HasSubstr("another run writes"));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("another run is writing"));
 }
 
 TEST_F(RunJournals, OthersAreRefused) {
@@ -161,7 +161,7 @@ TEST_F(RunJournals, OthersAreRefused) {
   ASSERT_TRUE(write_file(file_, ""));
   EXPECT_THAT(to_string(resume().error()), HasSubstr("it is empty"));
   ASSERT_TRUE(write_file(file_, "{\"name\": 1}\n"));
-  EXPECT_THAT(to_string(resume().error()), HasSubstr("it does not say so"));
+  EXPECT_THAT(to_string(resume().error()), HasSubstr("its first line does not identify one"));
   std::filesystem::remove(file_);
   break_off_after(1);
   Mission other = mission();
@@ -172,7 +172,7 @@ TEST_F(RunJournals, OthersAreRefused) {
 TEST_F(RunJournals, AFullDiskEndsTheJournalAndNotTheRun) {
   const testing::FullDisk full(250);
   EXPECT_EQ(run(create()).outcome_name, "held");
-  EXPECT_THAT(told_, HasSubstr("cannot be resumed any more"));
+  EXPECT_THAT(told_, HasSubstr("can no longer be resumed"));
   EXPECT_EQ(std::filesystem::file_size(file_), 0U) << "it would tell of less than was done";
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kHead = 4;
 constexpr std::size_t kLongestLine = 4096;
 
-/// Where in the value something is that JSON lacks: ".scan[3]"; nothing where there is none.
+/// The place of a number that JSON cannot represent: ".scan[3]"; nothing if there is none.
 std::optional<std::string> not_finite(const Value& value) {
   if (value.kind() == Value::Kind::Float && !std::isfinite(value.as_double())) return "";
   if (value.is_list()) {
@@ -36,14 +36,14 @@ std::optional<std::string> not_finite(const Value& value) {
   return std::nullopt;
 }
 
-Result<Value> inputs_of(const Call& call) {
+Result<Value> inputs_of(const ActionCall& call) {
   ValueMap inputs;
   const auto& ports = call.action().inputs;
   for (std::size_t i = 0; i < ports.size(); ++i) {
     if (const auto place = not_finite(call.inputs()[i])) {
       return fail(ErrorCode::InvalidArgument,
                   "input " + quote(ports[i].name + *place) +
-                      " is infinite or no number, which cannot be passed on to a script");
+                      " is infinite or not a number, which cannot be passed to a script");
     }
     inputs.append(ports[i].name, call.inputs()[i]);
   }
@@ -52,7 +52,7 @@ Result<Value> inputs_of(const Call& call) {
   return Value(std::move(inputs));
 }
 
-Value outputs_of(Call& call) {
+Value outputs_of(ActionCall& call) {
   ValueMap outputs;
   const auto& ports = call.action().outputs;
   for (std::size_t i = 0; i < ports.size(); ++i)
@@ -65,7 +65,7 @@ std::string name_of(const Program& program, StateIndex index) {
   return state.title.empty() ? state.id.str() : state.title;
 }
 
-Value branches_of(const Call& call) {
+Value branches_of(const ActionCall& call) {
   Value::List branches;
   for (const BranchResult& branch : call.branches()) {
     branches.push_back(
@@ -79,7 +79,7 @@ Value branches_of(const Call& call) {
   return branches;
 }
 
-/// The script, and where modules are that it may import: beside it, or beside the mission that holds it.
+/// The script, and the folder from which it may import modules: its own, or that of the mission file.
 void add_script(ValueMap& message, const Action& action, const Mission& mission) {
   const auto& script = std::get<Script>(action.run);
   const std::filesystem::path file = script_file(mission, action);
@@ -98,7 +98,7 @@ Result<std::string> framed(const Value& message, std::size_t largest) {
   if (body.size() > largest) {
     return fail(ErrorCode::ResourceExhausted, std::to_string(body.size()) + " bytes are more than the " +
                                                   std::to_string(largest) +
-                                                  " that can be passed on to a script");
+                                                  " that can be passed to a script");
   }
   std::string text(kHead, '\0');
   for (std::size_t i = 0; i < kHead; ++i)
@@ -125,7 +125,7 @@ Result<std::optional<Value>> MessageReader::next() {
   if (size > largest_) {
     return fail(ErrorCode::ResourceExhausted, "a message of " + std::to_string(size) +
                                                   " bytes, where at most " + std::to_string(largest_) +
-                                                  " are possible");
+                                                  " are allowed");
   }
   if (left.size() - kHead < size) return std::optional<Value>();
   read_ += kHead + size;
@@ -155,7 +155,7 @@ std::string LineReader::rest() {
   return text;
 }
 
-Result<Value> execute_message(std::uint64_t id, const std::string& run, Call& call) {
+Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call) {
   auto inputs = inputs_of(call);
   if (!inputs) return inputs.error();
   const Program& program = call.program();
@@ -195,7 +195,7 @@ Answer done(const Result<T>& result) {
   }
 }
 
-/// A list with the value, empty where there is no such variable; null while somebody else holds its lock.
+/// A list with the value, empty if there is no such variable; null while another holder has its lock.
 Answer get(const Globals& globals, const std::string& name, Globals::Key key) {
   if (globals.is_locked(name, key)) {
     if (key == 0) return Value();
@@ -205,12 +205,12 @@ Answer get(const Globals& globals, const std::string& name, Globals::Key key) {
   if (value && not_finite(*value)) {
     return fail(ErrorCode::InvalidArgument,
                 "the global variable " + quote(name) +
-                    " is infinite or no number, which cannot be passed on to a script");
+                    " is infinite or not a number, which cannot be passed to a script");
   }
   return Value(value ? Value::List{std::move(*value)} : Value::List{});
 }
 
-/// The key; null while somebody else holds the lock.
+/// The key; null while another holder has the lock.
 Answer lock(Globals& globals, const std::string& name) {
   auto key = globals.lock(name, Duration::zero());
   if (!key && key.error().code == ErrorCode::DeadlineExceeded) return Value();
@@ -234,7 +234,7 @@ Answer serve(Globals& globals, const Value& request) {
   if (call == "delete") return done(globals.erase(name));
   if (call == "is_locked") return Value(globals.is_locked(name));
   if (call == "all") return globals.snapshot();
-  return fail(ErrorCode::Unsupported, "there is no call " + quote(call) + " of global variables");
+  return fail(ErrorCode::Unsupported, "there is no operation " + quote(call) + " of global variables");
 }
 
 }  // namespace

@@ -11,22 +11,22 @@
 #include <string>
 #include <string_view>
 
-/// What the engine and the worker script tell each other: JSON, its length in front (4 bytes, little endian).
+/// Messages between the engine and the worker script: JSON with a length prefix (4 bytes, little endian).
 namespace segue::mission::detail {
 
-/// A message as it is sent. ResourceExhausted beyond `largest` bytes.
+/// A message with its length prefix. ResourceExhausted if it has more than `largest` bytes.
 Result<std::string> framed(const type::Value& message, std::size_t largest);
 
-/// The text at `key` of a message; empty where there is none.
+/// The text at `key` of a message; empty if there is none.
 std::string message_text(const type::Value& message, std::string_view key);
 
-/// Puts messages together from what arrives in pieces.
+/// Assembles messages from the pieces that arrive.
 class MessageReader {
  public:
   explicit MessageReader(std::size_t largest) : largest_(largest) {}
   void append(std::string_view text);
-  /// The next whole message; nothing where more must arrive first. ParseError, ResourceExhausted: there is no
-  /// going on after either.
+  /// The next complete message; nothing if more data must arrive first. ParseError, ResourceExhausted: after
+  /// either the stream is unusable.
   Result<std::optional<type::Value>> next();
 
  private:
@@ -35,13 +35,13 @@ class MessageReader {
   std::size_t read_ = 0;
 };
 
-/// Puts lines together; what has no end in sight is cut.
+/// Assembles lines; lines that are too long are split.
 class LineReader {
  public:
   void append(std::string_view text);
-  /// Without its line end; nothing where more must arrive first.
+  /// The next line without its line end; nothing if more data must arrive first.
   std::optional<std::string> next();
-  /// What stands behind the last line end.
+  /// The text after the last line end.
   std::string rest();
 
  private:
@@ -49,10 +49,11 @@ class LineReader {
   std::size_t read_ = 0;
 };
 
-/// "execute": all that the script sees. InvalidArgument where an input cannot be passed on.
-Result<type::Value> execute_message(std::uint64_t id, const std::string& run, Call& call);
+/// The message "execute", with everything that the script sees. InvalidArgument if an input cannot be passed
+/// to a script.
+Result<type::Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call);
 
-/// What a script asked of its global variables, done: the answer's "value", or its "error" and "code".
+/// Carries out a request of a script about global variables: returns "value", or "error" and "code".
 type::ValueMap answer_about_globals(Globals& globals, const type::Value& request);
 
 }  // namespace segue::mission::detail

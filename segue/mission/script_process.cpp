@@ -26,10 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWorker = "share/segue/script_worker.py";
-/// The number that its end of the socket has in the child.
+/// The descriptor of the socket in the child.
 constexpr int kChannel = 3;
 
-/// The worker of this build or installation.
+/// Finds the worker script of this build or installation.
 Result<fs::path> installed_worker() {
   std::error_code ignored;
   for (const fs::path& prefix : install_prefixes()) {
@@ -141,7 +141,7 @@ void ScriptProcess::kill() const {
 
 std::string ScriptProcess::reap() {
   int status = 0;
-  // What it has begun goes with it.
+  // Processes that it has started are in its group.
   kill();
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }

@@ -15,12 +15,11 @@
 
 namespace segue::mission::detail {
 
-/// A Python interpreter with the worker script, as a child in a process group of its own. It is killed, with
-/// its group, where this goes first. One thread, which must outlive the child: the system ends the child with
-/// the thread that started it.
+/// A child process that runs the worker script, in its own process group, which the destructor kills. For one
+/// thread, which must outlive the child: the kernel kills the child together with the thread that started it.
 class ScriptProcess {
  public:
-  /// NotFound, or why the system could not start it. Blocks while it is started.
+  /// NotFound, or the error of the system. Blocks while the process is started.
   static Result<ScriptProcess> start(const ScriptOptions& options);
   ~ScriptProcess();
   ScriptProcess(ScriptProcess&&) noexcept = default;
@@ -29,24 +28,24 @@ class ScriptProcess {
   [[nodiscard]] pid_t pid() const { return pid_; }
 
   struct Events {
-    bool messages = false;  ///< something to read, or its end
+    bool messages = false;  ///< there is something to read, or the stream has ended
     bool output = false;
-    bool ended = false;  ///< the process has
+    bool ended = false;  ///< the process has ended
   };
-  /// Blocks until there is something, or something can be sent, or `wake` is readable, or `until` of real
-  /// time.
+  /// Blocks until one of these events has happened, or `sending` and data can be sent, or `wake` is readable,
+  /// or until `until` in real time.
   [[nodiscard]] Events wait(int wake, bool sending, std::optional<TimePoint> until) const;
 
   enum class Read { Some, Nothing, End };
-  /// What is there, up to the size of `buffer`; `text` becomes what was read. Never blocks.
+  /// Reads what is available into `buffer`; `text` is the part of it that was filled. Never blocks.
   Read read_messages(std::span<char> buffer, std::string_view& text);
   Read read_output(std::span<char> buffer, std::string_view& text);
-  /// How much could be sent; 0 also where nobody reads any more. Never blocks.
+  /// Returns how much was sent; 0 also if the reader is gone. Never blocks.
   [[nodiscard]] std::size_t send(std::string_view text) const;
-  /// Tells it that nothing will come any more: it ends.
+  /// Closes the stream of messages, upon which the process ends.
   void end_messages() const;
 
-  /// It and all processes that it has begun.
+  /// Kills the process and its descendants in the process group.
   void kill() const;
   /// "was killed by signal 9 (Killed)", "ended with exit status 3". Requires that it has ended.
   std::string reap();
@@ -64,7 +63,7 @@ class ScriptProcess {
     }
     operator pid_t() const { return value; }  // NOLINT(google-explicit-constructor)
   };
-  Pid pid_;  ///< 0 once it is reaped
+  Pid pid_;  ///< 0 after reap()
   Descriptor ended_;
   Descriptor messages_;
   Descriptor output_;

@@ -15,7 +15,7 @@ namespace segue::mission {
 
 namespace {
 
-/// As RAFCON's: one prefix a run, then a number.
+/// Run ids have RAFCON's form: a prefix for each run and a number.
 std::string run_prefix() {
   std::random_device random;
   std::array<char, 64> text{};
@@ -41,7 +41,7 @@ class ScriptRunner::Impl {
     return {id, runs_ + run_number(id)};
   }
 
-  /// Gives it to the worker that takes more, or to a new one.
+  /// Hands the execution to the worker that accepts more, or to a new one.
   void begin(std::uint64_t id, detail::ScriptExecution execution, const std::string& message) {
     const std::lock_guard guard(mutex_);
     std::erase_if(workers_, [](const auto& worker) { return worker->ended(); });
@@ -94,7 +94,7 @@ class ScriptRunner::Impl {
 ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
 ScriptRunner::~ScriptRunner() = default;
 
-std::optional<Ending> ScriptRunner::start(Call& call) {
+std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   const auto [id, run] = impl_->next_run();
   const auto message = detail::execute_message(id, run, call);
   if (!message) return Ending{kAborted, message.error().message};

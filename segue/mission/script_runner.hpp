@@ -15,40 +15,39 @@
 namespace segue::mission {
 
 struct ScriptOptions {
-  /// The interpreter, 3.8 or newer: a path, or a name that is looked for in PATH.
+  /// The interpreter, version 3.8 or newer: a path, or a name to be found in PATH.
   std::string python = "python3";
-  /// What it executes; empty: the one that is installed with Segue.
+  /// The worker script; empty: the one installed with Segue.
   std::filesystem::path worker;
-  /// Inputs or outputs beyond these bytes (as JSON) abort an execution.
+  /// An execution with larger inputs or outputs (in bytes of JSON) aborts.
   std::size_t largest_message = std::size_t{64} << 20U;
-  /// How long a script may go on in real time after it was preempted. Shorter than the engine's, so that
-  /// nothing follows it that still runs beside it.
+  /// How long a preempted script may take to end, in real time. Shorter than the engine's grace, so that the
+  /// script is gone before the engine starts what follows it.
   Duration preemption_grace = std::chrono::seconds(9);
 };
 
-/// Executes Python scripts (docs/missions.md) in a process of its own, which begins with the first script.
-/// Scripts of several states run there side by side, in threads. What they print and log goes to segue::log,
-/// the state's path as source.
+/// Executes Python scripts (docs/missions.md) in a child process, which is started with the first script.
+/// Concurrent scripts run there in threads. What they print and log goes to segue::log, with the path of the
+/// state as the source.
 ///
-/// Where that process ends, what it was executing aborts, and the next script begins another. A script that
-/// ignores its preemption beyond the grace gets no company any more: others begin in a new process, and the
-/// old one is killed as soon as only such scripts are left in it; until then it is the engine that gives such
-/// a script up. Persistent variables last as long as their
-/// process. All functions may be called from any thread, and none blocks but the destructor.
+/// If the process ends, the executions in it abort, and the next script starts another process. Once a script
+/// has ignored its preemption beyond the grace, its process gets no further scripts, which start in a new
+/// one, and it is killed as soon as only such scripts are left in it. Persistent variables live as long as
+/// their process. Functions may be called from any thread; none blocks except the destructor.
 class ScriptRunner final : public ActionRunner {
  public:
   explicit ScriptRunner(ScriptOptions options = {});
-  /// Ends the process, within two seconds; at once where it still executes something.
+  /// Ends the process: within two seconds, or immediately if it still executes something. Blocks.
   ~ScriptRunner() override;
   ScriptRunner(const ScriptRunner&) = delete;
   ScriptRunner& operator=(const ScriptRunner&) = delete;
 
-  std::optional<Ending> start(Call& call) override;
+  std::optional<Ending> start(ActionCall& call) override;
 
-  /// What scripts see as `paused`, and wait for; whoever pauses an engine tells it.
+  /// Sets what scripts see, and can wait for, as `paused`. To be called by whoever pauses the engine.
   void set_paused(bool paused);
 
-  /// The process that executes scripts; nothing before the first one, and after its end.
+  /// The process that executes scripts; nothing before the first script and after the end of the process.
   [[nodiscard]] std::optional<pid_t> process() const;
 
  private:

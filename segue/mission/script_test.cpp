@@ -247,7 +247,7 @@ TEST_F(Scripts, abortWithWhatCannotBePassedOn) {
   EXPECT_THAT(error("float('nan')"), HasSubstr("outputs['x']: nan cannot be passed on"));
   EXPECT_THAT(error("[0, {'a': float('inf')}]"), HasSubstr("outputs['x'][1]['a']: inf cannot be passed on"));
   EXPECT_THAT(error("2**64"), HasSubstr("does not fit into 64 bits"));
-  EXPECT_THAT(error("{1: 2}"), HasSubstr("the key 1 is no text"));
+  EXPECT_THAT(error("{1: 2}"), HasSubstr("the key 1 is not a text"));
   EXPECT_THAT(error("{1, 2}"), HasSubstr("a value of type set cannot be passed on"));
   EXPECT_THAT(error("b'x'"), HasSubstr("type bytes"));
   EXPECT_THAT(error("'\\ud800'"), HasSubstr("not valid Unicode"));
@@ -280,7 +280,7 @@ TEST_F(Scripts, abortWithMoreThanIsPossible) {
 
 TEST_F(Scripts, abortWithInputsThatJsonLacks) {
   EXPECT_THAT(error_of("return 0", "inputs: {x: {type: list, default: [1.0, .nan]}}"),
-              HasSubstr("input 'x[1]' is infinite or no number"));
+              HasSubstr("input 'x[1]' is infinite or not a number"));
 }
 
 // self
@@ -416,8 +416,7 @@ TEST_F(Scripts, thatIgnorePreemptionAreKilled) {
   other.join();
   EXPECT_EQ(engine_->result().outcome, kPreempted);
   EXPECT_EQ(engine_->history().items()[1].outcome, kPreempted);
-  EXPECT_EQ(engine_->history().error(1),
-            "the Python process was killed, since it went on after it was preempted");
+  EXPECT_EQ(engine_->history().error(1), "the Python process was killed, since it ignored its preemption");
   ASSERT_NE(process, 0);
   EXPECT_TRUE(is_gone(process));
   EXPECT_EQ(run_body("return 0").outcome, 0);
@@ -631,14 +630,14 @@ TEST_F(Scripts, allAbortWhereTheirProcessEnds) {
 
 TEST_F(Scripts, abortWhereTheirProcessTalksNonsense) {
   EXPECT_THAT(error_of("import os, time\nos.write(3, b'hello, engine')\nwhile True: time.sleep(1)"),
-              StartsWith("the Python process was killed, since it sent what is no message: a message of "));
+              StartsWith("the Python process was killed, since it sent an invalid message: a message of "));
   EXPECT_THAT(error_of("import os, time\nos.write(3, b'\\x02\\0\\0\\0{]')\nwhile True: time.sleep(1)"),
-              StartsWith("the Python process was killed, since it sent what is no message: "));
+              StartsWith("the Python process was killed, since it sent an invalid message: "));
   EXPECT_THAT(error_of("import os, time\nos.write(3, b'\\x02\\0\\0\\0{}')\nwhile True: time.sleep(1)"),
-              StartsWith("the Python process was killed, since it sent what is no message"));
+              StartsWith("the Python process was killed, since it sent an unknown message"));
   EXPECT_THAT(
       error_of("import os, time\nos.write(3, b'\\x0c\\0\\0\\0{\"do\":\"end\"}')\nwhile True: time.sleep(1)"),
-      HasSubstr("it ended what it had not been given"));
+      HasSubstr("it ended an execution that it had not been given"));
   EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 

@@ -18,9 +18,9 @@ using type::ValueMap;
 
 namespace {
 
-/// How long a process may take to end once it has nothing more to do.
+/// How long a process may take to end after it was asked to.
 constexpr Duration kEndGrace = std::chrono::seconds(2);
-/// What is read at once, and how often once the process has ended: others may still hold its descriptors.
+/// Size of a read, and the number of reads after the process has ended, when its children may still write.
 constexpr std::size_t kPiece = std::size_t{64} << 10U;
 constexpr int kLastPieces = 64;
 
@@ -103,7 +103,7 @@ void ScriptWorker::run() {
     }
     serve(*process);
     const std::string how = process->reap();
-    abort_all(told_of_end(how));
+    abort_all(end_text(how));
   } else {
     abort_all(to_string(process.error()));
   }
@@ -144,13 +144,13 @@ void ScriptWorker::flush(const ScriptProcess& process) {
   sent_ = 0;
 }
 
-/// False where nothing was there.
+/// False if nothing was available.
 bool ScriptWorker::read_messages(ScriptProcess& process) {
   std::array<char, kPiece> buffer;
   std::string_view text;
   const auto read = process.read_messages(buffer, text);
-  // Whoever has just died has closed it too; the other news is on its way.
-  if (read == ScriptProcess::Read::End && !killed_ && !told_to_end_)
+  // A process that has just died has closed its end too; its pidfd will report that in a moment.
+  if (read == ScriptProcess::Read::End && !killed_ && !asked_to_end_)
     kill_at(monotonic_now() + kEndGrace, "it had closed its connection");
   if (read != ScriptProcess::Read::Some) return false;
   if (broken_) return true;
@@ -158,7 +158,7 @@ bool ScriptWorker::read_messages(ScriptProcess& process) {
   for (;;) {
     auto message = messages_.next();
     if (!message) {
-      refuse("it sent what is no message: " + to_string(message.error()));
+      refuse("it sent an invalid message: " + to_string(message.error()));
       return true;
     }
     if (!*message) return true;
@@ -189,7 +189,7 @@ void ScriptWorker::handle(const Value& message) {
     log(level_of(message_text(message, "level")), path.empty() ? "python" : path,
         message_text(message, "text"));
   } else {
-    refuse("it sent what is no message");
+    refuse("it sent an unknown message");
   }
 }
 
@@ -198,7 +198,7 @@ void ScriptWorker::handle_end(const Value& message) {
   const auto found = executions_.find(number_of(message, "id").value_or(0));
   if (found == executions_.end()) {
     guard.unlock();
-    return refuse("it ended what it had not been given");
+    return refuse("it ended an execution that it had not been given");
   }
   const ScriptExecution execution = std::move(found->second);
   executions_.erase(found);
@@ -229,16 +229,17 @@ void ScriptWorker::handle_question(const Value& message) {
   enqueue(std::move(answer));
 }
 
-/// Scripts that go on although they were preempted get no company, and no mercy once they are alone.
+/// If scripts have ignored their preemption, the worker accepts no others, and is killed once only such
+/// scripts are left.
 void ScriptWorker::retire_overdue(TimePoint now) {
   const auto overdue = [&](const auto& each) { return each.second.overdue && *each.second.overdue <= now; };
   const auto late = std::ranges::find_if(executions_, overdue);
   if (late == executions_.end() || killed_) return;
   if (std::exchange(open_, false)) {
     log(LogLevel::Warning, late->second.path,
-        "it went on after it was preempted; further scripts begin in a new process");
+        "it ignored its preemption; further scripts start in a new process");
   }
-  if (std::ranges::all_of(executions_, overdue)) kill_at(now, "it went on after it was preempted");
+  if (std::ranges::all_of(executions_, overdue)) kill_at(now, "it ignored its preemption");
 }
 
 void ScriptWorker::check_time(const ScriptProcess& process) {
@@ -247,10 +248,10 @@ void ScriptWorker::check_time(const ScriptProcess& process) {
     const std::lock_guard guard(mutex_);
     retire_overdue(now);
     const bool idle = executions_.empty();
-    if (!told_to_end_ && (closing_ || (!open_ && idle))) {
-      told_to_end_ = true;
+    if (!asked_to_end_ && (closing_ || (!open_ && idle))) {
+      asked_to_end_ = true;
       process.end_messages();
-      kill_at(idle ? now + kEndGrace : now, "nothing waits for it any more");
+      kill_at(idle ? now + kEndGrace : now, "nothing waits for it any longer");
     }
   }
   if (!kill_at_ || *kill_at_ > now || killed_) return;
@@ -269,27 +270,27 @@ std::optional<TimePoint> ScriptWorker::next_deadline() const {
   return next;
 }
 
-/// Nothing that comes after this makes sense.
+/// After an invalid message the rest of the stream cannot be interpreted.
 void ScriptWorker::refuse(const std::string& reason) {
   broken_ = true;
   kill_at(monotonic_now(), reason);
 }
 
-/// The earliest time and its reason count.
+/// Of several calls, the earliest time and its reason count.
 void ScriptWorker::kill_at(TimePoint when, const std::string& reason) {
   if (killed_ || (kill_at_ && *kill_at_ <= when)) return;
   kill_at_ = when;
   kill_reason_ = reason;
 }
 
-std::string ScriptWorker::told_of_end(const std::string& how) const {
+std::string ScriptWorker::end_text(const std::string& how) const {
   if (killed_) return "the Python process was killed, since " + kill_reason_;
   std::string text = "the Python process " + how;
   if (!last_line_.empty()) text += "; its last output: " + last_line_;
   return text;
 }
 
-/// What is under way, and gives back the locks that nobody else knows of.
+/// Aborts the remaining executions and releases their locks, whose keys only this side still has.
 void ScriptWorker::abort_all(const std::string& error) {
   std::map<std::uint64_t, ScriptExecution> left;
   {
@@ -305,7 +306,7 @@ void ScriptWorker::abort_all(const std::string& error) {
   }
 }
 
-/// With the mutex held, as the next one.
+/// Requires the mutex, as does enqueue_text().
 void ScriptWorker::enqueue(const Value& message) {
   auto text = framed(message, options_.largest_message);
   if (text) return enqueue_text(*text);

@@ -17,7 +17,7 @@
 
 namespace segue::mission::detail {
 
-/// An execution in a worker, as the engine's side knows it.
+/// An execution that a worker has been given.
 struct ScriptExecution {
   std::string path;
   Completer completer;
@@ -25,27 +25,31 @@ struct ScriptExecution {
   std::vector<std::string> output_names;
   std::vector<type::Value> outputs;  ///< the defaults
   std::vector<std::pair<std::string, Globals::Key>> locks;
-  std::optional<TimePoint> overdue;  ///< once preempted: when its patience is over
+  std::optional<TimePoint> overdue;  ///< once preempted: until when it must end
 };
 
-/// One Python process and the thread that talks with it, from the first execution to its end. Any thread.
+/// One Python process, and the thread that communicates with it from the first execution until the process
+/// has ended. Public functions may be called from any thread; they only queue messages and never block,
+/// except the destructor.
 class ScriptWorker {
  public:
   explicit ScriptWorker(ScriptOptions options);
-  /// Ends the process, as ~ScriptRunner says.
+  /// Ends the process as ~ScriptRunner does.
   ~ScriptWorker();
   ScriptWorker(const ScriptWorker&) = delete;
   ScriptWorker& operator=(const ScriptWorker&) = delete;
 
-  /// False where it takes no more executions, and nothing has happened; a fresh one always does. `message` is
-  /// a framed one. Throws std::system_error where the system has no thread left.
+  /// False, without effect, if it accepts no more executions; a new worker always does. `message` has its
+  /// length prefix. Throws std::system_error if no thread can be created.
   bool begin(std::uint64_t id, ScriptExecution& execution, const std::string& message);
-  /// Nothing where that is not, or no more, executed here.
+  /// No effect if the execution is not in this worker, or no longer.
   void preempt(std::uint64_t id);
   void pause(bool paused);
 
   [[nodiscard]] bool takes_more() const;
-  /// The process is gone, and all that is left to do is to destroy this.
+  /// The process has ended and its thread is about to return: this can be destroyed without waiting. Set
+  /// last, and only tells when to destroy: no data is read on the strength of it, so its order does not
+  /// matter.
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] std::optional<pid_t> process() const;
 
@@ -58,13 +62,13 @@ class ScriptWorker {
   void handle(const type::Value& message);
   void handle_end(const type::Value& message);
   void handle_question(const type::Value& message);
-  /// Ends or kills the process where it is time.
+  /// Ends or kills the process if it is time to.
   void check_time(const ScriptProcess& process);
   void retire_overdue(TimePoint now);
   [[nodiscard]] std::optional<TimePoint> next_deadline() const;
   void refuse(const std::string& reason);
   void kill_at(TimePoint when, const std::string& reason);
-  [[nodiscard]] std::string told_of_end(const std::string& how) const;
+  [[nodiscard]] std::string end_text(const std::string& how) const;
   void abort_all(const std::string& error);
   void enqueue(const type::Value& message);
   void enqueue_text(std::string_view text);
@@ -73,15 +77,15 @@ class ScriptWorker {
   Descriptor wake_;
   std::atomic<bool> ended_{false};
 
-  mutable std::mutex mutex_;  ///< guards what follows up to the blank line
+  mutable std::mutex mutex_;  ///< guards the members up to the blank line
   std::map<std::uint64_t, ScriptExecution> executions_;
   std::string outgoing_;
   std::size_t sent_ = 0;  ///< of `outgoing_`
-  bool open_ = true;      ///< takes executions
+  bool open_ = true;      ///< accepts executions
   bool closing_ = false;
   pid_t pid_ = 0;
 
-  // Of the thread alone.
+  // Used only by the thread of the process, but for `thread_` itself.
   MessageReader messages_;
   LineReader lines_;
   std::string last_line_;
@@ -89,7 +93,7 @@ class ScriptWorker {
   std::string kill_reason_;
   TimePoint checked_{};
   bool broken_ = false;
-  bool told_to_end_ = false;
+  bool asked_to_end_ = false;
   bool killed_ = false;
   std::thread thread_;
 };

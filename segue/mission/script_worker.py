@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Executes the Python scripts of missions for the engine that started it (segue/mission/script_runner.hpp).
 
-Messages are JSON with their length in front (4 bytes, little endian), both ways over the socket at descriptor 3. The
-main thread reads them; every execution has a thread of its own. The process ends when the socket does. What scripts
-see stands in segue_script_interface.py. Nothing but Python's own library is needed.
+Messages are JSON with a length prefix (4 bytes, little endian), in both directions over the socket at descriptor 3. The
+main thread reads them; every execution has its own thread. The process ends when the socket is closed. The interface
+of scripts is in segue_script_interface.py. Only the standard library is needed.
 """
 import atexit
 import concurrent.futures
@@ -24,7 +24,7 @@ import threading
 import time
 import traceback
 
-# What lies beside this file is no business of scripts; nor are files written there.
+# Scripts must not import from the folder of this file, and no compiled files are written to it.
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:] = [HERE] + [folder for folder in sys.path if folder not in (HERE, os.path.dirname(__file__))]
 write_bytecode = not sys.dont_write_bytecode
@@ -39,7 +39,7 @@ LONGEST_ERROR = 4000
 
 
 class Channel:
-    """The engine's end is one reader; messages are sent as a whole."""
+    """Messages to and from the engine. Any thread may send; the lock keeps messages whole. Only one thread reads."""
 
     def __init__(self, descriptor, largest):
         os.set_inheritable(descriptor, False)
@@ -60,7 +60,7 @@ class Channel:
     def send(self, **message):
         data = json.dumps(message, allow_nan=False).encode("ascii")
         if len(data) > self.largest:
-            raise ValueError(f"{len(data)} bytes are more than the {self.largest} that can be passed on at once")
+            raise ValueError(f"{len(data)} bytes are more than the {self.largest} that can be passed at once")
         if self._forked:
             raise RuntimeError("this is only possible in the process that executes the script")
         with self._lock:
@@ -77,7 +77,7 @@ class Channel:
                 os.write(2, (text + "\n").encode("utf-8"))
 
     def ask(self, **request):
-        """Sends a request, and waits for its answer."""
+        """Sends a request and waits for its answer."""
         number = next(self._numbers)
         answers = self._open[number] = queue.SimpleQueue()
         try:
@@ -104,7 +104,7 @@ class Channel:
 
 
 class Output(io.TextIOBase):
-    """sys.stdout and sys.stderr: whole lines, with the state whose script wrote them."""
+    """sys.stdout and sys.stderr: logs whole lines with the state whose script wrote them."""
 
     encoding = "utf-8"
 
@@ -160,7 +160,7 @@ class LogHandler(logging.Handler):
 
 
 class ScriptLogger(logging.Logger):
-    """A logger with RAFCON's level below debug, which counts as debug."""
+    """A logger that has RAFCON's level 'verbose', which is logged as debug."""
 
     def __init__(self, channel, path):
         super().__init__(path, logging.DEBUG)
@@ -171,14 +171,14 @@ class ScriptLogger(logging.Logger):
 
 
 class Scripts:
-    """Compiled scripts: text once, files again when they have changed."""
+    """Compiled scripts; files are compiled again when they have changed."""
 
     def __init__(self):
         self._lock = threading.Lock()
         self._compiled = {}
 
     def module(self, message):
-        """The variables of the script's module, which runs anew for every execution."""
+        """The variables of the script's module, which is executed afresh for every execution of the state."""
         with self._lock:
             code = self._code(message)
         names = {"__name__": "segue_script", "__file__": code.co_filename, "__builtins__": __builtins__}
@@ -213,7 +213,7 @@ def script_name(message):
 
 
 def describe(error, script):
-    """"FILE:LINE: ValueError: what", where LINE is the innermost one of the script."""
+    """"FILE:LINE: ValueError: message", with the innermost line of the script."""
     lines = traceback.format_exception_only(type(error), error)
     place = script
     if isinstance(error, SyntaxError) and error.filename == script:
@@ -226,7 +226,7 @@ def describe(error, script):
 
 
 def full_traceback(error):
-    """Without the frames of this file."""
+    """The traceback without the frames of this file."""
     trace = error.__traceback__
     while trace is not None and trace.tb_frame.f_code.co_filename == __file__:
         trace = trace.tb_next
@@ -279,7 +279,7 @@ class Worker:
             output.begin(message["path"])
         try:
             ending = self._call(message, state)
-        except BaseException as error:  # SystemExit too: only this execution ends
+        except BaseException as error:  # including SystemExit: only this execution ends
             for line in full_traceback(error).split("\n"):
                 self._channel.log("debug" if state.preempted else "error", message["path"], line)
             ending = {"error": describe(error, script_name(message))}
@@ -314,7 +314,7 @@ class Worker:
 
     @staticmethod
     def _outcome(state, answer):
-        """Its number, whether the script gave that or the name; None where it is neither."""
+        """The number of the outcome that the script returned by number or name; None if it is neither."""
         if not isinstance(answer, str):
             try:
                 answer = operator.index(answer)
@@ -338,7 +338,8 @@ class Worker:
 
 
 def die_with_parent():
-    """Where a script keeps the interpreter to itself, nobody sees that the socket has closed."""
+    """Asks the kernel to end this process with its parent: a script that holds the interpreter's lock would keep the
+    main thread from noticing that the socket was closed."""
     try:
         import ctypes
         import signal
@@ -364,7 +365,7 @@ if __name__ == "__main__":
     except BaseException:
         os.write(2, traceback.format_exc().encode("utf-8", "replace"))
         os._exit(1)
-    # Threads of scripts may go on for ever; nothing waits for them.
+    # Threads of scripts may never end, so nothing waits for them.
     threading.Thread(target=give_up_later, daemon=True).start()
     atexit._run_exitfuncs()
     os._exit(0)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Python scripts of missions see: `self` and `gvm` of execute(self, inputs, outputs, gvm), and which values
-cross over to the engine. script_worker.py executes them."""
+"""The interface of the Python scripts of missions: `self` and `gvm` of execute(self, inputs, outputs, gvm), and the
+conversion of values for the engine. script_worker.py executes the scripts."""
 import itertools
 import math
 import threading
@@ -11,12 +11,12 @@ SCRIPT_TYPES = {bool: "bool", int: "int", float: "float", str: "text", list: "li
 
 
 def clean(text):
-    """Text that every reader can take: lone surrogates become question marks."""
+    """Text that is valid Unicode: lone surrogates become question marks."""
     return str(text).encode("utf-8", "replace").decode("utf-8")
 
 
 def plain(value, what, depth=0):
-    """The value as JSON carries it, or TypeError or ValueError with the place in it."""
+    """The value as JSON represents it; otherwise TypeError or ValueError with the place in the value."""
     if depth > DEEPEST:
         raise ValueError(f"{what}: lists and maps are nested deeper than {DEEPEST} levels")
     if value is None or value is True or value is False:
@@ -47,7 +47,7 @@ def plain(value, what, depth=0):
 
 def key_of(key, what):
     if not isinstance(key, str):
-        raise TypeError(f"{what}: the key {key!r} is no text")
+        raise TypeError(f"{what}: the key {key!r} is not a text")
     return plain(key, f"{what}: the key {key!r}")
 
 
@@ -94,15 +94,15 @@ class ScriptState:
         return not self._paused
 
     def preemptive_wait(self, time=None):
-        """Waits for that many seconds or for ever; True when it was preempted meanwhile."""
+        """Waits for that many seconds, or without limit; True if it was preempted meanwhile."""
         return self._preempted.wait(time)
 
     def wait_for_interruption(self, timeout=None):
-        """Waits until it is paused or preempted; False when the time was over first."""
+        """Waits until it is paused or preempted; False after a timeout."""
         return self._interrupted.wait(timeout)
 
     def wait_for_unpause(self, timeout=None):
-        """Waits until it is not paused, or preempted; False when the time was over first."""
+        """Waits until it is resumed or preempted; False after a timeout."""
         return self._going_on.wait(timeout)
 
     def get_path(self, by_name=False):
@@ -126,7 +126,7 @@ class ScriptState:
 
 
 class ScriptDecider(ScriptState):
-    """`self` of deciders: how the states beside it ended."""
+    """`self` of deciders, which also says how its siblings ended."""
 
     def __init__(self, message, logger, memory, paused):
         super().__init__(message, logger, memory, paused)
@@ -155,9 +155,9 @@ class ScriptDecider(ScriptState):
 
 
 class GlobalVariables:
-    """`gvm` in execute(): the variables live in the engine. Reading waits while somebody else holds the lock."""
+    """`gvm` in execute(). The variables are kept by the engine. Reading waits while another holder has the lock."""
 
-    LONGEST_PAUSE = 0.05  # seconds between two looks at a lock
+    LONGEST_PAUSE = 0.05  # seconds between two attempts to get a lock
 
     def __init__(self, channel, execution, state):
         self._channel = channel
@@ -171,7 +171,7 @@ class GlobalVariables:
         raise (TypeError if answer["code"] == "type-mismatch" else RuntimeError)(answer["error"])
 
     def _retry(self, attempt):
-        """Until it gives something; None when the state was preempted meanwhile."""
+        """Repeats the request until it has a result; None if the state was preempted meanwhile."""
         pause = 0.001
         while True:
             result = attempt()
@@ -193,7 +193,7 @@ class GlobalVariables:
         return found[0] if found else default
 
     def lock_variable(self, key, block=False):
-        """An access key; False where somebody else holds the lock (with `block`: and it was preempted meanwhile)."""
+        """An access key; False if another holder has the lock (with `block`: if the state was preempted meanwhile)."""
         def attempt():
             return self._ask("lock", name=key)
 

@@ -41,7 +41,7 @@ Diagnostics validate(const MissionIndex& index) {
   return diagnostics;
 }
 
-std::string told(const Mission& mission, StateIndex index) {
+std::string state_text(const Mission& mission, StateIndex index) {
   if (index == 0) return "the mission";
   const State& state = mission.states[index];
   return (state.parent == kNoState ? "library " : "state ") + quote(state.id.str());
@@ -54,7 +54,7 @@ std::string suggestion(const std::vector<Port>& ports, const std::string& name) 
   return did_you_mean(name, names);
 }
 
-void check_value(const Port& declared, const Value& value, const std::string& what, const Place& where,
+void check_value(const Port& declared, const Value& value, const std::string& what, const SourcePlace& where,
                  const Mission& mission, Diagnostics& diagnostics) {
   const bool global =
       value.is_string() && value.as_string().starts_with('$') && !value.as_string().starts_with("$$");
@@ -116,12 +116,12 @@ class ActionCheck {
   }
 
  private:
-  void check_placeholders(const std::string& text, const Place& where) {
+  void check_placeholders(const std::string& text, const SourcePlace& where) {
     for (const std::string& name : placeholders(text)) {
       if (position(action_.inputs, name)) continue;
       diagnostics_.error("unknown-port",
-                         what_ + ": " + quote(text) + " uses the input " + quote(name) + ", which it lacks" +
-                             suggestion(action_.inputs, name),
+                         what_ + ": " + quote(text) + " uses the input " + quote(name) +
+                             ", which it does not have" + suggestion(action_.inputs, name),
                          where);
     }
   }

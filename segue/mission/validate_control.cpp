@@ -22,15 +22,16 @@ class ControlCheck {
     for (StateIndex i = 0; i < mission_.states.size(); ++i)
       check(i);
     for (const StateIndex i : index_.duplicates()) {
-      error("duplicate-state",
-            told(mission_, i) + " is there twice in " + told(mission_, mission_.states[i].parent),
-            mission_.states[i].where);
+      error(
+          "duplicate-state",
+          state_text(mission_, i) + " is defined twice in " + state_text(mission_, mission_.states[i].parent),
+          mission_.states[i].where);
     }
     check_recursion();
   }
 
  private:
-  void error(std::string code, std::string message, const Place& where) {
+  void error(std::string code, std::string message, const SourcePlace& where) {
     diagnostics_.error(std::move(code), std::move(message), where);
   }
 
@@ -41,7 +42,7 @@ class ControlCheck {
     } else if (state.kind == StateKind::Library) {
       if (index_.library(state.library) == nullptr) {
         error("missing-library",
-              told(mission_, i) + ": there is no library " + quote(state.library) +
+              state_text(mission_, i) + ": there is no library " + quote(state.library) +
                   ", neither under 'libraries' nor as " + quote(state.library + ".yaml") +
                   " in the file's folder or the folders of libraries",
               state.where);
@@ -51,10 +52,10 @@ class ControlCheck {
     }
     if (state.kind == StateKind::Decider &&
         (state.parent == kNoState || mission_.states[state.parent].kind != StateKind::Barrier)) {
-      error("misplaced-decider", told(mission_, i) + ": only a barrier has a decider", state.where);
+      error("misplaced-decider", state_text(mission_, i) + ": only a barrier has a decider", state.where);
     }
     if (state.parent == kNoState) {
-      check_ignored(i, "nothing is outside of it");
+      check_ignored(i, "it has no parent");
     } else {
       check_transitions(i);
     }
@@ -65,12 +66,12 @@ class ControlCheck {
     const Action* action = index_.action_of(i);
     if (action == nullptr) {
       error("unknown-action",
-            told(mission_, i) + ": there is no action " + quote(state.action.str()) +
+            state_text(mission_, i) + ": there is no action " + quote(state.action.str()) +
                 did_you_mean(state.action.str(), action_names()),
             state.where);
     } else if (state.kind != StateKind::Decider && std::holds_alternative<Decision>(action->run)) {
       error("misplaced-decider",
-            told(mission_, i) + ": action " + quote(state.action.str()) +
+            state_text(mission_, i) + ": action " + quote(state.action.str()) +
                 " decides over a barrier; give the state 'kind: decider'",
             state.where);
     } else if (state.kind == StateKind::Decider) {
@@ -88,12 +89,12 @@ class ControlCheck {
         if (child == kNoState) {
           error("unknown-state",
                 "action " + quote(action.name.str()) + " decides by the state " + quote(id) +
-                    ", which is not there",
+                    ", which does not exist",
                 action.where);
         } else if (interface && !has_outcome(*interface->outcomes, outcome)) {
           error("unknown-outcome",
                 "action " + quote(action.name.str()) + " decides by the outcome " + quote(outcome) + " of " +
-                    told(mission_, child) + ", which lacks it",
+                    state_text(mission_, child) + ", which has no such outcome",
                 action.where);
         }
       }
@@ -113,12 +114,12 @@ class ControlCheck {
         state.children, [&](StateIndex child) { return mission_.states[child].kind == StateKind::Decider; });
     if (state.kind == StateKind::Barrier && deciders != 1) {
       error("missing-decider",
-            told(mission_, i) + ": a barrier has one state of the kind 'decider', not " +
+            state_text(mission_, i) + ": a barrier has one state of the kind 'decider', not " +
                 std::to_string(deciders),
             state.where);
     }
     if (state.kind != StateKind::Hierarchy && std::ssize(state.children) == deciders) {
-      error("no-states", told(mission_, i) + " has no states", state.where);
+      error("no-states", state_text(mission_, i) + " has no states", state.where);
     }
     if (state.kind == StateKind::Hierarchy) check_hierarchy(i);
   }
@@ -126,26 +127,27 @@ class ControlCheck {
   void check_hierarchy(StateIndex i) {
     const State& state = mission_.states[i];
     if (!state.start) {
-      error("missing-start", told(mission_, i) + " does not say under 'start' where to begin", state.where);
+      error("missing-start", state_text(mission_, i) + " does not say under 'start' where to begin",
+            state.where);
       return;
     }
     const StateIndex first = state.start->leaves() ? kNoState : index_.child(i, state.start->state);
-    check_target(*state.start, first, i, state.where, [&] { return told(mission_, i) + ": 'start'"; });
+    check_target(*state.start, first, i, state.where, [&] { return state_text(mission_, i) + ": 'start'"; });
     if (!state.start->leaves() && first == kNoState) return;
     const auto seen = reached(index_, i, Successors(index_, state));
     for (std::size_t child = 0; child < seen.size(); ++child) {
       if (seen[child]) continue;
       const State& lost = mission_.states[state.children[child]];
       diagnostics_.warning("unreachable-state",
-                           told(mission_, state.children[child]) +
+                           state_text(mission_, state.children[child]) +
                                " is never reached: neither 'start' nor a transition leads there",
                            lost.where);
     }
   }
 
-  /// `found`: the state that it names; `what` tells whose target it is.
+  /// `found`: the state that the target names; `what`: whose target it is.
   template <class What>
-  void check_target(const Target& target, StateIndex found, StateIndex container, const Place& where,
+  void check_target(const Target& target, StateIndex found, StateIndex container, const SourcePlace& where,
                     What what) {
     const State& around = mission_.states[container];
     if (!target.leaves()) {
@@ -154,12 +156,12 @@ class ControlCheck {
       for (const StateIndex child : around.children)
         ids.push_back(mission_.states[child].id.str());
       error("unknown-state",
-            what() + " leads to " + quote(target.state.str()) + ", but " + told(mission_, container) +
+            what() + " leads to " + quote(target.state.str()) + ", but " + state_text(mission_, container) +
                 " has no such state" + did_you_mean(target.state.str(), ids),
             where);
     } else if (!has_outcome(around.outcomes, target.outcome)) {
       error("unknown-outcome",
-            what() + " returns " + quote(target.outcome) + ", but " + told(mission_, container) +
+            what() + " returns " + quote(target.outcome) + ", but " + state_text(mission_, container) +
                 " has no such outcome" + did_you_mean(target.outcome, around.outcomes),
             where);
     }
@@ -168,7 +170,8 @@ class ControlCheck {
   void check_ignored(StateIndex i, const std::string& why) {
     const State& state = mission_.states[i];
     if (state.transitions.empty()) return;
-    diagnostics_.warning("ignored-transition", told(mission_, i) + ": its transitions mean nothing: " + why,
+    diagnostics_.warning("ignored-transition",
+                         state_text(mission_, i) + ": its transitions have no effect: " + why,
                          state.transitions.front().where);
   }
 
@@ -176,23 +179,23 @@ class ControlCheck {
     const State& state = mission_.states[i];
     const State& around = mission_.states[state.parent];
     if (around.kind == StateKind::Barrier && state.kind != StateKind::Decider)
-      return check_ignored(i, "the decider tells how a barrier ends");
+      return check_ignored(i, "the decider determines the outcome of a barrier");
     const auto interface = index_.interface(i);
     for (std::size_t number = 0; number < state.transitions.size(); ++number) {
-      const Transition& transition = state.transitions[number];
+      const StateTransition& transition = state.transitions[number];
       const auto what = [&] {
-        return told(mission_, i) + ": the transition from " + quote(transition.outcome);
+        return state_text(mission_, i) + ": the transition from " + quote(transition.outcome);
       };
       if (interface && !has_outcome(*interface->outcomes, transition.outcome)) {
         error("unknown-outcome",
-              told(mission_, i) + " has no outcome " + quote(transition.outcome) +
+              state_text(mission_, i) + " has no outcome " + quote(transition.outcome) +
                   did_you_mean(transition.outcome, *interface->outcomes),
               transition.where);
       }
       if (is_concurrency(around.kind) && !transition.to.leaves()) {
         error("bad-target",
-              what() + " must leave " + told(mission_, state.parent) +
-                  ", as in 'return success': its states run side by side",
+              what() + " must leave " + state_text(mission_, state.parent) +
+                  ", as in 'return success': its states run concurrently",
               transition.where);
         continue;
       }
@@ -200,18 +203,18 @@ class ControlCheck {
     }
     if (!interface) return;
     for (const std::string& outcome : *interface->outcomes) {
-      if (std::ranges::find(state.transitions, outcome, &Transition::outcome) != state.transitions.end())
+      if (std::ranges::find(state.transitions, outcome, &StateTransition::outcome) != state.transitions.end())
         continue;
       error("unconnected-outcome",
-            told(mission_, i) + ": its outcome " + quote(outcome) +
-                " leads nowhere; say under 'on' what follows",
+            state_text(mission_, i) + ": its outcome " + quote(outcome) +
+                " has no transition; add one under 'on'",
             state.where);
     }
   }
 
-  /// Libraries that use themselves, by taking away those that only use what has been taken away.
+  /// Reports recursive libraries: those left after repeatedly removing all that only use removed ones.
   void check_recursion() {
-    std::unordered_map<std::string_view, std::size_t> open;  // uses of other libraries within
+    std::unordered_map<std::string_view, std::size_t> open;  // how many uses of other libraries each contains
     std::unordered_map<std::string_view, std::vector<std::string_view>> users;
     const std::vector<std::string_view> homes = homes_of_states();
     for (const Library& library : mission_.libraries)
@@ -241,7 +244,7 @@ class ControlCheck {
     }
   }
 
-  /// The library that each state stands in; empty: the mission itself.
+  /// The library that contains each state; empty: the mission itself.
   std::vector<std::string_view> homes_of_states() const {
     std::vector<std::string_view> homes(mission_.states.size());
     for (const Library& library : mission_.libraries)

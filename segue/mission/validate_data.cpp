@@ -10,10 +10,10 @@
 namespace segue::mission::detail {
 namespace {
 
-/// A port at one end of a data flow.
+/// The port at one end of a data flow.
 struct End {
   Owner owner = Owner::Child;
-  std::uint32_t child = 0;   ///< position among the children, where it is one's
+  std::uint32_t child = 0;   ///< its position among the children, if it belongs to one
   std::uint32_t number = 0;  ///< of the port
   const Port* port = nullptr;
   /// Whose it is, in their order.
@@ -23,7 +23,7 @@ struct End {
   friend bool operator==(const End& a, const End& b) { return (a <=> b) == 0; }
 };
 
-/// The data flows of one container.
+/// Checks the data flows of one container.
 class FlowCheck {
  public:
   FlowCheck(const MissionIndex& index, StateIndex container, Diagnostics& diagnostics)
@@ -54,18 +54,18 @@ class FlowCheck {
     if (!from || !to) return;
     if (!connects(from->port->type, to->port->type)) {
       diagnostics_.error("type-mismatch",
-                         told(flow) + ": " + from->port->type + " does not fit into " + to->port->type,
+                         flow_text(flow) + ": " + from->port->type + " does not fit into " + to->port->type,
                          flow.where);
     }
     writers_.push_back({&flow, *from, *to});
     if (to->owner == Owner::Variables) written_[to->number] = true;
   }
 
-  std::string told(const DataFlow& flow) const {
+  std::string flow_text(const DataFlow& flow) const {
     return "data flow " + to_string(flow.from) + " -> " + to_string(flow.to);
   }
 
-  std::optional<End> end(const PortRef& ref, StateIndex state, bool source, const DataFlow& flow) {
+  std::optional<End> end(const FlowPort& ref, StateIndex state, bool source, const DataFlow& flow) {
     switch (ref.owner) {
       case Owner::Inputs:
         if (!source) return misused(ref, flow, "only its outputs and variables can be written from inside");
@@ -79,10 +79,10 @@ class FlowCheck {
         break;
     }
     if (state == kNoState) {
-      diagnostics_.error(
-          "unknown-state",
-          told(flow) + ": " + detail::told(mission_, container_) + " has no state " + quote(ref.state.str()),
-          flow.where);
+      diagnostics_.error("unknown-state",
+                         flow_text(flow) + ": " + detail::state_text(mission_, container_) +
+                             " has no state " + quote(ref.state.str()),
+                         flow.where);
       return std::nullopt;
     }
     const auto interface = index_.interface(state);
@@ -92,24 +92,24 @@ class FlowCheck {
     return result;
   }
 
-  std::optional<End> misused(const PortRef& ref, const DataFlow& flow, const std::string& why) {
+  std::optional<End> misused(const FlowPort& ref, const DataFlow& flow, const std::string& why) {
     diagnostics_.error("bad-flow",
-                       told(flow) + ": " + quote(to_string(ref)) + " is of " +
-                           detail::told(mission_, container_) + " itself; " + why,
+                       flow_text(flow) + ": " + quote(to_string(ref)) + " is of " +
+                           detail::state_text(mission_, container_) + " itself; " + why,
                        flow.where);
     return std::nullopt;
   }
 
-  std::optional<End> port_of(const std::vector<Port>& ports, const PortRef& ref, const DataFlow& flow) {
+  std::optional<End> port_of(const std::vector<Port>& ports, const FlowPort& ref, const DataFlow& flow) {
     const auto found = position(ports, ref.port);
     if (found) return End{ref.owner, 0, static_cast<std::uint32_t>(*found), &ports[*found]};
-    diagnostics_.error("unknown-port",
-                       told(flow) + ": there is no " + quote(to_string(ref)) + suggestion(ports, ref.port),
-                       flow.where);
+    diagnostics_.error(
+        "unknown-port",
+        flow_text(flow) + ": there is no " + quote(to_string(ref)) + suggestion(ports, ref.port), flow.where);
     return std::nullopt;
   }
 
-  /// Reports what is connected, but to writers only that can never be before it is read.
+  /// Reports inputs that are connected, but only to writers that cannot run before the input is read.
   void check_writers() {
     if (writers_.empty()) return;
     if (state_.kind == StateKind::Hierarchy) {
@@ -135,7 +135,7 @@ class FlowCheck {
     }
   }
 
-  /// Whether the child gives the input a value of its own.
+  /// Whether the child overrides the default of the input.
   [[nodiscard]] bool is_given(const Writer& writer) const {
     const State& child = mission_.states[state_.children[writer.to.child]];
     for (const PortValue& value : child.input_values) {
@@ -145,21 +145,22 @@ class FlowCheck {
   }
 
   [[nodiscard]] bool can_write(const Writer& writer) {
-    const PortRef& from = writer.flow->from;
+    const FlowPort& from = writer.flow->from;
     if (from.owner == Owner::Inputs) return true;
     if (from.owner == Owner::Variables)
       return !writer.from.port->value.is_null() || written_[writer.from.number];
     if (writer.flow->to.owner == Owner::Outputs)
       return state_.kind != StateKind::Hierarchy || reached_[writer.from.child];
     if (state_.kind != StateKind::Hierarchy) {
-      // States side by side do not see each other's outputs; the decider comes after all others.
+      // Concurrent states do not see each other's outputs; the decider runs after all others.
       const StateIndex reader = state_.children[writer.to.child];
       return mission_.states[reader].kind == StateKind::Decider && writer.from.child != writer.to.child;
     }
     return reached_[writer.from.child] && leads(writer.from.child, writer.to.child);
   }
 
-  /// Whether a way leads from one state to the other. The search is bounded; beyond that a way is assumed.
+  /// Whether there is a path of transitions between the states. The search is bounded; beyond the bound a
+  /// path is assumed.
   bool leads(std::uint32_t from, std::uint32_t to) {
     ++search_;
     std::vector<std::uint32_t> open = {from};
@@ -181,11 +182,11 @@ class FlowCheck {
   const State& state_;
   StateIndex container_;
   Diagnostics& diagnostics_;
-  std::vector<Writer> writers_;  ///< by what they write
+  std::vector<Writer> writers_;  ///< sorted by what they write
   std::vector<bool> written_;    ///< by variable
   Successors next_;
   std::vector<bool> reached_;
-  std::vector<std::uint32_t> visited_;  ///< in which search last
+  std::vector<std::uint32_t> visited_;  ///< the last search that visited each
   std::uint32_t search_ = 0;
   std::size_t budget_ = 10'000'000;
 };
@@ -195,7 +196,7 @@ void check_ports(const MissionIndex& index, StateIndex i, Diagnostics& diagnosti
   const State& state = mission.states[i];
   for (const auto* ports : {&state.inputs, &state.outputs, &state.variables}) {
     for (const Port& port : *ports)
-      check_value(port, port.value, told(mission, i), port.where, mission, diagnostics);
+      check_value(port, port.value, state_text(mission, i), port.where, mission, diagnostics);
   }
 }
 
@@ -204,11 +205,11 @@ void check_given(const MissionIndex& index, StateIndex i, const std::vector<Port
   const Mission& mission = index.mission();
   for (const PortValue& value : values) {
     if (const auto port = position(ports, value.port)) {
-      check_value(ports[*port], value.value, told(mission, i), value.where, mission, diagnostics);
+      check_value(ports[*port], value.value, state_text(mission, i), value.where, mission, diagnostics);
       continue;
     }
     diagnostics.error("unknown-port",
-                      told(mission, i) + " has no " + std::string(kind) + " " + quote(value.port) +
+                      state_text(mission, i) + " has no " + std::string(kind) + " " + quote(value.port) +
                           suggestion(ports, value.port),
                       value.where);
   }

@@ -16,7 +16,7 @@ bool is_placeholder(std::string_view argument) {
   return argument.starts_with('{');
 }
 
-/// Whether both can be the same fact once inputs are known.
+/// Whether both can become the same fact once the inputs are known.
 bool meet(const Fact& a, const Fact& b) {
   return a.predicate == b.predicate &&
          std::ranges::equal(a.arguments, b.arguments, [](const std::string& x, const std::string& y) {
@@ -46,7 +46,7 @@ class FactCheck {
       for (const Fact& fact : action.preconditions) {
         if (can_become(fact)) continue;
         diagnostics_.warning("never-true",
-                             what + ": its precondition " + told(fact) + " never holds: " + why(fact),
+                             what + ": its precondition " + fact_text(fact) + " never holds: " + why(fact),
                              fact.where);
       }
     }
@@ -55,7 +55,9 @@ class FactCheck {
  private:
   using ByPredicate = std::unordered_map<std::string_view, std::vector<const Fact*>>;
 
-  static std::string told(const Fact& fact) { return quote((fact.positive ? "" : "!") + to_string(fact)); }
+  static std::string fact_text(const Fact& fact) {
+    return quote((fact.positive ? "" : "!") + to_string(fact));
+  }
 
   static std::string why(const Fact& fact) {
     return fact.positive ? "it does not at the beginning, and no action makes it true"
@@ -67,17 +69,18 @@ class FactCheck {
     for (const Fact& fact : mission_.world) {
       const auto grounded = ground(fact);
       if (!grounded || !fact.positive) {
-        diagnostics_.error("bad-fact",
-                           "the mission: 'world' must be facts that hold, without inputs, not " + told(fact),
-                           fact.where);
+        diagnostics_.error(
+            "bad-fact",
+            "the mission: 'world' must be facts that hold, without inputs, not " + fact_text(fact),
+            fact.where);
       } else if (!seen.insert(grounded->text).second) {
-        diagnostics_.warning("duplicate-fact", "the mission: 'world' has " + told(fact) + " twice",
+        diagnostics_.warning("duplicate-fact", "the mission: 'world' has " + fact_text(fact) + " twice",
                              fact.where);
       }
     }
   }
 
-  /// What a reader has made always fits; what a program has put together need not.
+  /// Facts from a reader are always well-formed; those that a program has built may not be.
   void check_shape(const std::vector<Fact>& facts, const std::string& what) {
     for (const Fact& fact : facts) {
       const bool fits =
@@ -86,12 +89,13 @@ class FactCheck {
             return is_fact_argument(input ? argument.substr(1, argument.size() - 2) : argument);
           });
       if (fits) continue;
-      diagnostics_.error("bad-fact", what + ": " + told(fact) + " is not a fact such as 'at(robot,{place})'",
+      diagnostics_.error("bad-fact",
+                         what + ": " + fact_text(fact) + " is not a fact such as 'at(robot,{place})'",
                          fact.where);
     }
   }
 
-  /// The same fact twice, or with both signs.
+  /// Reports facts that are listed twice, or with both signs.
   void check_pairs(const std::vector<Fact>& facts, const std::string& what, const std::string& role,
                    bool contradiction_is_error) {
     std::unordered_map<std::string, const Fact*> seen;
@@ -124,7 +128,7 @@ class FactCheck {
     const auto there = initial_.find(needed.predicate);
     const bool known = there != initial_.end() && std::ranges::any_of(there->second, same);
     if (needed.positive) return known;
-    // Others than those that hold may be meant where an input tells.
+    // An input may select a fact other than those that hold.
     return !known || std::ranges::any_of(needed.arguments, is_placeholder);
   }
 

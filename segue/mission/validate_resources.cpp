@@ -20,7 +20,8 @@ std::string pattern_of(const std::string& resource) {
   return pattern;
 }
 
-/// What exists at the beginning, and what actions whose needs can be met add to it, until nothing more comes.
+/// Finds the resources that can exist: those that exist at the beginning, and repeatedly those that are
+/// created by actions whose own needs can be met.
 class Creation {
  public:
   Creation(const Mission& mission, Diagnostics& diagnostics) : mission_(mission), diagnostics_(diagnostics) {
@@ -52,7 +53,8 @@ class Creation {
     return true;
   }
 
-  /// Only what somebody creates, or is declared with none, can be missing; all else is taken to exist once.
+  /// Only a resource that an action creates, or that is declared with count 0, can be missing; any other
+  /// exists once.
   [[nodiscard]] bool lacks(const ResourceUse& use) const {
     if (use.operation == ResourceOperation::Create || use.operation == ResourceOperation::Release)
       return false;
@@ -111,7 +113,7 @@ bool is_created(const Mission& mission, const std::string& resource) {
   });
 }
 
-/// What is asked of a resource that is known by name; `declared` is null where no declaration is there.
+/// Checks the use of a resource whose name is known; `declared` is null if it is not declared.
 void check_use(const Action& action, const ResourceUse& use, const Resource* declared, const Mission& mission,
                Diagnostics& diagnostics) {
   const std::string what = "action " + quote(action.name.str()) + ": ";
@@ -128,7 +130,7 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
   if (use.operation == ResourceOperation::Release) {
     diagnostics.warning("ignored-release",
                         what + "it releases " + quote(use.resource) +
-                            ", which means nothing: what an action blocks it has until it ends",
+                            ", which has no effect: an action holds what it blocks until it ends",
                         use.where);
   }
   for (const auto& [key, parameter] : use.parameters.as_map()) {

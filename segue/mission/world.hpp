@@ -15,26 +15,26 @@
 
 namespace segue::mission {
 
-/// The facts that hold while a mission runs; all others do not. Not thread safe.
+/// The facts that hold while a mission runs; all others are false. Not thread safe.
 class World {
  public:
   using Facts = std::set<std::string, std::less<>>;
-  /// Changes that were made together: the first and the one past the last.
+  /// A range of changes that were made together: first, and one past the last.
   using Changes = std::pair<std::uint32_t, std::uint32_t>;
 
   World() = default;
-  /// `keep`: remembers changes, so that they can be undone.
+  /// `keep`: records changes, so that they can be undone.
   World(Facts facts, bool keep) : facts_(std::move(facts)), keep_(keep) {
     if (keep_) initial_ = facts_;
   }
 
   [[nodiscard]] const Facts& facts() const { return facts_; }
   [[nodiscard]] bool holds(std::string_view fact) const { return facts_.contains(fact); }
-  /// The first that does not hold as it says; null where all do.
+  /// The first of `facts` that is not as it says; null if all are.
   [[nodiscard]] const GroundFact* first_false(std::span<const GroundFact> facts) const;
 
   Changes apply(std::span<const GroundFact> effects);
-  /// As if those had never come about; later ones count.
+  /// Undoes these changes as if they had never been made; later ones remain.
   void undo(Changes changes);
 
  private:
@@ -48,8 +48,8 @@ class World {
   bool keep_ = false;
 };
 
-/// What holds when a run begins: what the mission says, and over that what is given (`positive` or not).
-/// InvalidArgument where one is no fact without inputs.
+/// The facts that hold when a run begins: those of the mission, overridden by `given`. InvalidArgument if one
+/// of these is malformed or names an input.
 Result<World::Facts> initial_facts(const Mission& mission, std::span<const Fact> given);
 
 }  // namespace segue::mission

@@ -211,12 +211,12 @@ class Trial {
   }
 
   void add_callbacks() {
-    runners_.add("echo", [](Call& call) {
+    runners_.add("echo", [](ActionCall& call) {
       for (const Port& port : call.action().inputs)
         call.set_output(port.name, call.input(port.name));
       return Ending{};
     });
-    runners_.add("note", [this](Call& call) {
+    runners_.add("note", [this](ActionCall& call) {
       Value::List inputs(call.inputs().begin(), call.inputs().end());
       std::string line = call.path();
       if (call.backward()) line += " back";
@@ -226,23 +226,23 @@ class Trial {
       notes_.emplace_back(line);
       return Ending{};
     });
-    runners_.add("increment", [](Call& call) {
+    runners_.add("increment", [](ActionCall& call) {
       if (!call.backward()) call.set_output("x", Value(call.input("x").as_int() + 1));
       return Ending{};
     });
-    runners_.add("fail", [](Call&) { return Ending{kAborted, "failed on purpose"}; });
-    runners_.add("preempted", [](Call&) { return Ending{kPreempted, {}}; });
-    runners_.add("unknown", [](Call&) { return Ending{99, {}}; });
-    runners_.add("throw", [](Call&) -> Ending { throw std::runtime_error("thrown"); });
-    runners_.add("stop", [this](Call&) {
+    runners_.add("fail", [](ActionCall&) { return Ending{kAborted, "failed on purpose"}; });
+    runners_.add("preempted", [](ActionCall&) { return Ending{kPreempted, {}}; });
+    runners_.add("unknown", [](ActionCall&) { return Ending{99, {}}; });
+    runners_.add("throw", [](ActionCall&) -> Ending { throw std::runtime_error("thrown"); });
+    runners_.add("stop", [this](ActionCall&) {
       engine_ ? engine_->stop() : run_->stop();
       return Ending{};
     });
-    runners_.add("pause", [this](Call&) {
+    runners_.add("pause", [this](ActionCall&) {
       engine_->pause();
       return Ending{};
     });
-    runners_.add("set_global", [](Call& call) {
+    runners_.add("set_global", [](ActionCall& call) {
       const auto set = call.globals().set(call.input("name").as_string(), call.input("value"));
       return set ? Ending{} : Ending{kAborted, set.error().message};
     });
@@ -254,7 +254,7 @@ class Trial {
   class Deaf final : public ActionRunner {
    public:
     explicit Deaf(int ears) : ears_(ears) {}
-    std::optional<Ending> start(Call& call) override {
+    std::optional<Ending> start(ActionCall& call) override {
       auto completer = std::make_shared<Completer>();
       std::vector<Value> outputs(call.outputs().begin(), call.outputs().end());
       *completer = call.defer([this, completer, outputs] {

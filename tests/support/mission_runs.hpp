@@ -34,10 +34,10 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
 class Answers final : public mission::ActionRunner {
  public:
   enum class Kind : std::uint8_t { Mix, Shared, Later };
-  using AtStart = std::function<void(const mission::Call&)>;
+  using AtStart = std::function<void(const mission::ActionCall&)>;
   explicit Answers(Kind kind, AtStart at_start = {}) : kind_(kind), at_start_(std::move(at_start)) {}
 
-  std::optional<mission::Ending> start(mission::Call& call) override {
+  std::optional<mission::Ending> start(mission::ActionCall& call) override {
     if (at_start_) at_start_(call);
     const std::uint64_t number = read(call);
     const bool nothing = (number >> 36) % 8 == 0;
@@ -61,7 +61,7 @@ class Answers final : public mission::ActionRunner {
   }
 
  private:
-  std::uint64_t read(mission::Call& call) const {
+  std::uint64_t read(mission::ActionCall& call) const {
     const type::Value& x = call.input("x");
     std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
     const type::Value& error = call.input("error");
@@ -134,7 +134,7 @@ class ConcurrentRun {
                 std::uint64_t stop_at = 0) {
     options.clock = cdtn::ClockKind::Virtual;
     options.log = true;
-    const auto at_start = [this, stop_at](const mission::Call& call) {
+    const auto at_start = [this, stop_at](const mission::ActionCall& call) {
       if (++begun_ != stop_at) return;
       stopped_in_ = call.path();
       run_->stop();
@@ -166,7 +166,7 @@ class ConcurrentRun {
   }
 
   /// Whether events at that path are not reported, since it runs as written.
-  [[nodiscard]] bool in_routine(const std::string& path) const {
+  [[nodiscard]] bool in_opaque_subtree(const std::string& path) const {
     for (std::uint32_t i = 0; i < plan().network().size(); ++i) {
       const PlannedNode& node = plan()[cdtn::NodeId{i}];
       if (node.role != Role::OpaqueSubtree) continue;

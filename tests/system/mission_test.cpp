@@ -261,8 +261,9 @@ class Converted : public Missions {
 TEST_F(Converted, AMachineShowsItsNodesAndTheReasonsOfTheirOrder) {
   const auto text = segue({"mission", "convert", "m.yaml"});
   EXPECT_EQ(text.status, 0) << text.errors;
-  EXPECT_THAT(text.output,
-              HasSubstr("0 hands: routine, since left in it, side by side with others, may touch anything"));
+  EXPECT_THAT(
+      text.output,
+      HasSubstr("0 hands: opaque subtree, since left in it, concurrent with others, may touch anything"));
   EXPECT_THAT(text.output,
               HasSubstr("    after 0 hands: opaque clap: it declares no facts and no resources"));
   const auto value = json({"mission", "convert", "m.yaml"});
