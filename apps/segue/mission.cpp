@@ -3,14 +3,13 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/rafcon.hpp>
+#include <segue/session/session.hpp>
 
 #include <fmt/format.h>
 
 #include <memory>
 
-#include "mission_concurrent.hpp"
 #include "mission_convert.hpp"
-#include "mission_load.hpp"
 #include "mission_network.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
@@ -23,7 +22,7 @@ namespace {
 int check(const std::vector<std::string>& files, const MissionOptions& options, const Context& context) {
   Diagnostics diagnostics;
   for (const std::string& file : files)
-    (void)load_mission(file, options.libraries, diagnostics);
+    (void)session::Session::check(file, options.libraries, diagnostics);
   diagnostics.sort();
   print_diagnostics(diagnostics);
   if (context.json()) {
@@ -43,7 +42,7 @@ struct ImportOptions {
 int import(const ImportOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto machine =
-      mission::import_rafcon(options.folder, rafcon_library_paths(options.libraries), diagnostics);
+      mission::import_rafcon(options.folder, mission::rafcon_library_paths(options.libraries), diagnostics);
   if (!machine) return report_failure(context, diagnostics);
   const std::string text = mission::write_mission(machine->mission);
   if (options.output.empty()) {
@@ -51,7 +50,7 @@ int import(const ImportOptions& options, const Context& context) {
   } else if (const auto written = write_file(options.output, text); !written) {
     return failed(context, written.error());
   }
-  // Its problems are told with places in the new file, where they can be mended.
+  // Problems are reported with their places in the new file, where they can be fixed.
   if (!options.output.empty()) (void)mission::load_mission(options.output, {}, diagnostics);
   print_diagnostics(diagnostics);
   const auto& counts = machine->counts;
@@ -60,25 +59,6 @@ int import(const ImportOptions& options, const Context& context) {
                            options.output, counts.states, counts.library_states, counts.transitions,
                            counts.data_flows));
   return kDone;
-}
-
-/// A mission as it is written, a task network concurrently unless something else is asked.
-int run_plan(const MissionOptions& options, NetworkOptions network, const Context& context) {
-  if (is_task_network(options.file)) {
-    const bool for_missions = !options.inputs.empty() || !options.facts.empty() ||
-                              !options.start_at.empty() || !options.journal.empty();
-    if (for_missions) {
-      return failed(context, fail(ErrorCode::Unsupported,
-                                  "--input, --fact, --start-at and --journal are for missions, not for task "
-                                  "networks"));
-    }
-    network.mode = options.mode;
-    network.clock = options.clock;
-    network.files = options.files;
-    return run_task_network(options.file, network, context);
-  }
-  if (options.mode == "concurrent") return run_mission_concurrently(options, network, context);
-  return run_mission(options, context);
 }
 
 int import(const ImportOptions& source, PddlOptions pddl, const Context& context) {
@@ -93,14 +73,13 @@ int import(const ImportOptions& source, PddlOptions pddl, const Context& context
 
 void add_mode_option(Verb& verb, MissionOptions& options) {
   verb.option("--mode MODE", options.mode,
-              "sequential: as it is written; concurrent: a task network's default")
+              "sequential (default of missions), or concurrent (default of task networks)")
       .one_of({"sequential", "concurrent"});
 }
 
 void add_runner(Verb& verb, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
-  options->mode.clear();
   Verb& runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
                           "  segue mission run fetch.yaml\n"
                           "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
@@ -116,22 +95,21 @@ void add_runner(Verb& verb, Context& context) {
   runner.option("--fact FACT", options->facts, "a fact that holds at the beginning, or with '!' does not");
   runner.option("--start-at PATH", options->start_at, "begin at this state, such as fetch/grasp");
   const Option journal =
-      runner.option("--journal FILE", options->journal, "write down what is done, so that it can be resumed");
+      runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed");
   const Option resume =
-      runner.flag("--resume", options->resume, "go on where the run of that journal broke off")
-          .needs(journal);
+      runner.flag("--resume", options->resume, "continue the interrupted run of that journal").needs(journal);
   runner
       .option("--under-way HOW", options->under_way,
-              "what becomes of actions that had begun then: again, skip or abort")
+              "what to do about actions that were running then: again, skip or abort")
       .needs(resume)
       .one_of({"again", "skip", "abort"});
-  runner.option("--python PROGRAM", options->python, "what executes Python scripts; default: python3");
+  runner.option("--python PROGRAM", options->python, "the interpreter of Python scripts; default: python3");
   add_library_option(runner, *options);
   add_network_options(runner, *network);
   add_run_files(runner, options->files);
 }
 
-/// In virtual time, with nothing on standard output but a drawing that has no file.
+/// Runs in virtual time and prints nothing but the drawing, if that goes to no file.
 void add_gantt(Verb& parent, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
@@ -141,11 +119,10 @@ void add_gantt(Verb& parent, Context& context) {
                         [options, network, &context] {
                           options->clock = "virtual";
                           options->simulate = true;
-                          options->show = network->show = false;
+                          options->show = false;
                           if (options->files.svg.empty()) options->files.svg = "-";
                           return run_plan(*options, *network, context);
                         });
-  options->mode.clear();
   verb.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
       .required();
   add_mode_option(verb, *options);
@@ -166,21 +143,20 @@ void add_convert(Verb& parent, Context& context) {
   verb.option("FILE", options->mission.file, "a mission file, a RAFCON machine's folder or a task network")
       .required();
   const Option dot = verb.flag("--dot", options->dot, "a graph for Graphviz");
-  verb.flag("--svg", options->svg, "a drawing: what comes after what from left to right, and why")
-      .excludes(dot);
+  verb.flag("--svg", options->svg, "a drawing of the nodes and their dependencies").excludes(dot);
   verb.option("-o,--output FILE", options->output, "a file instead of standard output");
   verb.option("--horizon N", options->horizon,
               "nodes of a mission that are planned; default: 1000, as in a run")
       .between(1, 100'000'000);
   verb.flag("--assume-expected", options->assume_expected,
-            "where a mission must be decided to go on, go on as is simulated or expected");
+            "plan beyond decisions, as if actions ended as simulated or expected");
   verb.option("--input NAME=VALUE", options->mission.inputs, "an input of the mission");
   verb.option("--fact FACT", options->mission.facts,
               "a fact that holds at the beginning, or with '!' does not");
   verb.option("--order ORDER", options->order,
               "of a task network: epoch (default) keeps the whole final world, goal only its goal")
       .one_of({"epoch", "goal"});
-  verb.flag("--strict", options->strict, "nothing happens behind a node that may still fail");
+  verb.flag("--strict", options->strict, "irreversible nodes wait for all earlier ones that may fail");
   add_library_option(verb, options->mission);
 }
 

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/mission/action_runner.hpp>
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "command.hpp"
+#include "mission_network.hpp"
 #include "run_files.hpp"
 
 namespace segue::cli {
 
 struct MissionOptions {
   std::string file;
-  std::string mode = "sequential";
+  std::string mode;  ///< "": task networks concurrently, missions as written
   std::string clock = "real";
   bool simulate = false;
   std::vector<std::string> inputs;
@@ -32,15 +33,11 @@ struct MissionOptions {
 /// --libraries
 void add_library_option(Verb& verb, MissionOptions& options);
 
-/// What executes its actions: Python, and simulation where that is asked for.
-mission::Runners runners_of(const MissionOptions& options);
-/// "NAME=VALUE", the value as in YAML. InvalidArgument, ParseError.
-Result<std::pair<std::string, type::Value>> parse_input(const std::string& text);
+/// What --input says: "NAME=VALUE", the value as in YAML; of two with one name the last. InvalidArgument,
+/// ParseError.
+Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
 
-/// What --fact says. ParseError.
-Result<std::vector<mission::Fact>> given_facts(const std::vector<std::string>& texts);
-
-/// Runs the mission and shows what was executed. SIGINT and SIGTERM preempt it.
-int run_mission(const MissionOptions& options, const Context& context);
+/// Runs a mission or a task network and shows what it did. SIGINT and SIGTERM preempt it.
+int run_plan(const MissionOptions& options, const NetworkOptions& network, const Context& context);
 
 }  // namespace segue::cli

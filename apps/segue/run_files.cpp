@@ -4,8 +4,6 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
-
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,7 +14,6 @@
 #include <vector>
 
 #include "output.hpp"
-#include "run_times.hpp"
 
 namespace segue::cli {
 
@@ -71,50 +68,6 @@ Result<void> write(const RunFiles& files, const draw::Gantt& gantt) {
     }
   }
   return {};
-}
-
-namespace {
-
-std::vector<std::string> row(const cdtn::TaskNetwork& network, const cdtn::RunResult& result,
-                             const cdtn::WaitFinder& finder, cdtn::NodeId node) {
-  const cdtn::NodeResult& own = result.nodes[cdtn::index(node)];
-  std::string last;
-  if (const auto waits = finder.of(node); !waits.empty()) {
-    const cdtn::NodeId other = waits.back().node;
-    last = to_string(waits.back(), cdtn::index(other) == cdtn::kNone ? "" : network.label(other));
-  }
-  const auto time = [&](TimePoint point) {
-    return own.attempts == 0 ? std::string("-") : fmt::format("{:.2f}", seconds(point.time_since_epoch()));
-  };
-  const bool in_vain = own.status == cdtn::NodeStatus::Skipped;
-  return {printable(network.label(node)), time(own.started), time(own.ended),
-          in_vain ? "thrown away" : std::string(to_string(own.status)), printable(last)};
-}
-
-}  // namespace
-
-void show_run(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-              const cdtn::RunSummary& summary, const Context& context) {
-  if (context.json()) return print_json(cdtn::to_value(network, order, result, summary));
-  const cdtn::WaitFinder finder(network, order, result);
-  Table table({{"node"},
-               {"start", Table::Align::Right},
-               {"end", Table::Align::Right},
-               {"status"},
-               {"waited last for"}});
-  std::size_t unwanted = 0;
-  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
-    const cdtn::NodeResult& node = result.nodes[i];
-    if (node.status == cdtn::NodeStatus::Skipped && node.attempts == 0)
-      ++unwanted;
-    else
-      table.add(row(network, result, finder, cdtn::NodeId{i}));
-  }
-  print(table.text());
-  if (unwanted > 0) print_line(fmt::format("and {} not on the path taken", unwanted));
-  print_line(fmt::format("{} in {:.2f} s; one after the other {:.2f} s, critical path {:.2f} s",
-                         result.done() ? "done" : "ended", seconds(result.makespan),
-                         seconds(summary.sequential), seconds(summary.critical_path)));
 }
 
 }  // namespace segue::cli

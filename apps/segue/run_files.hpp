@@ -32,8 +32,4 @@ Result<void> check(const RunFiles& files);
 /// After it. Blocks.
 Result<void> write(const RunFiles& files, const draw::Gantt& gantt);
 
-/// The rows of a task network's run, or with `--format json` all of it.
-void show_run(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-              const cdtn::RunSummary& summary, const Context& context);
-
 }  // namespace segue::cli

@@ -67,9 +67,12 @@ void StopSignal::listen() {
 }
 
 void StopSignal::request(const std::string& reason) {
-  const std::lock_guard lock(mutex_);
-  if (!reason_) reason_ = reason;
-  changed_.notify_all();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!reason_) reason_ = reason;
+    changed_.notify_all();
+  }
+  stop_.request_stop();  // its callbacks may take locks of their own
 }
 
 bool StopSignal::requested() {

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -28,6 +29,8 @@ class StopSignal {
   /// Why to end; waits until `deadline`, or for ever.
   std::optional<std::string> wait(std::optional<TimePoint> deadline);
   [[nodiscard]] bool requested();
+  /// Stop is requested of it when a signal comes, or by request().
+  [[nodiscard]] std::stop_token token() const { return stop_.get_token(); }
 
  private:
   void listen();
@@ -35,6 +38,7 @@ class StopSignal {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<std::string> reason_;
+  std::stop_source stop_;
   bool signalled_ = false;  ///< the listener's, until it has ended
   int wake_ = -1;
   sigset_t before_{};

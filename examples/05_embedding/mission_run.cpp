@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mission inside a program: loads a mission file, executes some of its actions in C++, follows its
+// progress, and draws what it did.
+//   mission_run MISSION_FILE [SVG_FILE]
+#include <segue/draw/gantt.hpp>
+#include <segue/session/session.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+using namespace segue;
+
+namespace {
+
+int fail_with(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  return 1;
+}
+
+/// An action in C++: it reads inputs and outputs by name, and ends with an outcome.
+mission::Ending weigh(mission::ActionCall& call) {
+  const double grams = call.input("grams").as_double();
+  call.set_output("heavy", grams > 500);
+  if (grams <= 0) return {mission::kAborted, "the scales show nothing"};
+  return {call.outcome("weighed").value_or(mission::kAborted), {}};
+}
+
+void show(const mission::ActionEvent& event) {
+  if (event.kind == mission::ActionEvent::Kind::Began) return;
+  std::printf("%.*s: %.*s\n", static_cast<int>(event.path.size()), event.path.data(),
+              static_cast<int>(event.outcome.size()), event.outcome.data());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) return fail_with("usage: mission_run MISSION_FILE [SVG_FILE]");
+  Diagnostics diagnostics;
+  const auto session = session::Session::load(argv[1], {}, diagnostics);
+  if (!session) return fail_with(to_string(diagnostics));
+
+  session::RunRequest request;
+  request.mode = session::RunMode::Concurrent;
+  request.clock = cdtn::ClockKind::Virtual;  // simulated actions take no time
+  request.runners.add("weigh", weigh);
+  request.on_action = show;
+  std::stop_source stop;  // request_stop(), on any thread, preempts what is running
+  const auto run = session->run(request, stop.get_token());
+  if (!run) return fail_with(to_string(run.error()));
+
+  const session::RunOverview& overview = (*run)->overview();
+  const auto seconds = [](Duration time) { return std::chrono::duration<double>(time).count(); };
+  std::printf("%s: %s after %.1f s, sequentially %.1f s\n", overview.name.c_str(), overview.outcome.c_str(),
+              seconds(overview.makespan), seconds((*run)->comparison().sequential));
+  if (argc > 2) std::ofstream(argv[2]) << draw::to_svg((*run)->gantt());
+  return overview.succeeded ? 0 : 1;
+}

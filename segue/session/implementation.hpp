@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/session/session.hpp>
+
+#include <ctime>
+
+/// The runs behind Session::run. Internal.
+namespace segue::session::detail {
+
+using RunResult = Result<std::unique_ptr<FinishedRun>>;
+using SharedProgram = std::shared_ptr<const mission::Program>;
+
+/// Each blocks until its run has ended.
+RunResult run_as_written(SharedProgram program, const RunRequest& request, std::stop_token stop);
+RunResult run_concurrently(SharedProgram program, const RunRequest& request, std::stop_token stop);
+RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
+                      std::stop_token stop);
+
+/// The diagram of a mission, planned as the request says. Blocks.
+Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request);
+
+/// By port of the mission; null for its default. NotFound, TypeMismatch.
+Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program, const type::ValueMap& given);
+/// ParseError.
+Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts);
+/// Those of the request, with scripts and simulation as it says.
+mission::Runners runners_for(const RunRequest& request);
+
+inline double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Measures the processor time of this thread from its construction on.
+class ProcessorTime {
+ public:
+  [[nodiscard]] double microseconds() const { return now() - begin_; }
+
+ private:
+  static double now() {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) * 1e-3;
+  }
+  double begin_ = now();
+};
+
+}  // namespace segue::session::detail

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/virtual_clock.hpp>
+#include <segue/draw/mission_gantt.hpp>
+#include <segue/mission/engine.hpp>
+#include <segue/session/implementation.hpp>
+
+#include <fmt/format.h>
+
+namespace segue::session::detail {
+
+namespace {
+
+using mission::RunJournal;
+using type::Value;
+using type::ValueMap;
+
+/// A mission as it is written, with the reference engine.
+class SequentialRun final : public FinishedRun {
+ public:
+  explicit SequentialRun(cdtn::ClockKind clock)
+      : clock_(clock == cdtn::ClockKind::Virtual ? static_cast<Clock&>(virtual_clock_)
+                                                 : RealClock::instance()) {}
+
+  Result<void> prepare(SharedProgram program, const RunRequest& request) {
+    mission::EngineOptions options;
+    options.clock = &clock_;
+    options.warn = request.note;
+    options.observe = request.on_action;
+    auto start = open_journal(program->mission(), request, options.journal);
+    if (!start) return start.error();
+    auto facts = parse_facts(start->facts);
+    if (!facts) return facts.error();
+    options.facts = std::move(*facts);
+    auto engine = mission::Engine::create(std::move(program), runners_for(request), std::move(options));
+    if (!engine) return engine.error();
+    engine_ = std::move(*engine);
+    for (const auto& [name, value] : start->inputs) {
+      if (auto set = engine_->set_input(name, value); !set) return set;
+    }
+    return start->start_at.empty() ? Result<void>{} : engine_->start_at(start->start_at);
+  }
+
+  void execute(std::stop_token stop) {
+    begin_ = clock_.now();
+    const ProcessorTime time;
+    {
+      const std::stop_callback end(std::move(stop), [this] { engine_->stop(); });
+      engine_->run();
+    }
+    if (engine_->executions() > 0)
+      engine_us_ = time.microseconds() / static_cast<double>(engine_->executions());
+    const mission::MissionResult& result = engine_->result();
+    overview_.name = program().mission().name;
+    overview_.outcome = result.outcome_name;
+    overview_.succeeded = result.outcome >= 0;
+    if (!result.error.empty()) overview_.error = Error{ErrorCode::HookFailed, result.error, {}, {}, {}};
+    const auto& ports = *program().node(0).output_ports;
+    for (std::size_t i = 0; i < ports.size(); ++i)
+      overview_.outputs.append(ports[i].name, result.outputs[i]);
+    overview_.makespan = clock_.now() - begin_;
+    for (const mission::History::Item& item : items())
+      overview_.actions += is_leaf(item.state) ? 1 : 0;
+  }
+
+  [[nodiscard]] bool as_written() const override { return true; }
+
+  [[nodiscard]] std::vector<RunRow> rows(std::size_t most) const override {
+    std::vector<RunRow> rows;
+    for (std::uint32_t i = 0; i < items().size() && rows.size() < most; ++i) {
+      const auto& item = items()[i];
+      if (!is_leaf(item.state)) continue;
+      rows.push_back({name_of(i),
+                      true,
+                      item.began - begin_,
+                      item.end - begin_,
+                      item.ended ? cdtn::NodeStatus::Done : cdtn::NodeStatus::NotReached,
+                      item.ended ? program().outcome_name(item.state, item.outcome) : "",
+                      {}});
+    }
+    return rows;
+  }
+
+  [[nodiscard]] const cdtn::RunSummary& comparison() override { return gantt().summary; }
+
+  [[nodiscard]] Value to_value() override {
+    Value::List nodes;
+    for (std::uint32_t i = 0; i < items().size(); ++i) {
+      if (is_leaf(items()[i].state)) nodes.push_back(node(i, gantt().nodes[nodes.size()]));
+    }
+    ValueMap map;
+    map.append("outcome", overview_.outcome);
+    if (overview_.error) map.append("error", overview_.error->message);
+    map.append("makespan_s", seconds(overview_.makespan));
+    map.append("sequential_s", seconds(comparison().sequential));
+    map.append("critical_path_s", seconds(comparison().critical_path));
+    map.append("nodes", std::move(nodes));
+    map.append("outputs", overview_.outputs);
+    map.append("globals", engine_->globals().snapshot());
+    Value::List world;
+    for (const std::string& fact : engine_->world().facts())
+      world.emplace_back(fact);
+    map.append("world", std::move(world));
+    map.append("engine_us_per_node", engine_us_);
+    return map;
+  }
+
+ protected:
+  [[nodiscard]] draw::Gantt make_gantt() const override {
+    draw::Gantt gantt = draw::gantt_of(program(), engine_->history(), engine_->result().outcome, begin_,
+                                       begin_ + overview_.makespan);
+    gantt.summary.engine_us_per_node = engine_us_;
+    return gantt;
+  }
+
+ private:
+  /// What the run begins with: as requested, or as the journal says that it continues.
+  static Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                                std::shared_ptr<RunJournal>& journal) {
+    RunJournal::Start start{request.inputs, request.facts, request.start_at};
+    if (!request.journal) return start;
+    const JournalRequest& wanted = *request.journal;
+    if (!wanted.resume) {
+      auto created = RunJournal::create(wanted.file, mission, start, request.note);
+      if (!created) return created.error();
+      journal = std::move(*created);
+      return start;
+    }
+    if (!start.inputs.empty() || !start.facts.empty() || !start.start_at.empty()) {
+      return fail(ErrorCode::InvalidArgument,
+                  "a run that is resumed has the inputs, facts and start that it began with");
+    }
+    auto found = RunJournal::resume(wanted.file, mission, wanted.under_way, request.note);
+    if (!found) return found.error();
+    journal = std::move(*found);
+    if (request.note) {
+      request.note(fmt::format("the run is resumed: {} {} had ended", journal->size(),
+                               journal->size() == 1 ? "action" : "actions"));
+    }
+    return journal->start();
+  }
+
+  [[nodiscard]] const mission::Program& program() const { return engine_->program(); }
+  [[nodiscard]] const std::vector<mission::History::Item>& items() const {
+    return engine_->history().items();
+  }
+  [[nodiscard]] bool is_leaf(mission::StateIndex state) const {
+    return mission::is_leaf(program().node(state).kind);
+  }
+  [[nodiscard]] std::string name_of(std::uint32_t item) const {
+    std::string path = engine_->history().path(program(), item);
+    return path.empty() ? program().mission().name : path;
+  }
+
+  [[nodiscard]] Value node(std::uint32_t i, const draw::Gantt::Node& shown) {
+    const mission::History& history = engine_->history();
+    const auto& item = items()[i];
+    const mission::Action& action = program().mission().actions[program().node(item.state).action];
+    Value::List resources;
+    for (const mission::ResourceUse& use : action.resources)
+      resources.emplace_back(use.resource);
+    Value::List waits;
+    for (const cdtn::Wait& wait : shown.waits)
+      waits.push_back(cdtn::to_value(wait, gantt().nodes[cdtn::index(wait.node)].name));
+    Value node =
+        Value::map({{"name", name_of(i)},
+                    {"iteration", static_cast<std::uint64_t>(item.iteration)},
+                    {"start_s", seconds(item.began - begin_)},
+                    {"end_s", seconds(item.end - begin_)},
+                    {"status", std::string(cdtn::to_string(shown.status))},
+                    {"outcome", item.ended ? program().outcome_name(item.state, item.outcome) : "under way"},
+                    {"pia", !action.pure},
+                    {"resources", std::move(resources)},
+                    {"waited_for", std::move(waits)}});
+    if (const auto error = history.error(i); !error.empty()) node.as_map().append("error", error);
+    return node;
+  }
+
+  VirtualClock virtual_clock_;
+  Clock& clock_;
+  std::unique_ptr<mission::Engine> engine_;
+  TimePoint begin_{};
+  double engine_us_ = 0;
+};
+
+}  // namespace
+
+RunResult run_as_written(SharedProgram program, const RunRequest& request, std::stop_token stop) {
+  auto run = std::make_unique<SequentialRun>(request.clock);
+  if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
+  run->execute(std::move(stop));
+  return std::unique_ptr<FinishedRun>(std::move(run));
+}
+
+}  // namespace segue::session::detail

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/convert/run.hpp>
+#include <segue/draw/plan_diagram.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/rafcon.hpp>
+#include <segue/mission/script_runner.hpp>
+#include <segue/session/implementation.hpp>
+#include <segue/type/json.hpp>
+
+#include <string_view>
+
+namespace segue::session {
+
+namespace {
+
+/// JSON with nodes at its top; also what is meant as such and cannot be parsed.
+bool is_task_network(const std::filesystem::path& file) {
+  const auto text = read_file(file);
+  if (!text) return false;
+  const auto first = text->find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || (*text)[first] != '{') return false;
+  const auto value = type::parse_json(*text);
+  return !value || value->find("nodes") != nullptr;
+}
+
+std::optional<mission::Mission> load_mission(const std::filesystem::path& file,
+                                             const std::vector<std::string>& libraries,
+                                             Diagnostics& diagnostics) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(file, ignored))
+    return mission::load_mission(file, {libraries.begin(), libraries.end()}, diagnostics);
+  const std::size_t errors_before = diagnostics.error_count();
+  auto machine = mission::import_rafcon(file, mission::rafcon_library_paths(libraries), diagnostics);
+  if (machine) diagnostics.append(mission::validate(machine->mission));
+  if (!machine || diagnostics.error_count() > errors_before) return std::nullopt;
+  return std::move(machine->mission);
+}
+
+}  // namespace
+
+const draw::Gantt& FinishedRun::gantt() {
+  if (!gantt_) gantt_ = make_gantt();
+  return *gantt_;
+}
+
+std::optional<Session> Session::load(const std::filesystem::path& file,
+                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics) {
+  if (is_task_network(file)) {
+    auto network = cdtn::load_flat_network(file, diagnostics);
+    if (!network) return std::nullopt;
+    return create(std::move(*network));
+  }
+  auto mission = load_mission(file, libraries, diagnostics);
+  if (!mission) return std::nullopt;
+  auto session = create(std::move(*mission));
+  if (session) return std::move(*session);
+  diagnostics.error("invalid-mission", session.error().message, session.error().where);
+  return std::nullopt;
+}
+
+bool Session::check(const std::filesystem::path& file, const std::vector<std::string>& libraries,
+                    Diagnostics& diagnostics) {
+  return is_task_network(file) ? cdtn::load_flat_network(file, diagnostics).has_value()
+                               : load_mission(file, libraries, diagnostics).has_value();
+}
+
+Result<Session> Session::create(mission::Mission mission) {
+  auto program = mission::Program::compile(std::move(mission));
+  if (!program) return program.error();
+  Session session;
+  session.program_ = std::move(*program);
+  return session;
+}
+
+Session Session::create(cdtn::FlatNetwork network) {
+  Session session;
+  session.network_ = std::make_shared<const cdtn::FlatNetwork>(std::move(network));
+  return session;
+}
+
+const std::string& Session::name() const {
+  return is_network() ? network_->network.name : program_->mission().name;
+}
+
+Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
+  if (!is_network()) return detail::diagram_of(program_, request);
+  if (!request.inputs.empty() || !request.facts.empty())
+    return fail(ErrorCode::Unsupported, "inputs and facts are for missions, not for task networks");
+  std::vector<cdtn::Dependency> further;
+  const cdtn::Order order = cdtn::derive_order(network_->network, request.order, &further);
+  return draw::diagram_of(network_->network, order, further);
+}
+
+Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request, std::stop_token stop) const {
+  const bool journal = request.journal.has_value();
+  const bool from_state = !request.start_at.empty();
+  if (is_network()) {
+    if (!request.inputs.empty() || !request.facts.empty() || from_state || journal) {
+      return fail(ErrorCode::Unsupported,
+                  "inputs, facts, a state to start at and a journal are for missions, not for task networks");
+    }
+    return detail::run_network(network_, request, std::move(stop));
+  }
+  if (request.mode == RunMode::Sequential) return detail::run_as_written(program_, request, std::move(stop));
+  if (from_state || journal) {
+    return fail(ErrorCode::Unsupported,
+                "a state to start at and a journal are for missions that run as they are written");
+  }
+  return detail::run_concurrently(program_, request, std::move(stop));
+}
+
+namespace detail {
+
+Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program,
+                                                const type::ValueMap& given) {
+  std::vector<type::Value> inputs(program.node(0).input_ports->size());
+  for (const auto& [name, value] : given) {
+    const auto input = program.input_for(name, value);
+    if (!input) return input.error();
+    inputs[*input] = value;
+  }
+  return inputs;
+}
+
+Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts) {
+  std::vector<mission::Fact> facts;
+  for (const std::string& text : texts) {
+    auto fact = mission::parse_initial_fact(text);
+    if (!fact) return fact.error();
+    facts.push_back(std::move(*fact));
+  }
+  return facts;
+}
+
+mission::Runners runners_for(const RunRequest& request) {
+  mission::Runners runners = request.runners;
+  if (!request.python.empty()) {
+    mission::ScriptOptions scripts;
+    scripts.python = request.python;
+    runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
+  }
+  if (request.simulate) runners.simulate_all();
+  return runners;
+}
+
+Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request) {
+  auto inputs = inputs_by_port(*program, request.inputs);
+  if (!inputs) return inputs.error();
+  const auto facts = parse_facts(request.facts);
+  if (!facts) return facts.error();
+  auto plan = convert::MissionPlan::create(program, std::move(*inputs), *facts);
+  if (!plan) return plan.error();
+  mission::Runners runners;
+  runners.simulate_all();
+  const auto failure =
+      convert::plan_ahead(**plan, request.horizon, request.assume_expected ? &runners : nullptr);
+  if (!failure) return failure.error();
+  if (*failure && request.note) request.note("as expected, the mission fails: " + (*failure)->message);
+  return draw::diagram_of(**plan);
+}
+
+}  // namespace detail
+
+}  // namespace segue::session

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/base/result.hpp>
+#include <segue/cdtn/completion_queue.hpp>
+#include <segue/cdtn/flat_file.hpp>
+#include <segue/cdtn/order.hpp>
+#include <segue/draw/diagram.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/program.hpp>
+#include <segue/mission/run_journal.hpp>
+#include <segue/session/run.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// A mission or a task network, from its file to its run and its drawings: what `segue mission` does, for any
+/// program.
+namespace segue::session {
+
+/// Sequential: a mission as it is written, with the reference semantics; the nodes of a task network one
+/// after another. Concurrent: as a task network, with the outcome of the sequential run.
+enum class RunMode : std::uint8_t { Sequential, Concurrent };
+
+/// A file that keeps what a run has done, so that a later one can continue it (mission::RunJournal).
+struct JournalRequest {
+  std::filesystem::path file;
+  bool resume = false;  ///< continue the run in the file; otherwise the file must not exist
+  /// With `resume`: what becomes of actions that had begun and not ended.
+  mission::RunJournal::UnderWay under_way = mission::RunJournal::UnderWay::Refuse;
+};
+
+/// What only runs of task networks from files have; their nodes are simulated.
+struct NetworkRequest {
+  cdtn::OrderRule order = cdtn::OrderRule::Epoch;
+  std::uint64_t seed = 0;          ///< varies durations, the same way for the same number; 0: as expected
+  std::uint32_t world_copies = 0;  ///< projected worlds at the same time; 0: any number
+  std::vector<std::pair<std::string, std::uint32_t>> resources;  ///< how many units there are of some
+};
+
+struct RunRequest {
+  RunMode mode = RunMode::Sequential;
+  cdtn::ClockKind clock = cdtn::ClockKind::Real;
+
+  // Missions only; given for a task network they are refused.
+  type::ValueMap inputs;                  ///< in place of their defaults
+  std::vector<std::string> facts;         ///< "p(a)" holds at the beginning, "!p(a)" does not
+  std::string start_at;                   ///< "fetch/grasp"; sequential only
+  std::optional<JournalRequest> journal;  ///< sequential only
+
+  // Who executes the actions of a mission.
+  mission::Runners runners;        ///< callbacks in C++
+  std::string python = "python3";  ///< executes scripts; empty: as `runners` says
+  bool simulate = false;           ///< simulate every action by what is expected of it
+
+  bool strict = false;        ///< concurrent: irreversible nodes wait for all before them that may fail
+  std::uint32_t workers = 0;  ///< concurrent: how many nodes run at the same time; 0: any number
+  NetworkRequest network;
+
+  /// Told what is odd but no failure. On the thread of run(), or on that of an opaque subtree.
+  std::function<void(const std::string&)> note;
+  /// Progress of a mission; see convert::RunOptions::observe.
+  mission::ActionObserver on_action;
+};
+
+struct ConvertRequest {
+  type::ValueMap inputs;                           ///< missions only, as the next
+  std::vector<std::string> facts;                  ///< as in RunRequest
+  std::size_t horizon = 1000;                      ///< how many nodes of a mission are planned
+  bool assume_expected = false;                    ///< where it must be decided to go on: go on as expected
+  cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network
+  std::function<void(const std::string&)> note;    ///< such as that the mission is expected to fail
+};
+
+/// One plan, loaded and compiled. Immutable: any number of threads may use it, and run it, at the same time.
+/// Copies share what is loaded.
+class Session {
+ public:
+  /// Reads a mission file, the folder of a RAFCON machine, or a task network (JSON with `nodes`), validates
+  /// it, and compiles it. `libraries`: folders in which libraries are looked for; for RAFCON's machines
+  /// NAME=FOLDER. Every problem becomes a diagnostic with its place; nothing is returned where there are
+  /// errors. Blocks while it reads.
+  static std::optional<Session> load(const std::filesystem::path& file,
+                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics);
+  /// The same without compiling: whether load() would succeed.
+  static bool check(const std::filesystem::path& file, const std::vector<std::string>& libraries,
+                    Diagnostics& diagnostics);
+  /// A mission that the program has made. InvalidArgument with the first problem.
+  static Result<Session> create(mission::Mission mission);
+  static Session create(cdtn::FlatNetwork network);
+
+  [[nodiscard]] bool is_network() const { return network_ != nullptr; }
+  [[nodiscard]] const std::string& name() const;
+  /// Null for a task network.
+  [[nodiscard]] const mission::Program* program() const { return program_.get(); }
+
+  /// The task network as it would run concurrently, and why each node comes after others. NotFound and
+  /// TypeMismatch for inputs, ParseError for facts, Unsupported where a task network is given either. Blocks
+  /// while it plans; nothing is executed.
+  [[nodiscard]] Result<draw::Diagram> convert(const ConvertRequest& request) const;
+
+  /// Runs the plan to its end, on this thread; blocks. That an action or the mission fails is no error here
+  /// but in the overview. `stop`, requested on any thread, preempts what is under way and ends the run soon;
+  /// what the mission does to handle preemption still runs. Errors come before anything has been executed:
+  /// those of convert(), NotFound where an action has no runner, those of the journal, and Unsupported where
+  /// the mode or the kind of plan does not have what is requested.
+  [[nodiscard]] Result<std::unique_ptr<FinishedRun>> run(const RunRequest& request,
+                                                         std::stop_token stop = {}) const;
+
+ private:
+  Session() = default;
+
+  std::shared_ptr<const mission::Program> program_;  ///< one of both is set
+  std::shared_ptr<const cdtn::FlatNetwork> network_;
+};
+
+}  // namespace segue::session

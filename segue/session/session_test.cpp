@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/session/session.hpp>
+#include <segue/type/json.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace segue::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Warming up takes four seconds and looking three; only the grasp needs both.
+constexpr const char* kGrasp = R"j(mission: m
+actions:
+  warm_up: {effects: ["+warm()"], run: {simulated: {duration: 4s}}}
+  look: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 3s, outputs: {pose: 7}}}}
+  grasp: {inputs: {pose: int}, preconditions: ["warm()"], run: {callback: grasp}}
+start: warm_up
+inputs: {force: {type: int, default: 1}}
+outputs: {pose: int}
+flows: [look.pose -> grasp.pose, look.pose -> outputs.pose]
+states:
+  warm_up: {on: {success: look}}
+  look: {on: {success: grasp}}
+  grasp: {on: {success: return success}}
+)j";
+constexpr const char* kEndless = R"(mission: endless
+actions:
+  tick: {run: {simulated: {duration: 1s}}}
+start: tick
+states:
+  tick: {on: {success: tick}}
+)";
+constexpr const char* kNetwork = R"j({"name": "n", "nodes": [
+  {"name": "short", "duration_s": 1, "effects": ["+p()"]},
+  {"name": "beside", "duration_s": 2, "effects": ["+q()"]},
+  {"name": "after", "duration_s": 3, "preconditions": ["p()"], "effects": []}]})j";
+
+class Sessions : public ::testing::Test {
+ protected:
+  Sessions()
+      : folder_(std::filesystem::temp_directory_path() / ("session_test." + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Sessions() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    EXPECT_TRUE(write_file((folder_ / name).string(), text));
+    return folder_ / name;
+  }
+  Session load(const std::string& name, const std::string& text) const {
+    Diagnostics diagnostics;
+    auto session = Session::load(write(name, text), {}, diagnostics);
+    EXPECT_TRUE(session) << to_string(diagnostics);
+    return *session;
+  }
+  /// In virtual time, with a grasp that succeeds at once.
+  static RunRequest request(RunMode mode) {
+    RunRequest request;
+    request.mode = mode;
+    request.clock = cdtn::ClockKind::Virtual;
+    request.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
+    return request;
+  }
+
+  const std::filesystem::path folder_;
+};
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {
+  const Session session = load("m.yaml", kGrasp);
+  EXPECT_FALSE(session.is_network());
+  EXPECT_EQ(session.name(), "m");
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  for (const auto& run : {sequential.get(), concurrent.get()}) {
+    EXPECT_TRUE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().name, "m");
+    EXPECT_EQ(run->overview().outcome, "success");
+    EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7));
+    EXPECT_EQ(run->overview().actions, 3U);
+    EXPECT_EQ(seconds(run->comparison().sequential), 7);
+    EXPECT_EQ(run->gantt().nodes.size(), 3U);
+    EXPECT_EQ(run->to_value().find("outcome")->as_string(), "success");
+  }
+  EXPECT_EQ(seconds(sequential->overview().makespan), 7);
+  EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
+}
+
+TEST_F(Sessions, RowsTellWhenAndWhy) {
+  const Session session = load("m.yaml", kGrasp);
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto first = sequential->rows(2);
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_TRUE(sequential->as_written());
+  EXPECT_EQ(first[1].name, "look");
+  EXPECT_EQ(seconds(first[1].start), 4);
+  EXPECT_EQ(seconds(first[1].end), 7);
+  EXPECT_EQ(first[1].outcome, "success");
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  EXPECT_FALSE(concurrent->as_written());
+  EXPECT_EQ(concurrent->rows()[2].waited_for, "world warm() of warm_up");
+}
+
+TEST_F(Sessions, ProgressTellsOfEachActionInEitherMode) {
+  const Session session = load("m.yaml", kGrasp);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    std::vector<std::string> begun;
+    std::vector<std::string> ended;
+    RunRequest wanted = request(mode);
+    wanted.on_action = [&](const mission::ActionEvent& event) {
+      if (event.kind == mission::ActionEvent::Kind::Began) {
+        begun.emplace_back(event.path);
+      } else {
+        ended.push_back(std::string(event.path) + ": " + std::string(event.outcome));
+      }
+    };
+    ASSERT_TRUE(session.run(wanted));
+    EXPECT_THAT(begun, ::testing::UnorderedElementsAre("warm_up", "look", "grasp"));
+    EXPECT_THAT(ended,
+                ::testing::UnorderedElementsAre("warm_up: success", "look: success", "grasp: success"));
+  }
+}
+
+TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
+  const Session session = load("m.yaml", kGrasp);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    std::vector<std::string> errors;
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall&) {
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    wanted.on_action = [&](const mission::ActionEvent& event) {
+      if (!event.error.empty())
+        errors.push_back(std::string(event.outcome) + ": " + std::string(event.error));
+    };
+    const auto run = session.run(wanted).value();
+    EXPECT_FALSE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().outcome, "aborted");
+    ASSERT_TRUE(run->overview().error);
+    EXPECT_EQ(run->overview().error->message, "it slipped");
+    EXPECT_THAT(errors, ElementsAre("aborted: it slipped"));
+  }
+}
+
+TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
+  const Session session = load("m.yaml", kEndless);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    std::stop_source stop;
+    std::atomic<bool> goes_on = false;
+    wanted.on_action = [&](const mission::ActionEvent&) {
+      goes_on = true;
+      goes_on.notify_all();
+    };
+    std::jthread other([&] {
+      goes_on.wait(false);
+      stop.request_stop();
+    });
+    const auto run = session.run(wanted, stop.get_token()).value();
+    EXPECT_FALSE(run->overview().succeeded);
+    EXPECT_EQ(run->overview().outcome, "preempted");
+  }
+}
+
+TEST_F(Sessions, AStopBeforeTheRunLeavesNothingDone) {
+  std::stop_source stop;
+  stop.request_stop();
+  for (const auto& [file, text] : {std::pair("m.yaml", kEndless), std::pair("n.json", kNetwork)}) {
+    const Session session = load(file, text);
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      const auto run = session.run(request(mode), stop.get_token()).value();
+      EXPECT_FALSE(run->overview().succeeded) << file;
+      for (const RunRow& row : run->rows())
+        EXPECT_NE(row.status, cdtn::NodeStatus::Done) << file << ' ' << row.name;
+    }
+  }
+}
+
+TEST_F(Sessions, AJournalLetsALaterRunContinue) {
+  const Session session = load("m.yaml", kGrasp);
+  RunRequest wanted = request(RunMode::Sequential);
+  wanted.journal = JournalRequest{folder_ / "journal"};
+  std::stop_source stop;
+  wanted.on_action = [&](const mission::ActionEvent& event) {
+    if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
+  };
+  EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
+  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
+
+  std::vector<std::string> begun;
+  std::vector<std::string> notes;
+  wanted.journal->resume = true;
+  wanted.note = [&](const std::string& text) { notes.push_back(text); };
+  wanted.on_action = [&](const mission::ActionEvent& event) {
+    if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
+  };
+  const auto run = session.run(wanted).value();
+  EXPECT_EQ(run->overview().outcome, "success");
+  EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7)) << "from the journal";
+  EXPECT_THAT(begun, ElementsAre("grasp"));
+  EXPECT_THAT(notes, ElementsAre("the run is resumed: 2 actions had ended"));
+  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
+  wanted.inputs.append("force", 2);
+  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument);
+}
+
+TEST_F(Sessions, ANetworkRunsInEitherMode) {
+  const Session session = load("n.json", kNetwork);
+  EXPECT_TRUE(session.is_network());
+  EXPECT_EQ(session.program(), nullptr);
+  const auto sequential = session.run(request(RunMode::Sequential)).value();
+  const auto concurrent = session.run(request(RunMode::Concurrent)).value();
+  EXPECT_EQ(seconds(sequential->overview().makespan), 6);
+  EXPECT_EQ(seconds(concurrent->overview().makespan), 4);
+  EXPECT_EQ(concurrent->overview().outcome, "done");
+  EXPECT_EQ(seconds(concurrent->comparison().sequential), 6);
+  EXPECT_EQ(seconds(concurrent->comparison().critical_path), 4);
+  EXPECT_EQ(concurrent->gantt().nodes.size(), 3U);
+}
+
+TEST_F(Sessions, ConvertShowsTheNodesBeforeAnyRun) {
+  const Session mission = load("m.yaml", kGrasp);
+  const auto nodes = mission.convert({}).value().nodes;
+  ASSERT_EQ(nodes.size(), 3U);
+  EXPECT_EQ(nodes[2].name, "grasp");
+  EXPECT_EQ(nodes[2].before.size(), 2U);
+  ConvertRequest far;
+  far.horizon = 20;
+  far.assume_expected = true;
+  EXPECT_GE(load("e.yaml", kEndless).convert(far).value().nodes.size(), 20U);
+  EXPECT_EQ(load("n.json", kNetwork).convert({}).value().nodes.size(), 3U);
+}
+
+TEST_F(Sessions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
+  const Session mission = load("m.yaml", kGrasp);
+  const Session network = load("n.json", kNetwork);
+  RunRequest odd = request(RunMode::Sequential);
+  odd.inputs.append("x", 1);
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Concurrent);
+  odd.inputs.append("force", "strong");
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::TypeMismatch);
+  odd = request(RunMode::Concurrent);
+  odd.start_at = "look";
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Sequential);
+  odd.start_at = "nowhere";
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::NotFound);
+  odd = request(RunMode::Sequential);
+  odd.facts = {"(("};
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::ParseError);
+  odd = request(RunMode::Concurrent);
+  odd.network.resources = {{"nothing", 2}};
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(mission.run({}).error().code, ErrorCode::NotFound) << "no callback";
+}
+
+TEST_F(Sessions, EveryProblemOfAFileIsReported) {
+  Diagnostics diagnostics;
+  const auto file = write("broken.yaml", "mission: x\nstart: nowhere\nstates: {}\n");
+  EXPECT_FALSE(Session::load(file, {}, diagnostics));
+  EXPECT_TRUE(diagnostics.has_errors());
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("nowhere"));
+  Diagnostics again;
+  EXPECT_FALSE(Session::check(write("broken.json", R"({"nodes": [{"name": 3}]})"), {}, again));
+  EXPECT_TRUE(again.has_errors());
+  Diagnostics none;
+  EXPECT_TRUE(Session::check(write("m.yaml", kGrasp), {}, none));
+  EXPECT_TRUE(Session::check(write("n.json", kNetwork), {}, none));
+  EXPECT_THAT(to_string(none), IsEmpty());
+}
+
+TEST_F(Sessions, AMissionNeedsNoFile) {
+  Diagnostics diagnostics;
+  auto mission = mission::read_mission(kGrasp, "m.yaml", diagnostics);
+  ASSERT_TRUE(mission);
+  const Session session = Session::create(std::move(*mission)).value();
+  EXPECT_TRUE(session.run(request(RunMode::Concurrent)).value()->overview().succeeded);
+
+  auto broken = mission::read_mission(kEndless, "m.yaml", diagnostics);
+  ASSERT_TRUE(broken);
+  broken->states.back().action = mission::ActionName("missing");
+  EXPECT_EQ(Session::create(std::move(*broken)).error().code, ErrorCode::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace segue::session
