@@ -135,7 +135,7 @@ TaskNetwork make_crowd(Lack lack, std::int64_t waiting, Duration duration) {
   switch (lack) {
     case Lack::Resource:
       holder.claims = spec.claims = {arm};
-      holder.kind = spec.kind = NodeClass::Pure;
+      holder.kind = spec.kind = ActionClass::Pure;
       break;
     case Lack::Data:
       spec.inputs = {{NodeId{0}, 0, 0}};
@@ -184,7 +184,7 @@ void step_beside_waiting(benchmark::State& state, Lack lack) {
   const NodeId first{network.size()};
   NodeSpec spec;
   spec.name = "step";
-  spec.kind = NodeClass::Pure;
+  spec.kind = ActionClass::Pure;
   spec.duration = std::chrono::seconds(1);
   for (std::uint32_t i = 0; i < kSteps; ++i)
     spec.inputs = {{network.append(spec), 0, 0}};

@@ -58,7 +58,7 @@ std::optional<CompletionQueue::End> CompletionQueue::take_due() {
   return End{now_, first.node, first.attempt, std::move(first.report)};
 }
 
-/// Until something may be due; false once the deadline has passed.
+/// Blocks until an end may be due; false once the deadline has passed.
 bool CompletionQueue::wait(TimePoint deadline) {
   std::unique_lock lock(mutex_);
   const auto arrived = [&] { return !posted_.empty(); };

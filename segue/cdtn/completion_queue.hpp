@@ -13,8 +13,9 @@ namespace segue::cdtn {
 
 enum class ClockKind : std::uint8_t { Virtual, Real };
 
-/// The ends of nodes in the order of their time. Virtual time jumps to the next one; real time waits. What
-/// was told first comes first at equal times, so the same calls give the same order.
+/// The ends of nodes in the order of their time. With a virtual clock, time jumps to the next end; with a
+/// real one, `next` waits for it. Ends at equal times keep the order in which they were reported, so equal
+/// calls give equal runs. All functions belong to the engine's thread, except `finish`.
 class CompletionQueue final : public Completions {
  public:
   struct End {
@@ -32,7 +33,7 @@ class CompletionQueue final : public Completions {
   /// Real time since this began, whatever the clock.
   [[nodiscard]] TimePoint elapsed() const;
 
-  /// Another end at the present time, if it is known already.
+  /// Another end at the current time, if one is known already. Does not block.
   template <class Counts>
   std::optional<End> next_now(Counts&& counts) {
     drop_unless(counts);
@@ -40,9 +41,9 @@ class CompletionQueue final : public Completions {
     return take_due();
   }
 
-  /// The next end that `counts`, which takes an End; others are dropped without time passing. Nothing where
-  /// none is scheduled and, with `awaited`, none arrives from another thread until `elapsed` is `deadline`.
-  /// Blocks while `awaited`.
+  /// The next end for which `counts` is true; others are dropped without time passing. Nullopt if none is
+  /// scheduled and, with `awaited`, none arrives from another thread before `elapsed` reaches `deadline`.
+  /// Blocks only if `awaited`.
   template <class Counts>
   std::optional<End> next(bool awaited, TimePoint deadline, Counts&& counts) {
     for (;;) {
@@ -79,11 +80,11 @@ class CompletionQueue final : public Completions {
   const TimePoint began_ = RealClock::instance().now();
   TimePoint now_{};
   std::uint64_t number_ = 0;
-  std::deque<End> due_;           ///< at the present time
+  std::deque<End> due_;           ///< at the current time
   std::vector<Scheduled> later_;  ///< a heap
-  std::mutex mutex_;
+  std::mutex mutex_;              ///< protects only posted_, through which other threads hand over ends
   std::condition_variable arrived_;
-  std::vector<End> posted_;  ///< guarded by mutex_
+  std::vector<End> posted_;
 };
 
 }  // namespace segue::cdtn

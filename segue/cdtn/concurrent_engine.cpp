@@ -43,7 +43,7 @@ ConcurrentEngine::Implementation::Implementation(TaskNetwork& network, Expansion
   growing_ = &network;
   expansion_ = &expansion;
   builder_ = std::make_unique<OrderBuilder>(network, own_order_);
-  builder_->extend();  // what is there already
+  builder_->extend();  // the nodes that exist already
 }
 
 Rank ConcurrentEngine::Implementation::rank(NodeId node) const {
@@ -54,7 +54,7 @@ void ConcurrentEngine::Implementation::log(NodeId node, LogKind kind) {
   if (options_.log) log_.push_back({events_.now(), node, at(node).attempt, kind});
 }
 
-/// Takes in the nodes that were appended since.
+/// Takes in the nodes that were appended since the last call.
 void ConcurrentEngine::Implementation::adopt() {
   const auto first = static_cast<std::uint32_t>(states_.size());
   const std::uint32_t size = network_.size();
@@ -78,15 +78,15 @@ void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   if (state.commit_gate == 0 || (!irreversible(node) && state.start_gate == 0)) work_.push_back(node);
 }
 
-/// Whether running ahead waits for the passage too: reality must be as it is meant to be, and nothing is
-/// known of what an opaque node will do.
+/// Whether a speculative run, too, waits until `from` has passed: a sensing node needs the real world in its
+/// final state, and the effects of an opaque node cannot be predicted.
 bool ConcurrentEngine::Implementation::gates_start(const Dependency& dependency) const {
   const Reason reason = dependency.reason();
   return !irreversible(dependency.to) && (reason == Reason::Fact || reason == Reason::Place) &&
          holds_start(network_, dependency);
 }
 
-/// Always, but for planted faults.
+/// True unless a fault is planted.
 bool ConcurrentEngine::Implementation::counts(const Dependency& dependency) const {
   switch (dependency.reason()) {
     case Reason::Fact:
@@ -117,7 +117,7 @@ void ConcurrentEngine::Implementation::count(State& state, const Dependency& dep
   if (gates_start(dependency)) ++state.start_gate;
 }
 
-/// False where nothing came.
+/// False if no node was appended.
 bool ConcurrentEngine::Implementation::expand() {
   if (expansion_ == nullptr || limit_ != kNone) return false;
   const std::uint32_t first = network_.size();
@@ -133,7 +133,7 @@ bool ConcurrentEngine::Implementation::expand() {
   return network_.size() > first;
 }
 
-/// Looks at the nodes that something happened to, in program order.
+/// Checks the nodes that something happened to, by rank.
 void ConcurrentEngine::Implementation::work_off() {
   for (;;) {
     take_granted();
@@ -154,10 +154,10 @@ bool ConcurrentEngine::Implementation::complete() const {
   return passed_count_ == network_.size() && (expansion_ == nullptr || expansion_->finished());
 }
 
-/// All ends at the next moment; false where none will come.
+/// Takes all ends at the next point in time; false if none can come.
 bool ConcurrentEngine::Implementation::take_ends() {
   const auto counts = [this](const auto& end) {
-    if (index(end.node) == kNone) return true;  // `stop` wants to be heard
+    if (index(end.node) == kNone) return true;  // posted by `stop`
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
   };
   auto end = events_.next(!running_.empty(), patience_, counts);

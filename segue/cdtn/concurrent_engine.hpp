@@ -15,12 +15,12 @@
 
 namespace segue::cdtn {
 
-/// Who appends nodes while a network runs: loops are unrolled a horizon of unfinished nodes ahead.
+/// Appends nodes while a network runs, for example to unroll loops up to a horizon of unfinished nodes.
 class Expansion {
  public:
   virtual ~Expansion() = default;
-  /// Appends what is known to come next, about `wanted` nodes. Called on the engine's thread when fewer nodes
-  /// than the horizon are unfinished, and again after every end while that is so.
+  /// Appends the nodes that are known to come next, about `wanted` of them. Called on the engine's thread
+  /// whenever fewer nodes than the horizon are unfinished: at the beginning and after every end.
   virtual void expand(TaskNetwork& network, std::size_t wanted) = 0;
   /// `node` has ended for good, with that outcome and those outputs (null: none). Not called for nodes that
   /// were skipped.
@@ -32,7 +32,7 @@ class Expansion {
 struct ConcurrentEngineOptions {
   ClockKind clock = ClockKind::Virtual;
   bool strict = false;             ///< irreversible nodes wait for every earlier node that may fail
-  bool speculate = true;           ///< pure nodes run ahead
+  bool speculate = true;           ///< pure nodes may run speculatively
   std::uint32_t workers = 0;       ///< nodes that run at the same time; 0: any number
   std::uint32_t world_copies = 0;  ///< projections that exist at the same time, from the start of a run until
                                    ///< nobody needs its result any more; 0: any number
@@ -41,10 +41,10 @@ struct ConcurrentEngineOptions {
   std::vector<std::uint64_t> priorities{};  ///< by node, the least first; empty: program order
 };
 
-/// Runs a network as parallel and as far ahead as its order, its resources and what is known of the world
+/// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
 /// allow, with the outcome of the sequential execution: the same values read, the same final world, the same
-/// resources consumed, the same order of irreversible nodes for each fact and resource. One thread decides,
-/// the one that calls `run`.
+/// resources consumed, the same order of irreversible nodes for each fact and resource. All decisions are
+/// made on the thread that calls `run`.
 class ConcurrentEngine {
  public:
   /// All three must outlive the engine; `order` must cover the network.

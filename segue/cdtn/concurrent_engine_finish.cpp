@@ -50,7 +50,7 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   work_.push_back(node);
 }
 
-/// Effects that were told as texts become effects like others.
+/// Turns effects that were reported by name into effects on facts.
 void ConcurrentEngine::Implementation::learn_effects(Report& report) {
   if (report.named_effects.empty()) return;
   auto& effects = report.effects ? *report.effects : report.effects.emplace();
@@ -71,7 +71,7 @@ void ConcurrentEngine::Implementation::discard(NodeId node) {
   return_copy(node);
 }
 
-/// Keeps a result until it may count.
+/// Keeps a result until the node may commit.
 void ConcurrentEngine::Implementation::park(NodeId node, ReportPtr report) {
   State& state = at(node);
   state.phase = Phase::Parked;
@@ -90,7 +90,7 @@ void ConcurrentEngine::Implementation::park(NodeId node, ReportPtr report) {
 }
 
 void ConcurrentEngine::Implementation::try_commit(NodeId node) {
-  if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix comes back to it
+  if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix calls again
   if (must_be_safe(node) && has_effects(network_, node)) {
     strict_.insert(index(node));
     return;
@@ -99,7 +99,7 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   invalidate(node);
 }
 
-/// What the node did counts from now on.
+/// The effects and the outcome of the node count from now on.
 void ConcurrentEngine::Implementation::commit(NodeId node) {
   State& state = at(node);
   NodeOutcome outcome = judge(network_, node, reports_[index(node)].get());
@@ -150,7 +150,7 @@ void ConcurrentEngine::Implementation::apply_undeclared(NodeId node, const Liter
   world_.set(literal);
 }
 
-/// Everything that comes after it may take it as settled.
+/// Everything that depends on the node may take it as settled.
 void ConcurrentEngine::Implementation::pass(NodeId node) {
   State& state = at(node);
   state.passed = true;
@@ -164,7 +164,7 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
   expansion_->ended(node, state.outcome, report ? report->outputs.get() : nullptr);
 }
 
-/// It needs nothing any more.
+/// Releases what the node no longer needs.
 void ConcurrentEngine::Implementation::settle(NodeId node) {
   leave_groups(node);
   return_copies_of_producers(node);
@@ -185,7 +185,7 @@ void ConcurrentEngine::Implementation::notify(NodeId node) {
   }
 }
 
-/// `from` has passed, or for a resource, started.
+/// `from` has passed or, for a resource, begun.
 void ConcurrentEngine::Implementation::arrive(const Dependency& dependency) {
   if (index(dependency.to) >= states_.size() || !counts(dependency)) return;
   State& to = at(dependency.to);
@@ -210,7 +210,8 @@ void ConcurrentEngine::Implementation::meet(const Dependency& dependency) {
   if (from.outcome != network_[dependency.from].expected) assumptions_changed(dependency.to);
 }
 
-/// The node was not taken to be on the path, and may be: whoever relied on that its effects stay out.
+/// The node was assumed to be off the path and may be on it: checks readers that relied on its effects not
+/// happening.
 void ConcurrentEngine::Implementation::assumptions_changed(NodeId node) {
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
@@ -218,7 +219,7 @@ void ConcurrentEngine::Implementation::assumptions_changed(NodeId node) {
   }
 }
 
-/// There are outputs, if only speculative ones.
+/// Lets consumers run on outputs that may still be speculative.
 void ConcurrentEngine::Implementation::announce_outputs(NodeId node) {
   if (at(node).announced) return;
   at(node).announced = true;
@@ -247,7 +248,7 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   const auto size = static_cast<std::uint32_t>(states_.size());
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
-  if (prefix_ < size) work_.push_back(NodeId{prefix_});  // its turn, whatever it may have waited for
+  if (prefix_ < size) work_.push_back(NodeId{prefix_});  // nothing before it can hold it up now
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;
   while (!strict_.empty() && *strict_.begin() <= safe_) {

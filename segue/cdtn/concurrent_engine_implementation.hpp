@@ -4,6 +4,7 @@
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/fault.hpp>
 #include <segue/cdtn/node_outcome.hpp>
+#include <segue/cdtn/node_state.hpp>
 #include <segue/cdtn/resource_pool.hpp>
 
 #include <atomic>
@@ -16,10 +17,9 @@
 
 namespace segue::cdtn {
 
-/// What Engine is made of. A node waits until two counts are zero: `commit_gate`, of what must have passed
-/// before it may count, and `start_gate`, of what must have happened before a pure or sensing node may run at
-/// all. A node passes when it has committed, or was skipped and everything before it has passed. Everything
-/// is driven by such passages, nothing looks at the whole network.
+/// The engine proper. All state belongs to the thread that calls `run`; other threads only post to `events_`
+/// and set `stop_asked_`. What happens to a node puts the nodes that it concerns into `work_`; nothing ever
+/// scans the whole network. NodeState states the invariants of a node.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
@@ -32,33 +32,11 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// Copying: waits for a copy of the world. Queued: for units. Ready: for a worker. Parked: has a result
-  /// that may not count yet.
-  enum class Phase : std::uint8_t { Waiting, Copying, Queued, Ready, Running, Parked, Done, Skipped };
-  struct State {
-    TimePoint started;
-    TimePoint ended;
-    TimePoint committed;
-    std::uint32_t commit_gate = 0;
-    std::uint32_t start_gate = 0;
-    std::uint32_t attempt = 0;
-    std::uint32_t version = 0;    ///< of its outputs; changes when they do
-    std::uint32_t run_place = 0;  ///< in running_
-    OutcomeId outcome = kSuccess;
-    Phase phase = Phase::Waiting;
-    bool passed : 1 = false;
-    bool announced : 1 = false;  ///< consumers know that there are outputs
-    bool began : 1 = false;      ///< those behind at a resource know that it has started
-    bool cancelled : 1 = false;  ///< the run that goes on is not wanted
-    bool active : 1 = false;     ///< a run goes on
-    bool has_copy : 1 = false;
-    bool speculative : 1 = false;
-    bool failed : 1 = false;
-    bool asked_world : 1 = false;
-  };
+  using Phase = NodePhase;
+  using State = NodeState;
   class RunContext;
 
-  // Setting up and the loop (engine.cpp).
+  // Setting up and the loop (concurrent_engine.cpp).
   void adopt();
   void adopt_node(NodeId node);
   void count(State& state, const Dependency& dependency);
@@ -73,13 +51,13 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] Rank rank(NodeId node) const;
   [[nodiscard]] bool gates_start(const Dependency& dependency) const;
   [[nodiscard]] bool irreversible(NodeId node) const {
-    return network_[node].kind == NodeClass::Irreversible;
+    return network_[node].kind == ActionClass::Irreversible;
   }
   State& at(NodeId node) { return states_[index(node)]; }
   [[nodiscard]] const State& at(NodeId node) const { return states_[index(node)]; }
   RunResult result();
   void log(NodeId node, LogKind kind);
-  // Starting (engine_start.cpp).
+  // Starting (concurrent_engine_start.cpp).
   void check(NodeId node);
   void try_start(NodeId node);
   [[nodiscard]] bool settled(NodeId node) const;
@@ -98,7 +76,7 @@ class ConcurrentEngine::Implementation {
   void return_copy(NodeId node);
   void return_copies_of_producers(NodeId node);
 
-  // Giving back what runs ahead have (engine_recall.cpp).
+  // Preempting speculative runs (concurrent_engine_preempt.cpp).
   void note_speculative(NodeId node, bool speculative);
   void note_preempted(NodeId node, bool preempted);
   void preempt_for_units(NodeId node);
@@ -107,7 +85,7 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool collect_speculative_holders(NodeId node, const Claim& claim,
                                                  std::vector<NodeId>& holders);
 
-  // Ending (engine_finish.cpp).
+  // Ending (concurrent_engine_finish.cpp, concurrent_engine_undo.cpp).
   void end_run(CompletionQueue::End end);
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
@@ -136,7 +114,7 @@ class ConcurrentEngine::Implementation {
   void facts_changed(std::uint32_t access);
   void assumptions_changed(NodeId node);
 
-  // What is true where (projection.cpp).
+  // Projected facts and worlds (projection.cpp).
   [[nodiscard]] bool projected(const Access& access) const;
   [[nodiscard]] bool assumed_on_path(NodeId writer, NodeId at) const;
   VersionedWorld projected_world(NodeId at);
@@ -147,7 +125,7 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool inputs_are_valid(NodeId node) const;
   [[nodiscard]] bool world_is_valid(NodeId node);
 
-  // Where nobody can go on (stall.cpp).
+  // Explaining a stall (stall.cpp).
   [[nodiscard]] Error stall_error() const;
   [[nodiscard]] std::string waits_for(NodeId node) const;
 
@@ -169,22 +147,22 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint8_t> writes_;     ///< by access: 0 not yet, 1 nothing, else 2 + value
   std::vector<std::uint32_t> versions_;  ///< by input: that was used; 0: none
   std::vector<NodeId> running_;
-  std::vector<NodeId> work_;  ///< nodes to look at
+  std::vector<NodeId> work_;  ///< nodes to check
   std::vector<NodeId> batch_;
   std::vector<NodeId> to_skip_;
   std::vector<NodeId> granted_;
-  std::set<Rank> ready_;              ///< certain to be wanted
+  std::set<Rank> ready_;              ///< whose runs are certain to count
   std::set<Rank> ready_speculative_;  ///< others
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;
-  std::vector<std::set<Rank>> speculative_;  ///< by resource: who runs ahead with units of it, or is about to
-  std::vector<std::uint64_t> preempted_units_;  ///< by resource: units of runs that were cancelled and go on
+  std::vector<std::set<Rank>> speculative_;     ///< by resource: speculative runs that hold units of it
+  std::vector<std::uint64_t> preempted_units_;  ///< by resource: held by cancelled runs that have not ended
   std::uint32_t preempted_workers_ = 0;         ///< likewise
   std::uint32_t passed_count_ = 0;
-  std::uint32_t prefix_ = 0;        ///< everything before has passed
-  std::uint32_t safe_ = 0;          ///< nothing before may fail any more
+  std::uint32_t prefix_ = 0;        ///< all nodes before have passed
+  std::uint32_t safe_ = 0;          ///< no node before can fail any more
   std::set<std::uint32_t> strict_;  ///< nodes that wait for it
-  std::uint32_t limit_ = kNone;     ///< nodes behind it are not reached: it has failed
+  std::uint32_t limit_ = kNone;     ///< first node that is not reached any more
   std::optional<Error> error_;
   std::optional<NodeId> failed_;
   bool stopped_ = false;

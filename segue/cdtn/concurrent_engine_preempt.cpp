@@ -5,12 +5,12 @@
 
 namespace segue::cdtn {
 
-// Units and workers are only lent to runs ahead: a node that is certain to be wanted gets them back, units
-// from those that come after it, workers from anybody. So the lowest node of all never waits but for runs
-// that count, and no network takes longer than one node after the other. Each recall lets a run begin that
-// counts, so they come to an end.
+// Speculative runs hold units and workers only until a node that is certain to count needs them: it preempts
+// speculative runs, for units those of later nodes, for a worker any. So the lowest unfinished node waits
+// only for runs that count, and no network takes longer than its sequential execution. Every preemption lets
+// a run begin that counts, so there are finitely many.
 
-/// What a run has that is not certain to be wanted; until it ends, or is told to.
+/// Records the units of a speculative run, from its start until it ends or is cancelled.
 void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
   if (speculative && certain(node)) return;
   for (const Claim& claim : network_.claims(node)) {
@@ -22,7 +22,7 @@ void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool specul
   }
 }
 
-/// A run that was cancelled still holds what it has until it ends.
+/// Records the units and the worker that a cancelled run still holds, until it ends.
 void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempted) {
   preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
   for (const Claim& claim : network_.claims(node)) {
@@ -32,8 +32,8 @@ void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempte
   }
 }
 
-/// Adds the runs ahead that must give back units of the claim's resource for the node to get its own, the
-/// last in order first. False where that would not be enough.
+/// Adds the speculative runs, the last in rank first, that must be preempted for the node to get the units
+/// that it claims. False if even all of them would not be enough.
 bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, const Claim& claim,
                                                                    std::vector<NodeId>& holders) {
   const auto missing = pool_.missing(rank(node), claim);
@@ -49,7 +49,7 @@ bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, 
   const auto& candidates = speculative_[index(claim.resource)];
   for (auto last = candidates.rbegin(); last != candidates.rend() && coming < *missing && rank(node) < *last;
        ++last) {
-    // Who got it may be certain to be wanted by now.
+    // The holder may have become certain to count meanwhile.
     const bool known = std::ranges::find(holders, last->node) != holders.end();
     if (known || (at(last->node).phase == Phase::Running && certain(last->node))) continue;
     holders.push_back(last->node);
@@ -58,7 +58,7 @@ bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, 
   return coming >= *missing;
 }
 
-/// The node is certain to be wanted and waits for units.
+/// Requires that the node is certain to count and waits for units.
 void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
   std::vector<NodeId> holders;
   for (const Claim& claim : network_.claims(node)) {
@@ -68,8 +68,8 @@ void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
     preempt(holder);
 }
 
-/// For those who are certain to be wanted and still wait for units; and for those who have all but a worker,
-/// whatever their place.
+/// Preempts for nodes that are certain to count and still wait for units, and for those that lack only a
+/// worker, whatever their rank.
 void ConcurrentEngine::Implementation::preempt_for_waiting() {
   pool_.still_waiting(granted_);
   for (const NodeId node : granted_) {
@@ -88,7 +88,7 @@ void ConcurrentEngine::Implementation::preempt_for_waiting() {
   }
 }
 
-/// The node gives back what it has, and waits again.
+/// The node releases what it holds, and waits again.
 void ConcurrentEngine::Implementation::preempt(NodeId node) {
   if (planted(EngineFault::NeverPreempts)) return;
   State& state = at(node);

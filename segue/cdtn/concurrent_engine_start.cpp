@@ -5,7 +5,7 @@
 
 namespace segue::cdtn {
 
-/// What a node sees of the engine while it starts.
+/// The engine as a starting node sees it.
 class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
  public:
   RunContext(Implementation& engine, NodeId node) : engine_(engine), node_(node) {}
@@ -24,14 +24,15 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
   [[nodiscard]] bool holds(FactId fact) const override {
     for (const Access& access : engine_.network_.accesses(node_)) {
       if (access.fact != fact) continue;
-      return engine_.network_[node_].kind == NodeClass::Pure ? engine_.projected(access)
-                                                             : engine_.world_.holds(fact);
+      return engine_.network_[node_].kind == ActionClass::Pure ? engine_.projected(access)
+                                                               : engine_.world_.holds(fact);
     }
     return false;
   }
   [[nodiscard]] VersionedWorld world() override {
     engine_.at(node_).asked_world = true;
-    return engine_.network_[node_].kind == NodeClass::Pure ? engine_.projected_world(node_) : engine_.world_;
+    return engine_.network_[node_].kind == ActionClass::Pure ? engine_.projected_world(node_)
+                                                             : engine_.world_;
   }
 
  private:
@@ -39,7 +40,7 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
   NodeId node_;
 };
 
-/// Something that the node waits for may have come.
+/// Something that the node waits for may have happened: takes it as far as it can go now.
 void ConcurrentEngine::Implementation::check(NodeId node) {
   State& state = at(node);
   if (state.passed || beyond(node)) return;
@@ -56,7 +57,7 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   }
   if (state.phase == Phase::Running && open && !world_is_valid(node)) return invalidate(node);
   if (state.phase == Phase::Queued && false_precondition(node) != nullptr) {
-    abandon(node);  // it changed meanwhile
+    abandon(node);  // the world has changed since it was queued
     state.phase = Phase::Waiting;
   }
   if (state.phase == Phase::Queued && certain(node)) return preempt_for_units(node);
@@ -67,19 +68,20 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   if (irreversible(node) ? open : state.start_gate == 0 && (settled(node) || may_speculate)) try_start(node);
 }
 
-/// Whether all that it relies on has come about.
+/// Whether everything that the node depends on has happened.
 bool ConcurrentEngine::Implementation::settled(NodeId node) const {
   return at(node).commit_gate == 0 &&
          (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
 }
 
-/// Whether a run that begins now counts, as far as the mission means to say: nothing but a failure could make
-/// it vain, in strict mode not even that.
+/// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, in
+/// strict mode not even that.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   return settled(node) && !must_be_safe(node);
 }
 
-/// Whether its units are taken in program order: a run that is repeated would come too late for its own.
+/// Whether its units are taken in program order, so it must not run speculatively: a repeated run would take
+/// its units after later nodes have taken theirs.
 bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
   return std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
     const ResourceRecord& resource = network_.resources[claim.resource];
@@ -87,7 +89,7 @@ bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
   });
 }
 
-/// In strict mode nothing may come about behind a node that may still fail.
+/// In strict mode no effect may happen after a node that can still fail.
 bool ConcurrentEngine::Implementation::must_be_safe(NodeId node) const {
   return options_.strict && index(node) > safe_ && !planted(EngineFault::StrictIsNot);
 }
@@ -98,7 +100,7 @@ void ConcurrentEngine::Implementation::try_start(NodeId node) {
     return;
   }
   if (const Access* access = false_precondition(node)) {
-    // Ahead of its turn, the world may still become what it needs; facts_changed or the gate will tell.
+    // Before its gate opens the precondition may still become true: facts_changed or the gate calls again.
     if (at(node).commit_gate == 0)
       refuse(node, precondition_error(network_, node, {access->fact, access->needed}));
     return;
@@ -112,17 +114,17 @@ void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   state.started = state.ended = events_.now();
   RunContext context(*this, node);
   reports_[index(node)] = environment_.refuse(context, error.message);
-  ++state.version;  // an earlier run ahead may have given outputs, which somebody has used
+  ++state.version;  // outputs of an earlier speculative run may have been used
   outputs_changed(node);
   announce_start(node);
   commit(node);
 }
 
-/// Whether there is a copy of the world for a node that runs ahead. Nodes whose turn it is need none, so that
-/// whoever keeps a copy until somebody takes its result is waited for by nobody in vain.
+/// Reserves a copy of the world for a speculative run; false if none is free. Runs with an open gate need
+/// none, so the holder of a copy never blocks the node that its own result waits for.
 bool ConcurrentEngine::Implementation::admit(NodeId node) {
   State& state = at(node);
-  if (options_.world_copies == 0 || state.commit_gate == 0 || network_[node].kind != NodeClass::Pure)
+  if (options_.world_copies == 0 || state.commit_gate == 0 || network_[node].kind != ActionClass::Pure)
     return true;
   if (copies_ >= options_.world_copies) {
     copying_.insert(rank(node));
@@ -156,14 +158,14 @@ void ConcurrentEngine::Implementation::take_granted() {
     for (const NodeId node : granted) {
       if (at(node).phase == Phase::Queued)
         dispatch(node);
-      else  // it was given up in the same moment
+      else  // abandoned in the same step
         pool_.release(network_.claims(node), false);
     }
   }
 }
 
-/// Free workers and copies of the world go to the first who wait for them; workers first to those who are
-/// certain to be wanted.
+/// Gives free workers and copies of the world to the nodes that wait for them, by rank; workers first to
+/// nodes that are certain to count.
 void ConcurrentEngine::Implementation::take_waiting() {
   while (running_.size() < options_.workers && !(ready_.empty() && ready_speculative_.empty())) {
     std::set<Rank>& from = ready_.empty() ? ready_speculative_ : ready_;
@@ -179,9 +181,9 @@ void ConcurrentEngine::Implementation::take_waiting() {
   }
 }
 
-/// In reality, or as projected for a pure node.
+/// The first precondition that is false, in reality or, for a pure node, as projected.
 const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) const {
-  const bool pure = network_[node].kind == NodeClass::Pure;
+  const bool pure = network_[node].kind == ActionClass::Pure;
   for (const Access& access : network_.accesses(node)) {
     if (!access.reads) continue;
     if ((pure ? projected(access) : world_.holds(access.fact)) != access.needed) return &access;
@@ -191,7 +193,7 @@ const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) 
 
 void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
   const auto accesses = network_.accesses(node);
-  const bool pure = network_[node].kind == NodeClass::Pure;
+  const bool pure = network_[node].kind == ActionClass::Pure;
   for (std::size_t i = 0; i < accesses.size(); ++i) {
     if (!accesses[i].reads) continue;
     const bool value = pure ? projected(accesses[i]) : world_.holds(accesses[i].fact);
@@ -204,8 +206,8 @@ void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
 
 void ConcurrentEngine::Implementation::launch(NodeId node) {
   State& state = at(node);
-  if (network_[node].kind == NodeClass::Pure &&
-      false_precondition(node) != nullptr) {  // it changed meanwhile
+  if (network_[node].kind == ActionClass::Pure &&
+      false_precondition(node) != nullptr) {  // the projection has changed since it was claimed
     note_speculative(node, false);
     pool_.release(network_.claims(node), false);
     return_copy(node);
@@ -239,7 +241,7 @@ void ConcurrentEngine::Implementation::return_copy(NodeId node) {
   --copies_;
 }
 
-/// The projection behind a result goes when everybody who takes the result has ended.
+/// The copy of the world behind a result is kept until all consumers of the result have ended.
 void ConcurrentEngine::Implementation::return_copies_of_producers(NodeId node) {
   if (options_.world_copies == 0) return;
   for (const DataInput& input : network_.inputs(node)) {

@@ -188,7 +188,7 @@ TEST(ConcurrentEngine, TakesEndsFromOtherThreads) {
   NodeSpec spec;
   for (std::uint32_t i = 0; i < 50; ++i) {
     spec.name = "n" + std::to_string(i);
-    spec.kind = i % 3 == 0 ? NodeClass::Pure : NodeClass::Irreversible;
+    spec.kind = i % 3 == 0 ? ActionClass::Pure : ActionClass::Irreversible;
     spec.reads_world = true;
     spec.effects = {{*network.facts.intern("f(" + std::to_string(i) + ")"), true}};
     network.append(spec);
@@ -243,12 +243,12 @@ class Loop final : public Expansion {
       NodeSpec look;
       look.name = "look";
       look.iteration = network.size() / 2;
-      look.kind = NodeClass::Sensing;
+      look.kind = ActionClass::Sensing;
       look.preconditions = {{ready, look.iteration % 2 == 0}};
       network.append(look);
       NodeSpec act = look;
       act.name = "act";
-      act.kind = NodeClass::Irreversible;
+      act.kind = ActionClass::Irreversible;
       act.effects = {{ready, look.iteration % 2 == 1}};
       network.append(act);
     }

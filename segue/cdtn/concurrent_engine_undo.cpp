@@ -5,10 +5,10 @@
 
 namespace segue::cdtn {
 
-/// Takes the node off the path, and whoever is there only because of it.
+/// Takes the node off the path, and all nodes that are on the path only because of it.
 void ConcurrentEngine::Implementation::skip(NodeId node) {
   to_skip_.push_back(node);
-  if (to_skip_.size() > 1) return;  // further up the stack somebody is at it
+  if (to_skip_.size() > 1) return;  // a caller further up the stack works the list off
   for (std::size_t i = 0; i < to_skip_.size(); ++i)
     skip_one(to_skip_[i]);
   to_skip_.clear();
@@ -36,7 +36,7 @@ void ConcurrentEngine::Implementation::skip_one(NodeId node) {
   if (state.commit_gate == 0) work_.push_back(node);
 }
 
-/// Out of whatever it waits for or does.
+/// Leaves the queue that the node waits in, or cancels its run.
 void ConcurrentEngine::Implementation::abandon(NodeId node) {
   const State& state = at(node);
   switch (state.phase) {
@@ -75,7 +75,7 @@ void ConcurrentEngine::Implementation::cancel_run(NodeId node) {
   environment_.cancel(node, state.attempt, events_);
 }
 
-/// Its result was based on what turned out otherwise: it is run again.
+/// The result was based on a wrong prediction: the node runs again.
 void ConcurrentEngine::Implementation::invalidate(NodeId node) {
   State& state = at(node);
   if (state.phase == Phase::Running) return cancel_run(node);
@@ -87,7 +87,7 @@ void ConcurrentEngine::Implementation::invalidate(NodeId node) {
   work_.push_back(node);
 }
 
-/// Nothing from here on in program order is reached any more.
+/// No node from here on in program order is reached any more.
 void ConcurrentEngine::Implementation::truncate(NodeId node) {
   limit_ = std::min(limit_, index(node));
   patience_ = events_.elapsed() + environment_.patience();
@@ -101,7 +101,7 @@ void ConcurrentEngine::Implementation::truncate(NodeId node) {
   strict_.erase(strict_.lower_bound(limit_), strict_.end());
 }
 
-/// Other outputs than its consumers may have used.
+/// Invalidates consumers that have used outputs which changed.
 void ConcurrentEngine::Implementation::outputs_changed(NodeId node) {
   if (planted(EngineFault::KeepsStaleInputs)) return;
   for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
@@ -113,14 +113,15 @@ void ConcurrentEngine::Implementation::outputs_changed(NodeId node) {
   }
 }
 
-/// A write turned out otherwise than predicted: whoever relied on it, up to the next write that is certain.
+/// A write differs from its prediction: invalidates the readers that relied on it, up to the next certain
+/// write.
 void ConcurrentEngine::Implementation::facts_changed(std::uint32_t place) {
   if (planted(EngineFault::NeverValidates)) return;
   for (std::uint32_t i = network_.access(place).next; i != kNone; i = network_.access(i).next) {
     const Access& access = network_.access(i);
     if (index(access.node) >= states_.size()) return;
     const State& state = at(access.node);
-    if (access.reads && network_[access.node].kind == NodeClass::Pure) {
+    if (access.reads && network_[access.node].kind == ActionClass::Pure) {
       const bool read = state.phase == Phase::Running || state.phase == Phase::Parked;
       if (read && projected(access) != (reads_[i] == 3)) invalidate(access.node);
       const bool waits = state.phase == Phase::Waiting || state.phase == Phase::Queued;

@@ -7,7 +7,7 @@
 
 namespace segue::cdtn {
 
-/// What `CowPtr` counts the owners of. A copy has no owners yet.
+/// Base of the objects that CowPtr owns. A copied object starts without owners.
 class CowObject {
  public:
   CowObject() = default;
@@ -21,9 +21,13 @@ class CowObject {
   mutable std::atomic<std::uint32_t> owners_{0};
 };
 
-/// Shared ownership that can tell whether it is the only one: unlike shared_ptr's use_count, `unique`
-/// synchronises with owners that have let go on other threads, so that a unique object may be changed in
-/// place.
+/// A copy-on-write pointer: shared ownership, and `unique` tells whether the object may be changed in place.
+/// Several CowPtr may share an object over several threads; one CowPtr belongs to one thread.
+///
+/// Memory ordering: a new owner copies from an existing one, which keeps the count above zero meanwhile, so
+/// counting up may be relaxed. Counting down is a release, and both the last owner's decrement (before the
+/// delete) and the load in `unique` (before a write in place) are acquires: reads through an owner that has
+/// gone happen before either. shared_ptr's use_count does not promise the latter.
 template <class T>
 class CowPtr {
  public:

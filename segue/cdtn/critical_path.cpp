@@ -7,7 +7,7 @@ namespace segue::cdtn {
 
 namespace {
 
-/// When a node can start, end, and count at the earliest, and because of whom.
+/// The earliest times at which a node can start, end and commit, and the node that decides them.
 struct Times {
   Duration start{};
   Duration end{};
@@ -44,13 +44,13 @@ class LongestPath {
     return result_->nodes[index(node)].ended - result_->nodes[index(node)].started;
   }
 
-  /// Whether the dependency holds back the start, or only what comes of it.
+  /// Whether the dependency delays the start, or only the commit.
   [[nodiscard]] bool holds_start(const Dependency& dependency) const {
-    const NodeClass kind = network_[dependency.to].kind;
-    if (kind == NodeClass::Irreversible || skipped(dependency.to)) return true;
+    const ActionClass kind = network_[dependency.to].kind;
+    if (kind == ActionClass::Irreversible || skipped(dependency.to)) return true;
     switch (dependency.reason()) {
       case Reason::Fact:
-        return kind == NodeClass::Sensing;
+        return kind == ActionClass::Sensing;
       case Reason::Condition:
         return false;
       default:
@@ -67,7 +67,7 @@ class LongestPath {
       time = other;
       cause = index(from);
     };
-    const bool firm = network_[node].kind == NodeClass::Irreversible;
+    const bool firm = network_[node].kind == ActionClass::Irreversible;
     for (const Dependency& dependency : order_.before(node)) {
       const Times& from = times_[index(dependency.from)];
       const bool ahead = dependency.reason() == Reason::Data && !firm;

@@ -11,19 +11,18 @@
 
 namespace segue::cdtn {
 
-/// The longest chain of nodes that the order allows no way around: no run is shorter, whatever the resources.
-/// Linear.
+/// The longest chain of dependent nodes: a lower bound of the makespan, whatever the resources. Linear time.
 struct CriticalPath {
   Duration length{};
   std::vector<NodeId> nodes;  ///< in program order
 };
 
-/// With expected durations, all nodes on the path.
+/// With the expected durations, as if all nodes were executed.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order);
-/// With the durations and the skipped nodes of a run.
+/// With the durations of a run, without the nodes that it skipped.
 CriticalPath critical_path(const TaskNetwork& network, const Order& order, const RunResult& result);
 
-/// Priorities for ConcurrentEngineOptions: who has the longest way to the end goes first.
+/// Priorities for ConcurrentEngineOptions: the node with the longest remaining path comes first.
 std::vector<std::uint64_t> critical_path_priorities(const TaskNetwork& network, const Order& order);
 
 }  // namespace segue::cdtn

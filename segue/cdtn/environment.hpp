@@ -22,13 +22,14 @@ struct NamedEffect {
   bool value = true;
 };
 
-/// How a node ended.
+/// How a run of a node ended.
 struct Report {
   OutcomeId outcome = kSuccess;
-  /// What was observed to be true now; nothing: what the node declares if its outcome is the expected one,
-  /// else nothing at all.
+  /// The effects that were observed. Nullopt: the declared effects if the outcome is the expected one, else
+  /// none.
   std::optional<std::vector<Literal>> effects;
-  /// Observed too, of facts that the network need not know: one that grows learns them. For opaque nodes.
+  /// Further observed effects, of opaque nodes, on facts that the network need not know; a growing network
+  /// adds them.
   std::vector<NamedEffect> named_effects{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
@@ -36,12 +37,12 @@ struct Report {
 /// Null: success, as predicted, without outputs.
 using ReportPtr = std::unique_ptr<Report>;
 
-/// What a node may look at when it starts. Valid during Environment::start only.
+/// Everything that a node may access when it starts. Valid only during Environment::start.
 class NodeContext {
  public:
   virtual ~NodeContext() = default;
   [[nodiscard]] virtual NodeId node() const = 0;
-  /// Counts the runs of this node, from 1: a pure node is run again where an assumption turned out wrong.
+  /// The number of this run of the node, from 1: a pure node runs again if a prediction was wrong.
   [[nodiscard]] virtual std::uint32_t attempt() const = 0;
   /// The value of an input (of TaskNetwork::names); null where its producer gave none or was skipped.
   [[nodiscard]] virtual const type::Value* input(std::uint32_t name) const = 0;
@@ -52,24 +53,24 @@ class NodeContext {
   [[nodiscard]] virtual VersionedWorld world() = 0;
 };
 
-/// Where ends of nodes are told. Every start has one end; a second one is ignored.
+/// Receives the ends of nodes. Every start has one end; further ones are ignored.
 class Completions {
  public:
   virtual ~Completions() = default;
-  /// It ends at that time of the engine's clock. On the engine's thread only.
+  /// The node ends at that time of the engine's clock. On the engine's thread only.
   virtual void finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
-  /// It has ended. On any thread, as long as the engine runs.
+  /// The node has ended. On any thread, while the engine runs. Does not block.
   virtual void finish(NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
   [[nodiscard]] virtual TimePoint now() const = 0;
 };
 
-/// What nodes do. Called on the engine's thread, must not block.
+/// Executes nodes. Called on the engine's thread; must not block.
 class Environment {
  public:
   virtual ~Environment() = default;
-  /// Begins a node, whose end `completions` must be told. `completions` lives as long as the engine runs.
+  /// Begins a node, whose end must be reported to `completions`, which lives as long as the engine runs.
   virtual void start(NodeContext& context, Completions& completions) = 0;
-  /// How a node ends that does not begin, since a precondition does not hold: as if it had aborted at once.
+  /// The report of a node that does not begin because a precondition is false: by default, it aborted.
   virtual ReportPtr refuse(NodeContext& context, std::string why) {
     (void)context;
     auto report = std::make_unique<Report>();
@@ -77,14 +78,14 @@ class Environment {
     report->error = std::move(why);
     return report;
   }
-  /// A node that runs is not wanted any more, or must end early. Its end must still be told, soon.
+  /// The run of a node is not needed any more, or must end early. Its end must still be reported, soon.
   virtual void cancel(NodeId node, std::uint32_t attempt, Completions& completions) = 0;
-  /// The end of a start has come to the engine, which asks nothing more about it.
+  /// The engine has received the end of this run and does not refer to it again.
   virtual void ended(NodeId node, std::uint32_t attempt) {
     (void)node;
     (void)attempt;
   }
-  /// How long a start that is not told to end is waited for after `cancel`, on a real clock.
+  /// How long the engine waits for the end of a cancelled run, on a real clock.
   [[nodiscard]] virtual Duration patience() const { return std::chrono::seconds(10); }
 };
 

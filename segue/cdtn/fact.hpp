@@ -13,8 +13,8 @@
 namespace segue::cdtn {
 
 /// Ground facts, interned: "on(box1,table)". A predicate that was declared has typed parameters, and its
-/// facts are checked against the declared constants; others take any arguments. Not thread safe; reading is,
-/// while nobody adds.
+/// facts are checked against the declared constants; others take any arguments. Not thread safe, but several
+/// threads may read while none adds.
 class FactTable {
  public:
   /// The root of all types.
@@ -40,11 +40,11 @@ class FactTable {
   /// contradicts the declarations.
   Result<FactId> intern(std::string_view text);
   Result<FactId> intern(std::string_view predicate, std::span<const std::string> arguments);
-  /// The same, where the names of things may be of several words: "at(red box,table)".
+  /// Likewise, but arguments may consist of several words: "at(red box,table)".
   Result<FactId> intern_named(std::string_view text);
   /// "p(a)" or "!p(a)".
   Result<Literal> intern_literal(std::string_view text);
-  /// The fact if it is known.
+  /// The fact, or nullopt if it is not interned.
   [[nodiscard]] std::optional<FactId> find(std::string_view text) const;
 
   /// "p(a,b)", "p()".

@@ -5,27 +5,27 @@
 
 namespace segue::cdtn {
 
-/// Faults that a test plants into the scheduler to see that it would find them. They exist only in a build
-/// with SEGUE_CDTN_FAULTS, which nobody but that test makes; elsewhere `planted` is false at compile time.
+/// Faults that a test plants into the engine to prove that it would detect them. They exist only in the build
+/// of that test, with SEGUE_CDTN_FAULTS; elsewhere `planted` is false at compile time.
 enum class EngineFault : std::uint8_t {
   None,
-  ForgetsFactOrder,      ///< every seventh node does not wait because of facts
-  PassesAtStart,         ///< whoever waits for a node goes on when it starts
+  ForgetsFactOrder,      ///< every seventh node ignores the order that facts impose
+  PassesAtStart,         ///< dependents of a node go on when it starts
   IgnoresConditions,     ///< irreversible nodes do not wait for conditions
   SkippedStillActs,      ///< a wrong branch is not stopped
-  NeverValidates,        ///< results of pure nodes count whatever they were based on
-  KeepsStaleInputs,      ///< likewise, inputs only
-  GrantsTwice,           ///< units in use are given away
+  NeverValidates,        ///< results of pure nodes count even if predictions were wrong
+  KeepsStaleInputs,      ///< likewise, for inputs only
+  GrantsTwice,           ///< units in use are granted again
   ForgetsResourceOrder,  ///< irreversible nodes overtake each other at a resource
-  ReturnsConsumed,       ///< what was consumed comes back
+  ReturnsConsumed,       ///< consumed units come back
   GoesOnAfterFailure,    ///< nodes after a failed one still start
-  StrictIsNot,           ///< strict mode does not wait
-  AppliesEffectsTwice,   ///< a repeated node's old effects are applied too
-  LeavesGroupEarly,      ///< a group lock is given back by the first member that ends
+  StrictIsNot,           ///< strict mode does not wait for nodes that may fail
+  AppliesEffectsTwice,   ///< effects of a discarded run are applied too
+  LeavesGroupEarly,      ///< the first member that ends releases a group lock
   CommitsSpeculation,    ///< a speculative result counts at once
-  NeverPreempts,         ///< who runs ahead keeps what nodes before it need
-  PreemptsWhatCounts,    ///< runs that are certain to be wanted are recalled too
-  KeepsPreemptedUnits,   ///< what is recalled is not given back
+  NeverPreempts,         ///< speculative runs keep what earlier nodes need
+  PreemptsWhatCounts,    ///< runs that are certain to count are preempted too
+  KeepsPreemptedUnits,   ///< preempted runs do not release their units
   CountsPreempted        ///< the end of a run that was cancelled counts
 };
 

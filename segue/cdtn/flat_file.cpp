@@ -41,7 +41,7 @@ std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, 
   return read_flat_network(*text, file.string(), diagnostics);
 }
 
-/// As many units as there may be at best: everything is created, nothing under a condition is taken away.
+/// Tracks the largest possible number of units: everything is created, nothing conditional is taken away.
 void check_resources(const TaskNetwork& network, const std::string& file, Diagnostics& diagnostics) {
   std::vector<std::int64_t> most;
   for (std::uint32_t i = 0; i < network.resources.size(); ++i)
@@ -126,13 +126,13 @@ Value node_value(const FlatNetwork& flat, NodeId node) {
   entry.set("seq", static_cast<std::uint64_t>(index(node)));
   entry.set("name", network.label(node));
   entry.set("duration_s", std::chrono::duration<double>(source.duration).count());
-  entry.set("pia", source.kind == NodeClass::Irreversible);
+  entry.set("pia", source.kind == ActionClass::Irreversible);
   entry.set("control_flow", source.opaque_subtree ? "routine" : source.branches ? "condition" : "plain");
   set_facts(entry, network, node);
   entry.set("resources", claims_value(network, node));
   entry.set("data_flows", flows_value(network, node));
   entry.set("condition_deps", conditions_value(network, node));
-  if (source.kind == NodeClass::Sensing) entry.set("sensing", true);
+  if (source.kind == ActionClass::Sensing) entry.set("sensing", true);
   entry.set("opaque", source.opaque);
   if (source.uncertain) entry.set("uncertain", true);
   if (source.cannot_fail) entry.set("cannot_fail", true);

@@ -13,15 +13,15 @@
 
 namespace segue::cdtn {
 
-/// A task network with what its nodes do in a trial.
+/// A task network with the simulated behaviour of its nodes.
 struct FlatNetwork {
   TaskNetwork network;
   std::vector<Trial> trials;  ///< by node
 };
 
 /// Reads the JSON of a flat task network. Nodes are ordered by `seq`, else as they are written. Every problem
-/// becomes a diagnostic with its place; where there are errors, nothing is returned. Keys that mean nothing
-/// are warned of. Nodes that are given neither facts nor resources are opaque.
+/// becomes a diagnostic with its place; if there are errors, nothing is returned. Unknown keys are warnings.
+/// Nodes that declare neither facts nor resources are opaque.
 std::optional<FlatNetwork> read_flat_network(std::string_view text, const std::string& file,
                                              Diagnostics& diagnostics);
 /// Likewise; a file that cannot be read is the diagnostic `unreadable-file`. Blocks.
@@ -30,8 +30,7 @@ std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, 
 /// JSON that reads as the same network.
 std::string write_flat_network(const FlatNetwork& flat);
 
-/// What can be known to go wrong before a run: claims of units that no node before can have left or made
-/// (`missing-resource`).
+/// Reports claims of units that no earlier node can have left or created (`missing-resource`).
 void check_resources(const TaskNetwork& network, const std::string& file, Diagnostics& diagnostics);
 
 }  // namespace segue::cdtn

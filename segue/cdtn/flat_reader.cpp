@@ -25,7 +25,7 @@ void FlatReader::warn_unknown(const Value& map, const std::string& what,
   }
 }
 
-/// The entry if it is there and of that kind; another kind is an error.
+/// The value of the key, or null; a value of another kind is an error.
 const Value* FlatReader::find(const Value& map, std::string_view key, Value::Kind kind) {
   const Value* value = map.find(key);
   if (value == nullptr || value->is_null()) return nullptr;
@@ -156,7 +156,7 @@ void FlatReader::order_nodes(const Value& root) {
   }
 }
 
-/// A node that must come before `before` in program order.
+/// The number of a node, which must come before `before` in program order.
 std::optional<std::uint32_t> FlatReader::node_named(const Value& name, std::uint32_t before) {
   const auto found = name.is_string() ? numbers_.find(name.as_string()) : numbers_.end();
   if (found == numbers_.end()) {
@@ -189,11 +189,11 @@ void FlatReader::read_node(Entry& entry) {
 void FlatReader::read_class(Entry& entry) {
   const Value& value = *entry.value;
   NodeSpec& spec = entry.spec;
-  if (!flag(value, "pia", true)) spec.kind = NodeClass::Pure;
+  if (!flag(value, "pia", true)) spec.kind = ActionClass::Pure;
   if (flag(value, "sensing", false)) {
-    if (spec.kind == NodeClass::Irreversible && value.find("pia") != nullptr)
+    if (spec.kind == ActionClass::Irreversible && value.find("pia") != nullptr)
       error("bad-class", "a node cannot be both irreversible ('pia') and 'sensing'", value);
-    spec.kind = NodeClass::Sensing;
+    spec.kind = ActionClass::Sensing;
   }
   const std::string flow = text(value, "control_flow");
   if (!flow.empty() && flow != "plain" && flow != "condition" && flow != "routine")
@@ -202,7 +202,7 @@ void FlatReader::read_class(Entry& entry) {
   spec.cannot_fail = flag(value, "cannot_fail", false);
   const bool silent = value.find("preconditions") == nullptr && value.find("effects") == nullptr &&
                       value.find("resources") == nullptr;
-  spec.opaque = flag(value, "opaque", silent && spec.kind == NodeClass::Irreversible);
+  spec.opaque = flag(value, "opaque", silent && spec.kind == ActionClass::Irreversible);
   spec.uncertain = flag(value, "uncertain", value.find("actual_effects") != nullptr);
   if (const std::string expected = text(value, "expected"); !expected.empty())
     spec.expected = network_.outcome(expected);

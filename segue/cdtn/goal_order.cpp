@@ -24,7 +24,7 @@ void GoalOrder::collect_facts() {
     by_fact_[next[index(network_.access(i).fact)]++] = i;
 }
 
-/// Whether every value of the fact is known beforehand, so that causal links can be told.
+/// Whether every value of the fact is known in advance, so that its causal links are known too.
 bool GoalOrder::foreseeable(FactId fact) const {
   for (std::uint32_t i = fact_begin_[index(fact)]; i < fact_begin_[index(fact) + 1]; ++i) {
     const Access& access = network_.access(by_fact_[i]);
@@ -40,8 +40,8 @@ void GoalOrder::link(NodeId from, NodeId to, FactId fact) {
   if (from != to) links_.push_back({from, to, fact});
 }
 
-/// Causal links and threats of "the fact has this value": `readers` are those of the last interval in which
-/// somebody needs it, `clobberers` end it and come before the next producer that is needed.
+/// Adds the causal links and threats of the literal. `readers_` are the readers in the last interval that is
+/// needed; `clobberers_` end that interval and come before the next producer that is needed.
 void GoalOrder::add_links(const Literal& literal) {
   Interval now;
   now.has_producer = network_.initial_world.holds(literal);
@@ -52,7 +52,7 @@ void GoalOrder::add_links(const Literal& literal) {
     if (access.reads && access.needed == literal.value && now.has_producer) {
       need(now, literal.fact);
       if (index(now.producer) != kNone) link(now.producer, access.node, literal.fact);
-      if (access.writes || network_[access.node].kind != NodeClass::Pure) readers_.push_back(access.node);
+      if (access.writes || network_[access.node].kind != ActionClass::Pure) readers_.push_back(access.node);
     }
     if (!access.writes) continue;
     if (access.value != literal.value) {
@@ -74,13 +74,13 @@ void GoalOrder::need(Interval& interval, FactId fact) {
     for (const NodeId clobberer : clobberers_)
       link(clobberer, interval.producer, fact);
   }
-  // What was initially true and is needed in the end has no clobberers; then nothing is left to order.
+  // A literal that holds initially and is needed at the end has no clobberers, so nothing is left to order.
   readers_.clear();
   clobberers_.clear();
   if (index(interval.producer) != kNone) readers_.push_back(interval.producer);
 }
 
-/// The network's goal, or every fact with the value it has in the end.
+/// The goal of the network or, without one, the final value of every fact.
 std::vector<Literal> GoalOrder::wanted() const {
   if (!network_.goal.empty()) return network_.goal;
   VersionedWorld world = network_.initial_world;

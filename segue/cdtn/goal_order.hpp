@@ -8,8 +8,8 @@
 
 namespace segue::cdtn {
 
-/// OrderRule::Goal: of each fact only what somebody needs is kept, a precondition or the goal. Internal to
-/// derive_order.
+/// Implements OrderRule::Goal: keeps only the values of facts that a precondition or the goal needs. Internal
+/// to derive_order.
 class GoalOrder {
  public:
   /// All must outlive this. `further`: as for derive_order.
@@ -22,8 +22,8 @@ class GoalOrder {
     NodeId to{};
     FactId fact{};
   };
-  /// A stretch of the program in which the fact has the value: who made it so (none: it was so initially),
-  /// and whether anybody needs it.
+  /// A section of the program in which the fact has the value: its producer (none: the initial world), and
+  /// whether any node needs it.
   struct Interval {
     bool has_producer = false;
     bool needed = false;
@@ -43,7 +43,7 @@ class GoalOrder {
   std::vector<std::uint32_t> by_fact_;  ///< accesses, by fact and program order
   std::vector<NodeId> readers_;
   std::vector<NodeId> clobberers_;
-  std::vector<Literal> goal_;  ///< what is wanted of the fact at hand
+  std::vector<Literal> goal_;  ///< required values of the fact being processed
   std::vector<Link> links_;
 };
 

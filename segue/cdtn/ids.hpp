@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <limits>
 
-/// Concurrent dataflow task networks: nodes in program order, the order that their facts, data, conditions
-/// and resources leave, and the engine that runs them as parallel and as far ahead as that allows.
+/// Concurrent dataflow task networks: nodes in program order, the partial order that follows from their
+/// facts, data, conditions and resources, and the engine that runs them concurrently and speculatively within
+/// it.
 namespace segue::cdtn {
 
 /// Dense numbers, strong by type: positions in the tables that hold what they name.

@@ -7,7 +7,7 @@ namespace segue::cdtn {
 
 namespace {
 
-/// Nodes before one: bit k is the k-th before it.
+/// A set of nodes relative to one: bit k is the k-th node before it.
 using Window = std::bitset<kImpliedWithin>;
 
 class ImpliedFinder {
@@ -33,14 +33,14 @@ class ImpliedFinder {
   static std::uint32_t distance(const Dependency& dependency) {
     return index(dependency.to) - index(dependency.from);
   }
-  /// Resource tells of a start only, whoever comes behind must not count on the end.
+  /// A resource dependency only orders starts, so a path over it does not ensure that `from` has ended.
   static bool tells_of_the_end(const Dependency& dependency) {
     return dependency.reason() != Reason::Resource;
   }
-  /// Whether the node runs only once the other has passed.
+  /// Whether `to` does not even run before `from` has passed.
   [[nodiscard]] bool holds_until_the_end(const Dependency& dependency) const {
     if (!tells_of_the_end(dependency)) return false;
-    const bool irreversible = network_[dependency.to].kind == NodeClass::Irreversible;
+    const bool irreversible = network_[dependency.to].kind == ActionClass::Irreversible;
     return irreversible || (dependency.reason() != Reason::Data && holds_start(network_, dependency));
   }
 
@@ -75,10 +75,10 @@ class ImpliedFinder {
 
   const TaskNetwork& network_;
   const Order& order_;
-  std::vector<Window> passed_;      ///< of the last nodes: who has passed when they pass
-  std::vector<Window> conditions_;  ///< likewise: whose outcomes decide whether they are on the path
-  Window behind_;                   ///< of the node at hand: who lies behind those that it comes after
-  Window behind_held_;              ///< likewise, behind those that hold its start
+  std::vector<Window> passed_;      ///< by node, modulo: those that have passed when it passes
+  std::vector<Window> conditions_;  ///< likewise: those whose outcomes decide whether it is on the path
+  Window behind_;                   ///< of the current node: nodes behind its direct predecessors
+  Window behind_held_;              ///< likewise, behind those that delay its start
   Window behind_conditions_;
 };
 

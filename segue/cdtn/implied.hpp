@@ -8,12 +8,12 @@
 
 namespace segue::cdtn {
 
-/// Nodes further apart are not looked at: such dependencies count as needed.
+/// Dependencies between nodes further apart are not examined and count as needed.
 inline constexpr std::uint32_t kImpliedWithin = 1024;
 
-/// By place in the order: whether a run would be the same without this dependency, since others lead from the
-/// one node to the other. Data never is, as something flows; a condition is where one that is kept lies
-/// within it. Time and memory are linear in the dependencies.
+/// For each dependency, by its place in the order: whether a run would be the same without it, because a path
+/// of other dependencies connects the two nodes. A data dependency is never implied; a condition is implied
+/// only by another condition within it. Time and memory are linear in the number of dependencies.
 std::vector<bool> implied_dependencies(const TaskNetwork& network, const Order& order);
 
 }  // namespace segue::cdtn

@@ -11,8 +11,8 @@
 
 namespace segue::cdtn {
 
-/// Names as dense numbers, in the order they came. A name stays where it is. Not thread safe; reading is,
-/// while nobody adds.
+/// Interns names as dense numbers, in the order of their first use. References to names stay valid. Not
+/// thread safe, but several threads may read while none adds.
 class NameTable {
  public:
   /// The number of `name`, a new one if it has none.
@@ -45,7 +45,7 @@ class NameTable {
     return static_cast<std::uint32_t>(std::hash<std::string_view>()(name));
   }
 
-  /// Where the name is, or would be: behind others of its hash.
+  /// The place of the name, or the free place where it belongs (open addressing, linear probing).
   [[nodiscard]] std::size_t find_place(std::string_view name, std::uint32_t hash) const {
     const std::size_t mask = places_.size() - 1;
     std::size_t at = hash & mask;
@@ -68,7 +68,7 @@ class NameTable {
   }
 
   std::deque<std::string> names_;
-  std::vector<Place> places_;  ///< a power of two, a quarter free at least
+  std::vector<Place> places_;  ///< its size is a power of two; at least a quarter is free
 };
 
 }  // namespace segue::cdtn

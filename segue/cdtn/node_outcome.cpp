@@ -16,8 +16,8 @@ Error undeclared(const TaskNetwork& network, NodeId node, const std::string& wha
       network.label(node));
 }
 
-/// Every observed effect must be declared; unless the node is uncertain, with that value, and none may be
-/// missing.
+/// Every observed effect must be declared and, unless the node is uncertain, have the declared value; none
+/// may be missing.
 std::optional<Error> check_effects(const TaskNetwork& network, NodeId node, bool expected,
                                    const std::vector<Literal>& observed) {
   const NodeRecord& entry = network[node];
@@ -72,7 +72,7 @@ NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report)
     result.as_declared = expected;
   }
   if (result.failure &&
-      network[node].kind != NodeClass::Irreversible) {  // only what the plan knows: nothing happened
+      network[node].kind != ActionClass::Irreversible) {  // it changes nothing but the plan's own state
     result.as_declared = false;
     result.effects.clear();
   }

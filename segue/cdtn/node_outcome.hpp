@@ -10,20 +10,20 @@
 
 namespace segue::cdtn {
 
-/// What the end of a node means, whoever runs it.
+/// The meaning of a node's end, in sequential and concurrent runs alike.
 struct NodeOutcome {
   OutcomeId outcome = kSuccess;
-  bool as_declared = false;      ///< the declared effects came true
-  std::vector<Literal> effects;  ///< else, what became true
+  bool as_declared = false;      ///< the declared effects happened
+  std::vector<Literal> effects;  ///< otherwise, the observed ones
   std::optional<Error> failure;  ///< set if the mission cannot go on
 };
 
-/// Compares what was observed with what the node declares. Another effect than declared is a failure that
-/// names the node, unless it is `uncertain` (other values of the same facts) or `opaque` (anything); so is an
-/// abort that nobody handles, and an outcome that leads nowhere.
+/// Compares a report with the node's declaration. An effect that was not declared is a failure, unless the
+/// node is `uncertain` (it may set other values of the same facts) or `opaque` (it may change anything). So
+/// are an abort without a handler and an outcome without a successor.
 NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report);
 
-/// The failure of a node one of whose preconditions does not hold.
+/// The failure of a node because of a precondition that is false.
 Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal);
 
 }  // namespace segue::cdtn

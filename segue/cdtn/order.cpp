@@ -83,7 +83,7 @@ void OrderBuilder::extend() {
   }
 }
 
-/// What every rule has in common.
+/// Adds the dependencies that both rules share.
 void OrderBuilder::begin_node(NodeId node) {
   order_.open_node();
   add_data_and_conditions(node);
@@ -97,7 +97,7 @@ void OrderBuilder::add_data_and_conditions(NodeId node) {
     order_.add(condition.node, Reason::Condition, static_cast<std::uint32_t>(condition.outcome));
 }
 
-/// One dependency for two nodes is enough, whatever the number of facts.
+/// Two nodes need only one dependency, however many facts they share; further reasons go to `further_`.
 void OrderBuilder::add(NodeId from, Reason reason, std::uint32_t subject) {
   const std::uint32_t to = order_.size() - 1;
   if (waited_for_[index(from)] != to) {
@@ -121,8 +121,8 @@ void OrderBuilder::wait_for(std::uint32_t list, NodeId flip, NodeId node, Reason
   }
 }
 
-/// Whether a node that runs can rely on what the last flip left: not where that may have been skipped, or may
-/// have turned out otherwise, without the node being skipped too.
+/// Whether the node can rely on the value that the last flip left: not if the flip may have been skipped, or
+/// may have had another effect, without the node being skipped too.
 bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   if (state.uncertain) return false;
   const bool before_opaque = index(state.flip) == kNone || state.flip <= place_;
@@ -135,7 +135,8 @@ bool OrderBuilder::known_to(const FactState& state, NodeId node) const {
   return !flip.branches || std::binary_search(own.begin(), own.end(), Condition{state.flip, flip.expected});
 }
 
-/// Pure nodes that only read need not be waited for: what they read is known whenever they run.
+/// A later write need not wait for pure readers, since they read the predicted value of their place in the
+/// order.
 void OrderBuilder::add_access(NodeId node, const Access& access) {
   FactState& state = states_[index(access.fact)];
   if (!state.seen) {
@@ -147,7 +148,7 @@ void OrderBuilder::add_access(NodeId node, const Access& access) {
       access.writes && (entry.uncertain || state.value != (access.value ? 1 : 0) || !known_to(state, node));
   if (!flips) {
     if (index(state.flip) != kNone) add(state.flip, Reason::Fact, index(access.fact));
-    if (access.writes || entry.kind != NodeClass::Pure) touch(state.touchers, node);
+    if (access.writes || entry.kind != ActionClass::Pure) touch(state.touchers, node);
     return;
   }
   wait_for(state.touchers, state.flip, node, Reason::Fact, index(access.fact));
@@ -164,7 +165,7 @@ void OrderBuilder::add_place(NodeId node) {
   }
   if (index(place_) != kNone) add(place_, Reason::Place, 0);
   const auto writes = [](const Access& access) { return access.writes; };
-  if (entry.kind != NodeClass::Pure || std::ranges::any_of(network_.accesses(node), writes))
+  if (entry.kind != ActionClass::Pure || std::ranges::any_of(network_.accesses(node), writes))
     touch(place_touchers_, node);
 }
 
@@ -172,7 +173,7 @@ void OrderBuilder::add_resources(NodeId node, bool blocks_in_order) {
   for (const Claim& claim : network_.claims(node)) {
     const ResourceRecord& resource = network_.resources[claim.resource];
     const bool irreversible =
-        network_[node].kind == NodeClass::Irreversible && claim.op != ResourceOp::Exists;
+        network_[node].kind == ActionClass::Irreversible && claim.op != ResourceOp::Exists;
     if (!resource.varies && !resource.grouped && !(blocks_in_order && irreversible && !resource.commutes))
       continue;
     NodeId& last = last_claim_[index(claim.resource)];

@@ -15,11 +15,10 @@ namespace segue::cdtn {
 /// Why a node comes after another.
 enum class Reason : std::uint8_t {
   Fact,       ///< one of them changes a fact that the other relies on or changes
-  Resource,   ///< both use a resource whose order matters: after the other's *start*; units are a matter of
-              ///< dispatch
+  Resource,   ///< both use a resource whose order matters: it starts after the other's *start*
   Data,       ///< it takes an output of the other
   Condition,  ///< the other's outcome decides whether it is on the path
-  Place       ///< one of them does not say what it touches
+  Place       ///< one of them is opaque: it may touch anything
 };
 std::string_view to_string(Reason reason);
 
@@ -33,8 +32,8 @@ struct Dependency {
   [[nodiscard]] Reason reason() const { return static_cast<Reason>(reason_bits); }
 };
 
-/// What comes after what, with reasons, in flat arrays: the dependencies of a node lie side by side, those on
-/// a node are linked. Only ever grows.
+/// The dependencies between nodes, with their reasons, in flat arrays: those of a node are adjacent, those on
+/// a node form a linked list. It only grows.
 class Order {
  public:
   [[nodiscard]] std::span<const Dependency> before(NodeId node) const {
@@ -71,23 +70,23 @@ enum class OrderRule : std::uint8_t { Epoch, Goal };
 Order derive_order(const TaskNetwork& network, OrderRule rule = OrderRule::Epoch,
                    std::vector<Dependency>* further = nullptr);
 
-/// Whether the node does not even run ahead, its result kept back, of this dependency; of Data: before there
-/// are outputs, if only such. Pure nodes run ahead on what facts will be, sensing ones on nothing but
-/// reality, and neither ahead of who may touch anything.
+/// Whether the dependency delays even a speculative run; of Data, until outputs exist, speculative ones
+/// included. Pure nodes run on predicted facts, sensing ones only on real ones, and neither before an opaque
+/// node has ended.
 [[nodiscard]] inline bool holds_start(const TaskNetwork& network, const Dependency& dependency) {
-  const NodeClass kind = network[dependency.to].kind;
-  if (kind == NodeClass::Irreversible) return true;
-  if (dependency.reason() == Reason::Fact) return kind == NodeClass::Sensing;
+  const ActionClass kind = network[dependency.to].kind;
+  if (kind == ActionClass::Irreversible) return true;
+  if (dependency.reason() == Reason::Fact) return kind == ActionClass::Sensing;
   return dependency.reason() != Reason::Condition;
 }
 
-/// "arm_at(home)", "process:planner" ...: what a dependency is about.
+/// The subject of a dependency as text: "arm_at(home)", "process:planner" ...
 std::string subject_text(const TaskNetwork& network, const Dependency& dependency);
 
 /// Derives the order by the epoch rule for a network that grows. Each fact's sequence of accesses is cut
 /// where its value flips: the flipping node comes after every node that touched the fact since the last flip,
-/// and those came after that one. Flips of a fact are so totally ordered and whoever touches it stays between
-/// the same two.
+/// and those come after the last flip. So the flips of a fact are totally ordered, and every other access
+/// stays between the same two.
 class OrderBuilder {
  public:
   /// All must outlive the builder. `further`: as for derive_order.
@@ -99,8 +98,8 @@ class OrderBuilder {
  private:
   friend class GoalOrder;
   struct FactState {
-    NodeId flip{kNone};              ///< who changed it last; none: the initial world
-    std::uint32_t touchers = kNone;  ///< who touched it since
+    NodeId flip{kNone};              ///< the node that changed it last; none: the initial world
+    std::uint32_t touchers = kNone;  ///< nodes that touched it since
     std::uint8_t value = 0;
     bool uncertain = false;
     bool seen = false;
@@ -127,7 +126,7 @@ class OrderBuilder {
   std::vector<FactState> states_;  ///< by fact
   std::vector<Toucher> touchers_;
   std::vector<NodeId> last_claim_;         ///< by resource
-  std::vector<std::uint32_t> waited_for_;  ///< by node: the last node that was told to wait for it
+  std::vector<std::uint32_t> waited_for_;  ///< by node: the last node with a dependency on it
   NodeId place_{kNone};                    ///< the last opaque node
   std::uint32_t place_touchers_ = kNone;
 };

@@ -10,10 +10,9 @@
 
 namespace segue::cdtn {
 
-/// Whom the engine should prefer among nodes that could go: program order or the longest way to the end,
-/// whichever a simulation in virtual time with these options finds shorter. The answer is for
-/// ConcurrentEngineOptions::priorities; empty is program order, which is also the answer at a tie, and where
-/// `stop` is asked for, from any thread.
+/// Chooses ConcurrentEngineOptions::priorities: program order or the longest remaining path first, whichever
+/// gives the shorter makespan in a simulation in virtual time with these options. Empty means program order,
+/// also at a tie and after a request on `stop`, which may come from any thread. Blocks for two simulations.
 std::vector<std::uint64_t> choose_priorities(const TaskNetwork& network, const Order& order,
                                              std::vector<Trial> trials, ConcurrentEngineOptions options,
                                              std::stop_token stop = {});

@@ -5,8 +5,8 @@
 
 namespace segue::cdtn {
 
-/// Whether a node that has not ended is taken to be on the path, seen from `at`: conditions that both have
-/// are met, others end as expected.
+/// Whether a node that has not ended is assumed to be on the path, seen from `at`: conditions that both share
+/// are met, other branches end as expected.
 bool ConcurrentEngine::Implementation::assumed_on_path(NodeId writer, NodeId at) const {
   const auto own = network_.conditions(at);
   for (const Condition& condition : network_.conditions(writer)) {
@@ -40,7 +40,7 @@ bool ConcurrentEngine::Implementation::projected(const Access& access) const {
   return writes_[place] == 0 ? network_.access(place).value : writes_[place] == 3;
 }
 
-/// What a node that has ended did to the world.
+/// Applies the effects of a node that has ended.
 void ConcurrentEngine::Implementation::add_effects(VersionedWorld& world, NodeId node) const {
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
@@ -60,8 +60,8 @@ void ConcurrentEngine::Implementation::catch_up_prefix_world() {
     add_effects(prefix_world_, NodeId{prefix_world_at_});
 }
 
-/// The world where the node stands in program order: as it was after everything that has passed, then what
-/// the nodes between did, or are predicted to do. What of it may turn out otherwise is remembered as a guess.
+/// The world at the node's place in program order: after everything that has passed, then the effects of the
+/// nodes in between, real or predicted. Predicted ones are recorded as guesses, to be validated.
 VersionedWorld ConcurrentEngine::Implementation::projected_world(NodeId node) {
   catch_up_prefix_world();
   VersionedWorld world = prefix_world_;
@@ -85,7 +85,7 @@ VersionedWorld ConcurrentEngine::Implementation::projected_world(NodeId node) {
 }
 
 bool ConcurrentEngine::Implementation::reads_are_valid(NodeId node) const {
-  if (network_[node].kind != NodeClass::Pure || planted(EngineFault::NeverValidates)) return true;
+  if (network_[node].kind != ActionClass::Pure || planted(EngineFault::NeverValidates)) return true;
   const auto accesses = network_.accesses(node);
   for (std::uint32_t i = 0; i < accesses.size(); ++i) {
     if (accesses[i].reads && projected(accesses[i]) != (reads_[network_[node].first_access + i] == 3))
@@ -94,8 +94,8 @@ bool ConcurrentEngine::Implementation::reads_are_valid(NodeId node) const {
   return true;
 }
 
-/// The version of the producer's outputs that this entry gives; 0 where another entry for the same input
-/// counts, or its producer is skipped.
+/// The version of the producer's outputs that this candidate provides; 0 if another candidate for the same
+/// input counts, or the producer is skipped.
 std::uint32_t ConcurrentEngine::Implementation::input_version(NodeId node, std::size_t place) const {
   const auto inputs = network_.inputs(node);
   const auto skipped = [&](const DataInput& input) { return at(input.producer).phase == Phase::Skipped; };

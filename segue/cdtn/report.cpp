@@ -37,7 +37,7 @@ Value node_value(const TaskNetwork& network, const RunResult& result, const Wait
   entry.set("commit_s", in_seconds(own.committed));
   entry.set("status", to_string(own.status));
   entry.set("outcome", network.outcomes.name(static_cast<std::uint32_t>(own.outcome)));
-  entry.set("pia", network[node].kind == NodeClass::Irreversible);
+  entry.set("pia", network[node].kind == ActionClass::Irreversible);
   entry.set("runs", static_cast<std::uint64_t>(own.attempts));
   Value::List resources;
   for (const Claim& claim : network.claims(node)) {

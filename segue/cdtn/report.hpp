@@ -17,17 +17,17 @@ std::string_view to_string(NodeStatus status);
 /// "done", "stopped" or "failed".
 std::string_view outcome_of(const RunResult& result);
 
-/// What a run is compared with.
+/// Figures that a run is compared with.
 struct RunSummary {
-  Duration sequential{};     ///< one node after the other
-  Duration critical_path{};  ///< no run is shorter
+  Duration sequential{};     ///< sequential time
+  Duration critical_path{};  ///< lower bound of the makespan
   double engine_us_per_node = 0;
 };
 
-/// A reason for waiting as JSON; `node` is the name of the one whose end it was, or empty.
+/// A wait as JSON; `node` is the name of the node whose end it was, or empty.
 type::Value to_value(const Wait& wait, const std::string& node);
 
-/// What `segue mission run` prints as JSON.
+/// The document that `segue mission run --format json` prints.
 type::Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
                      const RunSummary& summary);
 

@@ -12,21 +12,21 @@
 
 namespace segue::cdtn {
 
-/// System: hardware of the robot. Process: programs. Module: software within them. World: what lies around,
-/// and copies of its model. Task: what only the plan knows.
+/// System: hardware of the robot. Process: programs. Module: software within them. World: objects in the
+/// environment, and copies of its model. Task: resources that only the plan knows.
 enum class ResourceClass : std::uint8_t { System, Process, Module, World, Task };
 inline constexpr std::array<std::string_view, 5> kResourceClasses{"system", "process", "module", "world",
                                                                   "task"};
 
-/// Create: more units when the node ends. Consume: units that are gone once the node starts. Delete: units
-/// that the node holds and that are gone once it ends. Block: units that the node holds while it runs.
-/// Release: ends what an earlier node's block holds, see GroupLock. Exists: at least that many units, which
-/// nobody may take away meanwhile.
+/// Create: adds units when the node ends. Consume: removes units when the node starts. Delete: holds units
+/// and removes them when the node ends. Block: holds units while the node runs. Release: releases the units
+/// that an earlier node blocked, see GroupLock. Exists: at least that many units must exist while the node
+/// runs.
 enum class ResourceOp : std::uint8_t { Create, Consume, Delete, Block, Release, Exists };
 inline constexpr std::array<std::string_view, 6> kResourceOps{"create", "consume", "delete",
                                                               "block",  "release", "exists"};
 
-/// What a node does with a resource.
+/// The use of a resource by a node.
 struct Claim {
   ResourceId resource{};
   ResourceOp op = ResourceOp::Block;
@@ -35,8 +35,8 @@ struct Claim {
   friend bool operator==(const Claim&, const Claim&) = default;
 };
 
-/// Units of one resource that are held from the first start to the last end of several nodes: a block on a
-/// hierarchy, or from a `block` to its `release`. What the members block they take from these units.
+/// Units of one resource that are held from the first start to the last end of a group of nodes: a block on a
+/// hierarchy, or from a `block` to its `release`. Members block units out of these.
 struct GroupLock {
   ResourceId resource{};
   std::uint32_t count = 1;
@@ -47,7 +47,7 @@ struct GroupLock {
 struct ResourceRecord {
   ResourceClass kind = ResourceClass::Task;
   std::uint32_t count = 1;  ///< units at the beginning
-  bool commutes = false;    ///< the order in which nodes use it means nothing
+  bool commutes = false;    ///< the order in which nodes use it does not matter
   bool varies = false;      ///< some node creates, consumes or deletes units
   bool grouped = false;     ///< some group lock holds it
 };

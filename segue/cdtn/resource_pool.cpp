@@ -29,7 +29,7 @@ std::uint32_t ResourcePool::need(const Claim& claim) const {
   return claim.op == ResourceOp::Exists || claim.op == ResourceOp::Release ? 0 : claim.count;
 }
 
-/// What all claims need of one resource; members of a group take its units but once.
+/// The units of one resource that all claims need together; the units of a group count once.
 std::uint64_t ResourcePool::need(std::span<const Claim> claims, ResourceId id) const {
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -57,7 +57,7 @@ bool ResourcePool::fits_but_for_units(const Claim& claim) const {
   }
 }
 
-/// Whether enough is free for it, and for all who wait before it.
+/// Whether enough units are free for the claim and for all nodes that wait before it.
 bool ResourcePool::turn(const Rank& rank, std::uint64_t own, ResourceId id) const {
   const Units& units = units_[index(id)];
   if (own > units.free) return false;
@@ -154,7 +154,7 @@ void ResourcePool::give_back(const Claim& claim, bool done) {
   }
 }
 
-/// Whether a claim can stand in a node's way: only then it waits in that resource's queue.
+/// Whether a claim can block its node; only then the node waits in the queue of that resource.
 bool ResourcePool::can_wait(const Claim& claim) const {
   if (claim.op == ResourceOp::Create) return false;
   if (claim.group != kNone) return true;
@@ -194,14 +194,14 @@ bool ResourcePool::request(Rank rank, std::span<const Claim> claims) {
 void ResourcePool::withdraw(Rank rank, std::span<const Claim> claims) {
   dequeue(rank, claims);
   for (const Claim& claim : claims)
-    look(claim.resource);
+    grant_waiting(claim.resource);
 }
 
 void ResourcePool::release(std::span<const Claim> claims, bool done) {
   for (const Claim& claim : claims)
     give_back(claim, done);
   for (const Claim& claim : claims)
-    look(claim.resource);
+    grant_waiting(claim.resource);
 }
 
 void ResourcePool::leave_group(std::uint32_t group) {
@@ -211,12 +211,12 @@ void ResourcePool::leave_group(std::uint32_t group) {
   if (!left.held || (left.left < left.lock.members && !early)) return;
   left.held = false;
   units_[index(left.lock.resource)].free += left.lock.count;
-  look(left.lock.resource);
+  grant_waiting(left.lock.resource);
 }
 
-/// Grants whoever can go now because of this resource. Others that wait for it are out of reach once those
-/// ahead of them want all that is free.
-void ResourcePool::look(ResourceId id) {
+/// Grants the nodes that can start now that units of this resource are free. The walk ends once the nodes
+/// seen so far want more than is free, since later ones may not overtake them.
+void ResourcePool::grant_waiting(ResourceId id) {
   Units& units = units_[index(id)];
   std::uint64_t ahead = 0;
   for (auto next = units.queue.begin(); next != units.queue.end() && ahead <= units.free;) {

@@ -14,24 +14,24 @@
 
 namespace segue::cdtn {
 
-/// Who comes first where several wait: the least rank, then program order.
+/// The order of waiting nodes: the least priority value first, then program order.
 struct Rank {
   std::uint64_t priority = 0;
   NodeId node{};
   friend auto operator<=>(const Rank&, const Rank&) = default;
 };
 
-/// The units of all resources and who holds them. A node gets all that it claims or nothing. Whoever waits
-/// keeps its place: a node further back is only granted what would be left if everybody before it had what it
-/// waits for, so that it delays nobody ahead. A step costs what is free, not how many wait. Not thread safe.
+/// Allocates the units of all resources. A node gets everything that it claims or nothing. Waiting nodes are
+/// not overtaken: a later node is only granted units that would be left if all nodes before it had what they
+/// wait for. The cost of a step grows with the free units, not with the number of waiting nodes. Not thread
+/// safe.
 class ResourcePool {
  public:
   explicit ResourcePool(const ResourceTable& table) : table_(table) { grow(); }
 
-  /// Takes over resources that were added to the table.
+  /// Adds the resources that were added to the table since the last call.
   void grow();
-  /// Takes over group locks, new ones and new members of known ones. A lock is given back when all its
-  /// members have left.
+  /// Adds group locks, and new members of known ones. A lock is released when all its members have left.
   void take_groups(std::span<const GroupLock> locks);
 
   /// Grants at once (true), or remembers the node until `granted` names it. Requires that the node neither
@@ -39,46 +39,46 @@ class ResourcePool {
   bool request(Rank rank, std::span<const Claim> claims);
   /// The node does not want it any more. Requires that it waits.
   void withdraw(Rank rank, std::span<const Claim> claims);
-  /// Ends what the node holds. `done`: what it would create or delete happens, else it does not (it failed,
-  /// or is repeated). What was consumed stays consumed.
+  /// Releases the units that the node holds. `done`: units that it declares to create or delete are created
+  /// or deleted; otherwise (it failed or is repeated) not. Consumed units stay consumed in either case.
   void release(std::span<const Claim> claims, bool done);
-  /// A member of the group has ended, or never will begin.
+  /// A member of the group has ended, or will never begin.
   void leave_group(std::uint32_t group);
 
-  /// Nodes that were granted since the last call, first things first; moves them out.
+  /// Moves out the nodes that were granted since the last call, in that order.
   void granted(std::vector<NodeId>& nodes);
 
   [[nodiscard]] std::uint32_t total(ResourceId id) const { return units_[index(id)].total; }
   [[nodiscard]] std::uint32_t free(ResourceId id) const { return units_[index(id)].free; }
-  /// How many units more must come free before it is this claim's turn; nothing where it is not for want of
-  /// free units that it waits.
+  /// How many more units must become free before this claim is granted; nullopt if it waits for another
+  /// reason.
   [[nodiscard]] std::optional<std::uint64_t> missing(const Rank& rank, const Claim& claim) const;
-  /// Who waits first for units of a resource of which some came free since the last call, and has to go on
-  /// waiting; moves them out.
+  /// Moves out, for each resource of which units became free since the last call, the first node that still
+  /// has to wait.
   void still_waiting(std::vector<NodeId>& nodes);
-  /// Whether it could be granted if nobody waited; the claim that stands in the way otherwise.
+  /// The claim that could not be granted even if no other node waited; null if there is none.
   [[nodiscard]] const Claim* obstacle(std::span<const Claim> claims) const;
 
  private:
   struct Waiting {
     Rank rank;
-    std::shared_ptr<const std::vector<Claim>> claims;  ///< a copy: networks move theirs when they grow
+    std::shared_ptr<const std::vector<Claim>> claims;  ///< a copy, because a growing network moves its own
     std::uint64_t need = 0;                            ///< free units of this queue's resource
     friend bool operator<(const Waiting& a, const Waiting& b) { return a.rank < b.rank; }
   };
   struct Units {
     std::uint32_t total = 0;
     std::uint32_t free = 0;
-    std::uint32_t leaving = 0;  ///< held by who deletes them when it ends
-    std::uint32_t pinned = 0;   ///< units that an `exists` relies on, the most of all
+    std::uint32_t leaving = 0;  ///< held by nodes that delete them when they end
+    std::uint32_t pinned = 0;   ///< the largest number of units that a running `exists` relies on
     std::uint32_t pins = 0;
-    std::uint64_t wanted = 0;  ///< by all who wait
+    std::uint64_t wanted = 0;  ///< by all waiting nodes
     std::set<Waiting> queue;
   };
   struct Group {
     GroupLock lock;
-    std::uint32_t left = 0;    ///< members that have
-    std::uint32_t inside = 0;  ///< units that no member uses
+    std::uint32_t left = 0;    ///< members that have left
+    std::uint32_t inside = 0;  ///< units that no member uses now
     bool held = false;
   };
 
@@ -92,7 +92,7 @@ class ResourcePool {
   void give_back(const Claim& claim, bool done);
   void enqueue(const Rank& rank, std::span<const Claim> claims);
   void dequeue(const Rank& rank, std::span<const Claim> claims);
-  void look(ResourceId id);
+  void grant_waiting(ResourceId id);
 
   const ResourceTable& table_;
   std::vector<Units> units_;

@@ -5,7 +5,6 @@
 #include <segue/base/error.hpp>
 #include <segue/cdtn/environment.hpp>
 #include <segue/cdtn/ids.hpp>
-#include <segue/cdtn/run_log.hpp>
 #include <segue/cdtn/versioned_world.hpp>
 
 #include <cstdint>
@@ -14,19 +13,19 @@
 
 namespace segue::cdtn {
 
-/// Where a node has got to at the end of a run.
+/// The state of a node at the end of a run.
 enum class NodeStatus : std::uint8_t { NotReached, Done, Skipped, Failed, Preempted };
 
 struct NodeResult {
   NodeStatus status = NodeStatus::NotReached;
   OutcomeId outcome = kSuccess;
   std::uint32_t attempts = 0;
-  TimePoint started;  ///< the run that counts
+  TimePoint started;  ///< of the run that counts
   TimePoint ended;
-  TimePoint committed;  ///< what it did counts from here
+  TimePoint committed;  ///< from then on its effects count
 };
 
-/// A run of a pure or sensing node that was thrown away.
+/// A run of a pure or sensing node whose result was discarded.
 struct WastedRun {
   NodeId node{};
   TimePoint started;
@@ -35,16 +34,30 @@ struct WastedRun {
 
 struct RunStatistics {
   std::uint64_t starts = 0;
-  std::uint64_t speculative = 0;  ///< runs that began before it was certain that they are wanted
-  std::uint64_t wasted = 0;       ///< of those, thrown away
-  std::uint64_t preempted = 0;    ///< of those, for nodes that came before them and needed what they held
-  std::uint64_t repeated = 0;     ///< runs of nodes that had run before
+  std::uint64_t speculative = 0;  ///< runs that began before it was certain that they count
+  std::uint64_t wasted = 0;       ///< of those, discarded
+  std::uint64_t preempted = 0;    ///< of those, cancelled because a node that counts needed what they held
+  std::uint64_t repeated = 0;     ///< further runs of nodes that had run before
 };
 
-/// How a network ended, sequentially or concurrently.
+/// An event of a node. Start: with all its resources. End: the run has ended and released them. Commit: its
+/// effects count. Skip: it is off the path. Discard: the result of a run is discarded. Cancel: a run in
+/// progress is not needed any more.
+enum class LogKind : std::uint8_t { Start, End, Commit, Skip, Discard, Cancel };
+
+struct LogEntry {
+  TimePoint when;
+  NodeId node{};
+  std::uint32_t attempt = 0;
+  LogKind kind = LogKind::Start;
+};
+
+using RunLog = std::vector<LogEntry>;
+
+/// The result of a run, sequential or concurrent.
 struct RunResult {
-  std::optional<NodeId> failed;  ///< the lowest node that did
-  std::optional<Error> error;    ///< with it
+  std::optional<NodeId> failed;  ///< the lowest node that failed
+  std::optional<Error> error;    ///< why
   bool stopped = false;          ///< on request
   VersionedWorld world;
   std::vector<std::uint32_t> units;  ///< of every resource, at the end

@@ -121,8 +121,8 @@ class SequentialRun {
       result_.world.set(literal);
   }
 
-  /// Units that a node's claims take now of one resource. Those of a group are taken by its first member, for
-  /// all.
+  /// The units of one resource that a node's claims take now. The first member of a group takes the units of
+  /// the whole group.
   [[nodiscard]] std::uint64_t wanted(std::span<const Claim> claims, ResourceId resource) const {
     std::uint64_t sum = 0;
     std::set<std::uint32_t> known;
@@ -184,7 +184,7 @@ class SequentialRun {
   CompletionQueue events_;
   const std::stop_token stop_;
   RunResult result_;
-  std::vector<std::uint32_t> held_;  ///< units, by resource: by groups
+  std::vector<std::uint32_t> held_;  ///< by resource: units that groups hold
   std::vector<std::uint32_t> members_left_;
   std::set<std::uint32_t> groups_held_;
 };
@@ -224,7 +224,8 @@ ReportPtr SequentialRun::execute(NodeId node) {
   environment_.start(context, events_);
   ReportPtr report = wait_for(node);
   environment_.ended(node, 1);
-  if (context.asked_world() && !network_[node].reads_world && network_[node].kind != NodeClass::Irreversible)
+  if (context.asked_world() && !network_[node].reads_world &&
+      network_[node].kind != ActionClass::Irreversible)
     return aborted("looked at the world without declaring reads_world");
   return report;
 }
@@ -234,7 +235,7 @@ ReportPtr SequentialRun::refuse(NodeId node, const std::string& why) {
   return environment_.refuse(context, why);
 }
 
-/// Its end; where a stop is asked for before, it is cancelled and waited for only so long.
+/// Waits for the end of the node. After a stop request the node is cancelled and has limited time to end.
 ReportPtr SequentialRun::wait_for(NodeId node) {
   TimePoint deadline = TimePoint::max();
   for (;;) {

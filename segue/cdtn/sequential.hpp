@@ -10,10 +10,10 @@
 
 namespace segue::cdtn {
 
-/// The reference: one node after the other in program order, each in reality. It shares nothing with the
-/// engine but the clock and what the end of a node means, so that each can be tested by the other. Ends at
-/// the first failure, and soon where `stop` is asked for, from any thread: then the node that runs is
-/// preempted and none follows. Blocks.
+/// The reference execution: one node at a time, in program order, in the real world. It shares only the clock
+/// and the meaning of a node's end with ConcurrentEngine, so that tests can compare the two. Ends at the
+/// first failure. `stop` may be requested on any thread: the running node is preempted and no further one
+/// starts. Blocks.
 RunResult run_sequential(const TaskNetwork& network, Environment& environment,
                          ClockKind clock = ClockKind::Virtual, std::stop_token stop = {});
 

@@ -7,7 +7,7 @@ namespace segue::cdtn {
 
 namespace {
 
-/// splitmix64: numbers that look random, from any number.
+/// splitmix64: a pseudo-random number from any number.
 std::uint64_t mixed(std::uint64_t number) {
   number += 0x9E3779B97F4A7C15U;
   number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9U;

@@ -10,13 +10,13 @@
 
 namespace segue::cdtn {
 
-/// What a node does in a trial, where that is not success as predicted.
+/// The simulated behaviour of a node; by default it succeeds with its declared effects.
 struct Trial {
   OutcomeId outcome = kSuccess;
   std::optional<std::vector<Literal>> effects;  ///< what happens instead of the declared ones
 };
 
-/// Nodes that only take time: the expected duration each, and end as their trial says.
+/// Simulates nodes: each takes its expected duration and ends as its trial says.
 class SimulatedEnvironment final : public Environment {
  public:
   /// `trials` by node; nodes beyond succeed. With a seed, durations vary between half and twice the expected

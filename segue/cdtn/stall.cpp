@@ -21,7 +21,7 @@ std::string ConcurrentEngine::Implementation::waits_for(NodeId node) const {
   if (state.phase == Phase::Queued) {
     const Claim* claim = pool_.obstacle(network_.claims(node));
     if (claim != nullptr) return fmt::format("{} waits for {}", name, amount(network_, *claim, pool_));
-    return name + " waits for its turn at a resource";
+    return name + " waits for earlier nodes at a resource";
   }
   for (const Dependency& dependency : order_.before(node)) {
     const State& from = at(dependency.from);
@@ -30,10 +30,10 @@ std::string ConcurrentEngine::Implementation::waits_for(NodeId node) const {
     return fmt::format("{} waits for '{}' ({}: {})", name, network_.label(dependency.from),
                        to_string(dependency.reason()), subject_text(network_, dependency));
   }
-  return name + " waits for what comes before it";
+  return name + " waits for the nodes before it";
 }
 
-/// Names the lowest nodes that cannot go on, and for whom they wait.
+/// Names the lowest nodes that cannot go on, and the nodes or resources they wait for.
 Error ConcurrentEngine::Implementation::stall_error() const {
   constexpr int kNamed = 5;
   std::string text;
@@ -45,7 +45,7 @@ Error ConcurrentEngine::Implementation::stall_error() const {
     if (states_[i].passed) continue;
     text += (named++ == 0 ? "" : "; ") + waits_for(NodeId{i});
   }
-  return fail(ErrorCode::ResourceExhausted, "nobody can go on: " + text,
+  return fail(ErrorCode::ResourceExhausted, "no node can go on: " + text,
               prefix_ < states_.size() ? network_.label(NodeId{prefix_}) : "");
 }
 

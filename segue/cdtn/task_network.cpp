@@ -40,7 +40,7 @@ NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   entry.cannot_fail = spec.cannot_fail;
   append_accesses(spec, node);
   append_claims(spec);
-  if (entry.reads_world && entry.kind != NodeClass::Pure) entry.opaque = true;
+  if (entry.reads_world && entry.kind != ActionClass::Pure) entry.opaque = true;
   inputs_.insert(inputs_.end(), spec.inputs.begin(), spec.inputs.end());
   const auto by_producer = [](const DataInput& a, const DataInput& b) { return a.producer < b.producer; };
   const auto inputs = inputs_.begin() + entry.first_input;
@@ -101,7 +101,7 @@ void TaskNetwork::append_claims(const NodeSpec& spec) {
     const bool changes =
         claim.op == ResourceOp::Create || claim.op == ResourceOp::Consume || claim.op == ResourceOp::Delete;
     resource.varies = resource.varies || changes;
-    if (changes) nodes_.back().kind = NodeClass::Irreversible;
+    if (changes) nodes_.back().kind = ActionClass::Irreversible;
     const auto same = std::find_if(
         claims_.begin() + static_cast<std::ptrdiff_t>(first), claims_.end(), [&](const Claim& other) {
           return other.resource == claim.resource && other.op == claim.op && other.group == claim.group;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/action_class.hpp>
 #include <segue/base/clock.hpp>
 #include <segue/cdtn/fact.hpp>
 #include <segue/cdtn/ids.hpp>
@@ -16,13 +17,8 @@
 
 namespace segue::cdtn {
 
-/// Irreversible: what it does cannot be taken back; it waits until it is certain to be wanted. Pure: changes
-/// nothing but what the plan knows; it may run ahead on a projected world, be repeated, and be thrown away.
-/// Sensing: a pure node that reads reality, never a projection.
-enum class NodeClass : std::uint8_t { Irreversible, Pure, Sensing };
-
-/// One input of a node. Several for one input are candidates: the last in program order that is not skipped
-/// counts.
+/// A connection to an input of a node. Several connections of one input are candidates: the last in program
+/// order that is not skipped counts.
 struct DataInput {
   NodeId producer{};
   std::uint32_t output = 0;  ///< of TaskNetwork::names
@@ -36,22 +32,22 @@ struct Condition {
   friend auto operator<=>(const Condition&, const Condition&) = default;
 };
 
-/// A node in the words of whoever makes it. All references are to nodes that were appended before.
+/// The description of a node to append. It may refer only to nodes that were appended before.
 struct NodeSpec {
   std::string name;
   std::uint32_t iteration = 0;
-  NodeClass kind = NodeClass::Irreversible;
+  ActionClass kind = ActionClass::Irreversible;
   Duration duration{};            ///< expected
   OutcomeId expected = kSuccess;  ///< its effects belong to this outcome
-  bool branches = false;          ///< conditions of later nodes tell its outcomes apart
-  bool handles_abort = false;     ///< `aborted` is an outcome like others; requires `branches`
-  bool opaque_subtree = false;    ///< a part of the plan that runs sequentially within
+  bool branches = false;          ///< conditions of later nodes depend on its outcome
+  bool handles_abort = false;     ///< `aborted` is an ordinary outcome; requires `branches`
+  bool opaque_subtree = false;    ///< part of the plan that runs sequentially, as one node
   bool opaque = false;            ///< may touch facts and resources that it does not declare
   bool reads_world = false;  ///< may look at facts that it does not declare; in reality that makes it opaque
-  bool uncertain = false;    ///< its effects may turn out to be others, on the same facts
-  bool cannot_fail = false;  ///< neither by itself nor for want of a precondition or a resource
+  bool uncertain = false;    ///< its effects may have other values, on the same facts
+  bool cannot_fail = false;  ///< neither by itself nor because of a precondition or resource
   std::vector<Literal> preconditions;
-  std::vector<Literal> effects;  ///< of contradicting ones, that which makes the fact true counts
+  std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;
   std::vector<DataInput> inputs;
   std::vector<Condition> conditions;
@@ -79,7 +75,7 @@ struct NodeRecord {
   std::uint32_t first_input = 0;
   std::uint32_t first_condition = 0;
   OutcomeId expected = kSuccess;
-  NodeClass kind = NodeClass::Irreversible;
+  ActionClass kind = ActionClass::Irreversible;
   bool branches : 1 = false;
   bool handles_abort : 1 = false;
   bool opaque_subtree : 1 = false;
@@ -89,8 +85,8 @@ struct NodeRecord {
   bool cannot_fail : 1 = false;
 };
 
-/// Nodes in program order, in flat arrays, with the facts and resources that they are about. Nodes are only
-/// ever appended, which may go on while an engine runs the network (on the engine's thread). Not thread safe.
+/// Nodes in program order, in flat arrays, with the facts and resources that they use. Nodes are only
+/// appended, also while an engine runs the network (on the engine's thread). Not thread safe.
 class TaskNetwork {
  public:
   TaskNetwork();
@@ -101,13 +97,13 @@ class TaskNetwork {
   NameTable names;     ///< of nodes, inputs and outputs
   NameTable outcomes;  ///< as OutcomeId; begins with success, aborted, preempted
   VersionedWorld initial_world;
-  std::vector<Literal> goal;  ///< what matters in the end, for the order `goal`; empty: the whole world
+  std::vector<Literal> goal;  ///< required at the end, by OrderRule::Goal; empty: the whole world
 
   /// Appends to the end of the program order. Requires what NodeSpec says of references.
   NodeId append(const NodeSpec& spec) { return append(spec, names.intern(spec.name)); }
-  /// Likewise, by a name that is known, in place of the spec's.
+  /// Likewise, with an interned name in place of the one in `spec`.
   NodeId append(const NodeSpec& spec, std::uint32_t called);
-  /// A lock that members name in their claims (Claim::group).
+  /// Adds a lock to which claims refer (Claim::group).
   std::uint32_t add_group(ResourceId resource, std::uint32_t count = 1);
   OutcomeId outcome(std::string_view text) { return OutcomeId(outcomes.intern(text)); }
 
@@ -133,7 +129,7 @@ class TaskNetwork {
   [[nodiscard]] std::uint32_t access_count() const { return static_cast<std::uint32_t>(accesses_.size()); }
   [[nodiscard]] std::uint32_t input_count() const { return static_cast<std::uint32_t>(inputs_.size()); }
   [[nodiscard]] std::span<const GroupLock> groups() const { return groups_; }
-  /// Bytes that nodes and what belongs to them occupy; names and facts aside.
+  /// Memory of the nodes and their arrays in bytes, without names and facts.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -151,7 +147,7 @@ class TaskNetwork {
   void append_claims(const NodeSpec& spec);
   void close(NodeRecord& next) const;
 
-  std::vector<NodeRecord> nodes_;  ///< and one beyond the last, where the next one begins
+  std::vector<NodeRecord> nodes_;  ///< with a sentinel at the end, which holds where the next node begins
   std::vector<Access> accesses_;
   std::vector<Claim> claims_;
   std::vector<DataInput> inputs_;

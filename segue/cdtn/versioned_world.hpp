@@ -12,20 +12,20 @@
 
 namespace segue::cdtn {
 
-/// What a user attaches to a world, such as a geometric model. It follows the facts: every change of one is
-/// told to `changed`, on a copy of its own where others share it.
+/// Data that a user attaches to a world, such as a geometric model, and that follows the facts: `changed` is
+/// called for every change, on a copy of its own if the data are shared.
 class UserData : public CowObject {
  public:
   /// A copy that can change without this one being touched.
   [[nodiscard]] virtual CowPtr<UserData> clone() const = 0;
-  /// `literal` has come true. Called on the thread that changes the world.
+  /// `literal` has become true. Called on the thread that changes the world.
   virtual void changed(const Literal& literal) = 0;
 };
 
-/// Which facts hold, with the version of the world at which each changed last. A copy is a snapshot, costs
-/// the same whatever the size, and shares what neither has changed since (a persistent tree); changing costs
-/// the depth of that tree, at most 7. Snapshots may be read on several threads; one object belongs to one
-/// thread.
+/// The facts that hold, each with the version of the world at which it changed last. A copy is a snapshot in
+/// constant time that shares unchanged pages (a persistent tree); a change costs the depth of the tree, at
+/// most
+/// 7. Copies may be used on different threads at the same time; a single object belongs to one thread.
 class VersionedWorld {
  public:
   /// False until it was set.

@@ -56,15 +56,15 @@ void WaitFinder::add_use(NodeId node, TimePoint ended) {
     uses_[index(claim.resource)].push_back({ended, node});
 }
 
-/// When the dependency was met. Outputs are there when the run has ended; what holds back that they count
-/// holds back whoever takes them too.
+/// The time at which the dependency was met. Outputs exist when the run has ended; if they cannot count yet,
+/// that holds back the commit of their consumers too.
 TimePoint WaitFinder::met(const Dependency& dependency) const {
   const NodeResult& from = result_.nodes[index(dependency.from)];
   if (dependency.reason() == Reason::Resource) return from.started;
   return dependency.reason() == Reason::Data ? from.ended : from.committed;
 }
 
-/// Somebody else's that ended last, no later than `started`.
+/// The last use by another node that ended no later than `started`.
 const WaitFinder::Use* WaitFinder::last_before(const std::vector<Use>& uses, NodeId node, TimePoint started) {
   auto use = std::ranges::upper_bound(uses, started, {}, &Use::ended);
   while (use != uses.begin() && std::prev(use)->node == node)
@@ -72,7 +72,7 @@ const WaitFinder::Use* WaitFinder::last_before(const std::vector<Use>& uses, Nod
   return use == uses.begin() ? nullptr : &*std::prev(use);
 }
 
-/// The node's resource that somebody gave back last before it started.
+/// Adds the wait for the resource that was released last before the node started.
 void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
   const Use* last = nullptr;
   ResourceId resource{};
@@ -89,7 +89,7 @@ void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint r
 void WaitFinder::add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
   const TimePoint started = result_.nodes[index(node)].started;
   const Use* last = last_before(ends_, node, started);
-  if (last != nullptr && last->ended > ready)  // otherwise only the engine took its time
+  if (last != nullptr && last->ended > ready)  // otherwise the difference is the engine's own time
     waits.push_back({Wait::Kind::Turn, last->node, {}, ready, last->ended});
 }
 
@@ -100,8 +100,7 @@ std::vector<Wait> WaitFinder::of(NodeId node) const {
   TimePoint ready{};
   for (const Dependency& dependency : order_.before(node)) {
     const TimePoint until = met(dependency);
-    if (until > own.started || until == TimePoint{})
-      continue;  // that held back what comes of it, not the start
+    if (until > own.started || until == TimePoint{}) continue;  // it delayed the commit, not the start
     const bool place = dependency.reason() == Reason::Place;
     waits.push_back({kind_of(dependency.reason()),
                      dependency.from,

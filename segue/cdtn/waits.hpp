@@ -11,29 +11,29 @@
 
 namespace segue::cdtn {
 
-/// A stretch of time that a node could not start, or not count, and what it lacked. Turn: nothing but a place
-/// among those that run: beside one that may touch anything, one after the other, or as many as there are
-/// workers or copies of the world.
+/// A period in which a node could not start or not commit, and the reason. World: a precondition that another
+/// node had to make true. Turn: program order beside a node that may touch anything, or a free worker or copy
+/// of the world.
 struct Wait {
   enum class Kind : std::uint8_t { Data, Condition, World, Resource, Turn };
   Kind kind = Kind::Data;
-  NodeId node{kNone};   ///< whose end it was, if that of one node
+  NodeId node{kNone};   ///< the node whose end it waited for, if any
   std::string subject;  ///< the input, outcome, fact or resource
   TimePoint from;
   TimePoint until;
 };
 std::string_view to_string(Wait::Kind kind);
-/// "world at(base) of drive"; `node` is the name of whose end it was, or empty.
+/// "world at(base) of drive"; `node` is the name of the node whose end it was, or empty.
 std::string to_string(const Wait& wait, const std::string& node);
 
-/// What nodes of a run waited for. Refers to the three it is made of.
+/// Finds out after a run what its nodes waited for. All three arguments must outlive this.
 class WaitFinder {
  public:
   WaitFinder(const TaskNetwork& network, const Order& order, const RunResult& result);
 
-  /// From the time at which everything else was there; the longest last.
+  /// The reasons in the order in which they ended, so the last one determined the start.
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
-  /// Whether its run that counts began before all was certain that it relies on.
+  /// Whether the run that counts began before everything it depends on was certain.
   [[nodiscard]] bool was_speculative(NodeId node) const;
 
  private:
@@ -54,7 +54,8 @@ class WaitFinder {
   std::vector<std::vector<Use>> uses_;  ///< by resource, by time
 };
 
-/// Chain of nodes that a run was as long for: from the last node back, each time to whom it waited for last.
+/// The chain of nodes that determined the makespan: from the last node back, each to the one it waited for
+/// last.
 std::vector<NodeId> critical_chain(const RunResult& result, const WaitFinder& waits);
 
 }  // namespace segue::cdtn

@@ -12,7 +12,6 @@
 namespace segue::convert {
 
 using cdtn::Claim;
-using cdtn::NodeClass;
 using cdtn::NodeId;
 using cdtn::NodeSpec;
 using cdtn::OutcomeId;
@@ -30,19 +29,9 @@ bool declares_footprint(const Action& action) {
   return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
 }
 
-/// Such a decider depends only on how its siblings ended.
-bool is_pure(const Action& action) {
-  return action.pure || std::holds_alternative<mission::Decision>(action.run);
-}
-
-NodeClass class_of(const Action& action) {
-  if (action.sensing) return NodeClass::Sensing;
-  return is_pure(action) ? NodeClass::Pure : NodeClass::Irreversible;
-}
-
 /// A sensing action without declared preconditions may rely on any fact.
 bool is_opaque(const Action& action) {
-  return class_of(action) != NodeClass::Pure && !declares_footprint(action) &&
+  return action.action_class() != ActionClass::Pure && !declares_footprint(action) &&
          !planted(ConversionFault::NothingIsOpaque);
 }
 
@@ -242,7 +231,7 @@ void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchE
 
 Symbol Unroller::copied(Symbol value, BranchEdge when) {
   NodeSpec& spec = blank();
-  spec.kind = NodeClass::Pure;
+  spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
   spec.conditions = paths_.conditions(when);
   PlannedNode planned;
@@ -265,7 +254,7 @@ BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   for (const BranchEdge edge : edges)
     around = paths_.common(around, edge);
   NodeSpec& spec = blank();
-  spec.kind = NodeClass::Pure;
+  spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
   spec.branches = true;
   spec.conditions = paths_.conditions(around);
@@ -446,7 +435,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   PlannedNode planned;
   planned.path = entry.path;
   planned.state = entry.state;
-  spec.kind = class_of(what);
+  spec.kind = what.action_class();
   spec.duration = expected_duration(what);
   spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;

@@ -22,7 +22,7 @@ constexpr double kBottom = 84;
 
 constexpr std::array kColours = {"#1b6ca8", "#c2571a", "#3a7d44", "#7a4a9e"};
 
-/// Where a value of the data lies in the picture.
+/// Maps values to positions in the chart.
 struct Scale {
   double x_max = 1;
   double decade_low = 0;  ///< powers of ten, of milliseconds
@@ -85,28 +85,25 @@ void draw_grid(Out out, const Scale& scale) {
 void draw_labels(Out out, const Chart& chart) {
   svg::text(out, kWidth / 2, 28, "middle", chart.title, "font-size=\"16\"");
   svg::text(out, (kLeft + kWidth - kRight) / 2, kHeight - kBottom + 40, "middle", chart.x_label);
-  fmt::format_to(out,
-                 "<text transform=\"translate(22 {:.1f}) rotate(-90)\" text-anchor=\"middle\">milliseconds"
-                 "</text>\n",
-                 (kTop + kHeight - kBottom) / 2);
+  svg::text(out, 0, 0, "middle", "milliseconds",
+            fmt::format("transform=\"translate(22 {:.1f}) rotate(-90)\"", (kTop + kHeight - kBottom) / 2));
 }
 
 /// One shape for each line: circle, square, triangle, diamond.
 void draw_mark(Out out, std::size_t number, double x, double y) {
-  const std::string_view colour = kColours[number % kColours.size()];
+  const std::string style = fmt::format("fill=\"{}\"", kColours[number % kColours.size()]);
   switch (number % 4) {
     case 0:
-      fmt::format_to(out, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>\n", x, y, colour);
+      svg::circle(out, x, y, 4, style);
       return;
     case 1:
-      fmt::format_to(out, "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" height=\"8\" fill=\"{}\"/>\n", x - 4,
-                     y - 4, colour);
+      svg::rect(out, x - 4, y - 4, 8, 8, style);
       return;
     case 2:
-      fmt::format_to(out, "<path d=\"M{:.1f} {:.1f}l5 9h-10z\" fill=\"{}\"/>\n", x, y - 5, colour);
+      svg::path(out, fmt::format("M{:.1f} {:.1f}l5 9h-10z", x, y - 5), style);
       return;
     default:
-      fmt::format_to(out, "<path d=\"M{:.1f} {:.1f}l5 5l-5 5l-5 -5z\" fill=\"{}\"/>\n", x, y - 5, colour);
+      svg::path(out, fmt::format("M{:.1f} {:.1f}l5 5l-5 5l-5 -5z", x, y - 5), style);
   }
 }
 
@@ -120,7 +117,7 @@ void draw_data(Out out, const Chart::Line& line, std::size_t number, const Scale
         fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : " L", x, scale.y(median_of(point.seconds) * 1e3));
     svg::line(out, x, scale.y(least * 1e3), x, scale.y(most * 1e3), style);
   }
-  fmt::format_to(out, "<path d=\"{}\" fill=\"none\" {}/>\n", path, style);
+  svg::path(out, path, "fill=\"none\" " + style);
   for (const Chart::Point& point : line.points)
     draw_mark(out, number, scale.x(point.x), scale.y(median_of(point.seconds) * 1e3));
 }

@@ -6,8 +6,8 @@
 
 namespace segue::draw {
 
-/// A line chart as SVG: medians as lines, the least and the largest as whiskers, a logarithmic scale of
-/// milliseconds. Readable without colours: every line has marks of its own.
+/// A line chart: medians as lines, minimum and maximum as whiskers, on a logarithmic scale of milliseconds.
+/// Each line has its own marks, so the chart is readable without colours.
 struct Chart {
   struct Point {
     double x = 0;
@@ -22,10 +22,10 @@ struct Chart {
   std::vector<Line> lines;
 };
 
-/// The whole file. Lines without points are left out; texts may hold any characters.
+/// The chart as an SVG file, without lines that have no points. Texts may hold any characters.
 std::string to_svg(const Chart& chart);
 
-/// Of a list that is not empty, in any order.
+/// Requires at least one value; they need not be sorted.
 double median_of(std::vector<double> values);
 
 }  // namespace segue::draw

@@ -81,8 +81,8 @@ class DiagramMaker {
     if (entry.opaque && !entry.opaque_subtree) made.note = "opaque";
     if (entry.opaque_subtree)
       made.role = Diagram::Role::OpaqueSubtree;
-    else if (entry.kind != cdtn::NodeClass::Irreversible)
-      made.role = entry.kind == cdtn::NodeClass::Pure ? Diagram::Role::Pure : Diagram::Role::Sensing;
+    else if (entry.kind != ActionClass::Irreversible)
+      made.role = entry.kind == ActionClass::Pure ? Diagram::Role::Pure : Diagram::Role::Sensing;
     return made;
   }
 

@@ -15,7 +15,7 @@ std::string tooltip_of(const Diagram& diagram, const Diagram::Dependency& depend
   std::string text = fmt::format("{} after {}", diagram.nodes[to].name, diagram.nodes[dependency.from].name);
   for (const Diagram::Cause& cause : dependency.causes)
     text += '\n' + to_string(cause);
-  if (!dependency.holds_start) text += "\nit may run ahead, and only its result waits";
+  if (!dependency.holds_start) text += "\nit may run speculatively; only its result waits";
   return text;
 }
 
@@ -44,7 +44,7 @@ std::string caption_of(const Diagram& diagram) {
 
 namespace {
 
-/// In double quotes, with nothing in it that Graphviz would take for its own.
+/// In double quotes, with Graphviz' escapes.
 std::string quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -58,7 +58,7 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-/// Nodes in the boxes of what is around them.
+/// Draws nodes within the clusters of their containers.
 struct Cluster {
   std::map<std::string, Cluster> inside;
   std::vector<std::uint32_t> nodes;

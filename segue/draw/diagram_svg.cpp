@@ -4,24 +4,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include <segue/draw/diagram_style.hpp>
 #include <segue/draw/layout.hpp>
+#include <segue/draw/svg.hpp>
 
 namespace segue::draw {
 
 namespace {
 
-constexpr double kBox = 170;    ///< wide
-constexpr double kCurve = 70;   ///< between two layers, for lines to bend
-constexpr double kLabel = 120;  ///< and for what they say
-constexpr double kLeast = 36;   ///< a box's height
-constexpr double kLane = 14;    ///< a line's
+constexpr double kBox = 170;    ///< width of a box
+constexpr double kCurve = 70;   ///< width between two layers in which lines bend
+constexpr double kLabel = 120;  ///< width of the labels of lines
+constexpr double kLeast = 36;   ///< least height of a box
+constexpr double kLane = 14;    ///< height of a line
 constexpr double kMargin = 16;
 constexpr double kTop = 78;
 
-/// Cut between characters, not within one.
+/// Cuts a long name, never within a UTF-8 character.
 std::string shortened(std::string_view name, std::size_t most) {
   if (name.size() <= most) return std::string(name);
   std::size_t end = most - 1;
@@ -47,12 +49,7 @@ class Drawing {
   std::string draw() {
     const double width = std::max(left_of(std::max(layout_.layers, 1U) - 1) + kBox + kMargin, 760.0);
     const double height = kTop + layout_.bottom + kMargin;
-    fmt::format_to(
-        out(),
-        "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' viewBox='0 0 {0:.0f} "
-        "{1:.0f}' font-family='sans-serif' font-size='11' role='img'>\n<title>{2}</title>\n"
-        "<rect width='100%' height='100%' fill='white'/>\n",
-        width, height, escape_markup(diagram_.name));
+    svg::begin(out_, std::ceil(width), std::ceil(height), 11, diagram_.name);
     text(kMargin, 20, "start", diagram_.name, "font-size='15' font-weight='bold'");
     text(kMargin, 37, "start", caption_of(diagram_), "fill='#555555'");
     legend();
@@ -60,19 +57,17 @@ class Drawing {
       line(lines_[i], *dependencies_[i]);
     for (std::uint32_t i = 0; i < boxes_; ++i)
       box(i);
-    return text_ + "</svg>\n";
+    return std::move(text_.append(svg::kEnd));
   }
 
  private:
-  std::back_insert_iterator<std::string> out() { return std::back_inserter(text_); }
   static double left_of(std::uint32_t layer) { return kMargin + layer * (kBox + kCurve + kLabel); }
 
   void text(double x, double y, std::string_view anchor, std::string_view content, std::string_view style) {
-    fmt::format_to(out(), "<text x='{:.1f}' y='{:.1f}' text-anchor='{}' {}>{}</text>\n", x, y, anchor, style,
-                   escape_markup(content));
+    svg::text(out_, x, y, anchor, content, style);
   }
 
-  /// What occurs.
+  /// Explains the roles and reasons that occur.
   void legend() {
     std::array<bool, 7> roles{};
     std::array<bool, Diagram::kKinds> kinds{};
@@ -84,9 +79,7 @@ class Drawing {
     for (std::size_t i = 0; i < roles.size(); ++i) {
       if (!roles.at(i)) continue;
       const auto role = static_cast<Diagram::Role>(i);
-      fmt::format_to(out(),
-                     "<rect x='{:.1f}' y='48' width='12' height='12' rx='2' fill='{}' stroke='#888888'/>\n",
-                     x, style_of(role).fill);
+      svg::rect(out_, x, 48, 12, 12, fmt::format("rx='2' fill='{}' stroke='#888888'", style_of(role).fill));
       text(x + 17, 58, "start", to_string(role), "");
       x += 34 + 6.2 * static_cast<double>(to_string(role).size());
     }
@@ -99,24 +92,26 @@ class Drawing {
       text(x + 28, 58, "start", to_string(kind), "");
       x += 46 + 6.2 * static_cast<double>(to_string(kind).size());
     }
-    std::string told;
+    std::string notes;
     if (std::ranges::any_of(dependencies_, [](const auto* one) { return !one->holds_start; }))
-      told = "dashed: it may run ahead, its result waits; ";
-    if (std::ranges::any_of(lines_, &LayoutLine::cut)) told += "dot: from the node of that number; ";
-    if (!told.empty()) text(x, 58, "start", told.substr(0, told.size() - 2), "fill='#555555'");
+      notes = "dashed: it may run speculatively, its result waits; ";
+    if (std::ranges::any_of(lines_, &LayoutLine::cut)) notes += "dot: from the node with that number; ";
+    if (!notes.empty()) text(x, 58, "start", notes.substr(0, notes.size() - 2), "fill='#555555'");
   }
 
+  static std::string line_style(std::string_view colour, bool firm) {
+    return fmt::format("stroke='{}' fill='none'{}", colour, firm ? "" : " stroke-dasharray='5 3'");
+  }
   void stroke(double x1, double y1, double x2, double y2, std::string_view colour, bool firm) {
-    fmt::format_to(out(), "<path d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke='{}' fill='none'{}/>\n", x1, y1, x2,
-                   y2, colour, firm ? "" : " stroke-dasharray='5 3'");
+    svg::line(out_, x1, y1, x2, y2, line_style(colour, firm));
   }
   void arrow(double x, double y, std::string_view colour) {
-    fmt::format_to(out(), "<path d='M{0:.1f} {1:.1f}l-6 -3v6z' fill='{2}'/>\n", x, y, colour);
+    svg::path(out_, fmt::format("M{:.1f} {:.1f}l-6 -3v6z", x, y), fmt::format("fill='{}'", colour));
   }
 
-  /// What the line is about, in short: as much as there is room for, each reason in its colour.
+  /// Names the reasons for a dependency as far as there is room, each in its colour.
   void label(double x, double y, const Diagram::Dependency& dependency, std::string_view prefix) {
-    fmt::format_to(out(), "<text x='{:.1f}' y='{:.1f}' text-anchor='end' font-size='10'>", x, y);
+    fmt::format_to(out_, "<text x='{:.1f}' y='{:.1f}' text-anchor='end' font-size='10'>", x, y);
     std::size_t room = 21 - prefix.size();
     std::size_t left = dependency.causes.size();
     std::string_view before = prefix;
@@ -125,13 +120,13 @@ class Drawing {
       const std::string own = shortened(named ? cause.subject : std::string(to_string(cause.kind)),
                                         std::max<std::size_t>(room, 6));
       if (left < dependency.causes.size() && own.size() + 4 > room) break;
-      fmt::format_to(out(), "<tspan fill='{}'>{}{}</tspan>", colour_of(cause.kind), escape_markup(before),
+      fmt::format_to(out_, "<tspan fill='{}'>{}{}</tspan>", colour_of(cause.kind), escape_markup(before),
                      escape_markup(own));
       room -= std::min(room, own.size() + 2);
       before = ", ";
       --left;
     }
-    if (left > 0) fmt::format_to(out(), "<tspan fill='#555555'>, +{}</tspan>", left);
+    if (left > 0) fmt::format_to(out_, "<tspan fill='#555555'>, +{}</tspan>", left);
     text_ += "</text>\n";
   }
 
@@ -139,18 +134,18 @@ class Drawing {
     const std::string_view colour = colour_of(dependency.causes.front().kind);
     const double end = left_of(layout_.layer[line.to]);
     const double y = kTop + line.arrives;
-    fmt::format_to(out(), "<g><title>{}</title>\n", escape_markup(tooltip_of(diagram_, dependency, line.to)));
+    svg::begin_group(out_, tooltip_of(diagram_, dependency, line.to));
     std::string prefix;
     if (line.cut) {
       stroke(end - kLabel, y, end - 1, y, colour, dependency.holds_start);
-      fmt::format_to(out(), "<circle cx='{:.1f}' cy='{:.1f}' r='2.5' fill='{}'/>\n", end - kLabel, y, colour);
+      svg::circle(out_, end - kLabel, y, 2.5, fmt::format("fill='{}'", colour));
       prefix = fmt::format("{}: ", line.from);
     } else {
       curve(line, end, colour, dependency.holds_start);
     }
     arrow(end, y, colour);
     label(end - 8, y - 3, dependency, prefix);
-    text_ += "</g>\n";
+    svg::end_group(out_);
   }
 
   void curve(const LayoutLine& line, double end, std::string_view colour, bool firm) {
@@ -168,8 +163,7 @@ class Drawing {
       fmt::format_to(std::back_inserter(path), "H{:.1f}", x);
     }
     bend_to(kTop + line.arrives);
-    fmt::format_to(out(), "<path d='{}H{:.1f}' stroke='{}' fill='none'{}/>\n", path, end - 1, colour,
-                   firm ? "" : " stroke-dasharray='5 3'");
+    svg::path(out_, fmt::format("{}H{:.1f}", path, end - 1), line_style(colour, firm));
   }
 
   void box(std::uint32_t number) {
@@ -178,13 +172,9 @@ class Drawing {
     const double x = left_of(layout_.layer[number]);
     const double y = kTop + layout_.top[number];
     const double height = layout_.height[number];
-    fmt::format_to(
-        out(),
-        "<g><title>{}</title>\n<rect x='{:.1f}' y='{:.1f}' width='{}' height='{:.1f}' rx='4' fill='{}' "
-        "stroke='#888888'/>\n",
-        escape_markup(fmt::format("{} {}\n{}", number, node.name, tooltip_of(node))), x, y, kBox, height,
-        style.fill);
-    // The last part of a path tells most.
+    svg::begin_group(out_, fmt::format("{} {}\n{}", number, node.name, tooltip_of(node)));
+    svg::rect(out_, x, y, kBox, height, fmt::format("rx='4' fill='{}' stroke='#888888'", style.fill));
+    // The container is written below, so only the last part of the path is.
     const auto inside = node.container.empty() ? 0 : node.container.size() + 1;
     const std::string own = node.name.substr(std::min(inside, node.name.size()));
     const std::string fill = fmt::format("fill='{}'", style.text);
@@ -195,7 +185,7 @@ class Drawing {
     if (!node.container.empty())
       below = shortened(node.container, 26 - std::min<std::size_t>(below.size(), 20)) + ", " + below;
     text(x + 8, y + height / 2 + 11, "start", shortened(below, 28), "font-size='10' " + fill);
-    text_ += "</g>\n";
+    svg::end_group(out_);
   }
 
   const Diagram& diagram_;
@@ -204,6 +194,7 @@ class Drawing {
   std::vector<const Diagram::Dependency*> dependencies_;  ///< by line
   Layout layout_;
   std::string text_;
+  svg::Out out_{text_};
 };
 
 }  // namespace

@@ -103,7 +103,7 @@ TEST(Diagram, TellsOfResourcesThatAreHeldOverSeveralNodes) {
   const ResourceId arm = network.resources.intern("system:arm");
   const std::uint32_t group = network.add_group(arm);
   NodeSpec spec;
-  spec.kind = NodeClass::Pure;
+  spec.kind = ActionClass::Pure;
   spec.claims = {{arm, ResourceOp::Block, 1, group}};
   for (const char* name : {"open", "close"}) {
     spec.name = name;
@@ -151,12 +151,12 @@ TEST(Diagram, ARunAheadIsNotImpliedByWhatOnlyHoldsResultsBack) {
   a.effects = {{*network.facts.intern("p()"), true}};
   NodeSpec b;
   b.name = "b";
-  b.kind = NodeClass::Pure;
+  b.kind = ActionClass::Pure;
   b.branches = true;
   b.inputs = {{NodeId{0}, network.names.intern("x"), network.names.intern("x")}};
   NodeSpec see;
   see.name = "see";
-  see.kind = NodeClass::Sensing;
+  see.kind = ActionClass::Sensing;
   see.preconditions = {{*network.facts.intern("p()"), true}};
   see.conditions = {{NodeId{1}, kSuccess}};
   network.append(a);
@@ -229,7 +229,7 @@ TEST(Diagram, LinesThatWouldBeTooLongAreCut) {
     network.append(spec);
   }
   EXPECT_THAT(to_svg(diagram_of(network)),
-              AllOf(HasSubstr(">0: value</tspan>"), HasSubstr("dot: from the node of that number")));
+              AllOf(HasSubstr(">0: value</tspan>"), HasSubstr("dot: from the node with that number")));
 }
 
 TEST(Diagram, HostileNamesStayText) {

@@ -42,7 +42,7 @@ Value node_value(const Gantt::Node& node) {
                      node.critical, node.speculative,  std::move(waits),    std::move(resources)};
 }
 
-/// As gantt_page_draw.js reads it.
+/// In the format that gantt_page_draw.js reads.
 Value run_value(const Gantt& gantt) {
   Value::List nodes;
   for (const Gantt::Node& node : gantt.nodes)
@@ -65,7 +65,7 @@ Value run_value(const Gantt& gantt) {
                      {"resources", std::move(resources)}});
 }
 
-/// JSON that no reader of HTML can take for markup: "</script>" and "<!--" would end or hide the script.
+/// Escapes "<" in JSON, since "</script>" and "<!--" would end or hide the script in a page.
 std::string script_safe(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());
@@ -78,7 +78,8 @@ std::string script_safe(const std::string& json) {
   return safe;
 }
 
-/// Each marker of the page stands once; what is put in is not searched for others.
+/// Replaces markers, each of which occurs once, in their order; inserted text is not searched for further
+/// ones.
 std::string filled(std::string_view page,
                    std::initializer_list<std::pair<std::string_view, std::string>> parts) {
   std::string text;

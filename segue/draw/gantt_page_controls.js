@@ -50,9 +50,9 @@ function runText(node) {
   if (node.outcome && node.outcome !== 'success') parts.push('outcome ' + node.outcome);
   if (counted) parts.push(`${seconds(counted.from)} to ${seconds(counted.until)} (${seconds(counted.until - counted.from)})`);
   if (node.critical) parts.push('in the critical chain');
-  if (node.ahead) parts.push('ran ahead, and won');
+  if (node.ahead) parts.push('speculative, used');
   const wasted = node.bars.filter(bar => bar.wasted).length;
-  if (wasted > 0) parts.push(`${wasted} run${wasted > 1 ? 's' : ''} wasted`);
+  if (wasted > 0) parts.push(`${wasted} run${wasted > 1 ? 's' : ''} discarded`);
   return parts.join(', ');
 }
 
@@ -93,7 +93,7 @@ function hit(across, down) {
 
 function showTip(event, found) {
   const text = !found ? '' : found.wait ? `${found.node.name}\nwaits for ${waitText(found.wait)}`
-    : found.bar && found.bar.wasted ? `${found.node.name}\nwasted run, ${seconds(found.bar.from)} to ${seconds(found.bar.until)}`
+    : found.bar && found.bar.wasted ? `${found.node.name}\ndiscarded run, ${seconds(found.bar.from)} to ${seconds(found.bar.until)}`
     : found.node ? [found.node.name, runText(found.node), ...found.node.waits.slice(-3).map(wait => 'waited for ' + waitText(wait))].join('\n')
     : found.row.label;
   tip.hidden = text === '';
@@ -231,7 +231,7 @@ function fillTable(first) {
   const body = make('tbody', undefined, table);
   for (const node of nodes.slice(first, first + PAGE)) {
     const counted = node.bars.find(bar => !bar.wasted);
-    const remarks = [node.critical ? 'critical' : '', node.ahead ? 'ran ahead' : '', node.bars.some(bar => bar.wasted) ? 'wasted runs' : ''];
+    const remarks = [node.critical ? 'critical' : '', node.ahead ? 'speculative' : '', node.bars.some(bar => bar.wasted) ? 'discarded runs' : ''];
     row(body, [node.name, counted ? seconds(counted.from) : '-', counted ? seconds(counted.until) : '-', KINDS[node.kind],
       STATUS[node.status], node.waits.map(waitText).join('; '), remarks.filter(text => text).join(', ')], 'td');
   }
@@ -261,7 +261,7 @@ function compare() {
       `width:${value / most * 100}%;background:var(--${shade})`;
     make('b', seconds(value), own).setAttribute('role', 'cell');
   };
-  line('one after the other', run.sequential, 'turn');
+  line('sequential time', run.sequential, 'turn');
   line('this run', run.makespan, 'pure');
   line('critical path', run.critical_path, 'critical');
   if (run.makespan <= 0) return;
@@ -271,9 +271,9 @@ function compare() {
 
 find('name').textContent = run.name || 'run';
 find('outcome').textContent = `${run.outcome} in ${seconds(run.makespan)}, ${nodes.length} node${nodes.length === 1 ? '' : 's'}`;
-const won = nodes.filter(node => node.ahead).length;
-find('speculation').textContent = won + run.wasted > 0
-  ? `ran ahead: ${won} won, ${run.wasted} wasted` + (run.repeated > 0 ? `, ${run.repeated} repeated` : '') : 'nothing ran ahead';
+const used = nodes.filter(node => node.ahead).length;
+find('speculation').textContent = used + run.wasted > 0
+  ? `speculative runs: ${used} used, ${run.wasted} discarded` + (run.repeated > 0 ? `, ${run.repeated} repeated` : '') : 'no speculative runs';
 compare();
 readColours();
 describe(null);

@@ -4,7 +4,7 @@ const run = JSON.parse(document.getElementById('run').textContent);
 const KINDS = ['irreversible', 'pure', 'sensing'];
 const STATUS = ['not reached', 'done', 'skipped', 'failed', 'preempted'];
 const WAITS = ['data', 'condition', 'world', 'resource', 'turn'];
-const WAIT_TEXT = ['data', 'a condition', 'the world', 'a resource', 'its turn'];
+const WAIT_TEXT = ['data', 'a condition', 'a precondition', 'a resource', 'program order'];
 const ROW = 22, AXIS = 24, PAGE = 500;
 
 // A node: [name, kind, status, outcome, critical, ahead, waits, resources]; a wait: [kind, node or -1, subject, from,

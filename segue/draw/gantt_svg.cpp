@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/draw/gantt.hpp>
+#include <segue/draw/svg.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace segue::draw {
 
@@ -16,9 +16,9 @@ constexpr int kRow = 18;
 constexpr int kLabels = 190;
 constexpr int kWidth = 900;
 constexpr int kTop = 56;
-constexpr std::string_view kAhead = "fill='#e6a700'";
+constexpr std::string_view kSpeculative = "fill='#e6a700'";
 
-/// Cut between characters, not within one.
+/// Cuts a long name, never within a UTF-8 character.
 std::string_view shortened(std::string_view name) {
   std::size_t end = std::min<std::size_t>(name.size(), 26);
   while (end < name.size() && end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U)
@@ -35,7 +35,7 @@ class Drawing {
   }
 
   std::string draw() {
-    text(4, 16, escape_markup(head()), "font-size='13'");
+    text(4, 16, head(), "font-size='13'");
     legend();
     const std::size_t rows = gantt_.nodes.size() - unwanted_ + (unwanted_ > 0 ? 1 : 0);
     axis(kTop + kRow * static_cast<int>(rows + 1 + gantt_.resources.size()));
@@ -43,11 +43,9 @@ class Drawing {
     by_node();
     y_ += kRow;
     by_resource();
-    return fmt::format(
-        "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "
-        "font-family='sans-serif' font-size='11' role='img'>\n<title>{2}</title>\n"
-        "<rect width='100%' height='100%' fill='white'/>\n{3}</svg>\n",
-        kLabels + kWidth + 30, y_ + 30, escape_markup(head()), body_);
+    std::string file;
+    svg::begin(svg::Out(file), kLabels + kWidth + 30, y_ + 30, 11, head());
+    return file.append(body_).append(svg::kEnd);
   }
 
  private:
@@ -61,22 +59,18 @@ class Drawing {
         fmt::format("{}: {} in {:.2f} s", gantt_.name, gantt_.outcome, seconds_of(gantt_.makespan));
     const double sequential = seconds_of(gantt_.summary.sequential);
     if (sequential <= 0 || gantt_.makespan <= Duration{}) return text;
-    return text + fmt::format("; one after the other {:.2f} s, critical path {:.2f} s, speed-up {:.2f}",
+    return text + fmt::format("; sequential time {:.2f} s, critical path {:.2f} s, speed-up {:.2f}",
                               sequential, seconds_of(gantt_.summary.critical_path),
                               sequential / seconds_of(gantt_.makespan));
   }
   [[nodiscard]] double x(double time) const { return kLabels + (last_ > 0 ? time / last_ * kWidth : 0); }
 
-  void text(double at, int y, const std::string& content, std::string_view style = "") {
-    fmt::format_to(std::back_inserter(body_), "<text x='{:.1f}' y='{}' {}>{}</text>\n", at, y, style,
-                   content);
+  void text(double at, int y, std::string_view content, std::string_view style = "") {
+    svg::text(out_, at, y, "start", content, style);
   }
 
-  /// A bar whose title tells more where a pointer rests on it.
   void bar(double from, double until, int y, int height, std::string_view style, const std::string& title) {
-    fmt::format_to(std::back_inserter(body_),
-                   "<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' {}><title>{}</title></rect>\n",
-                   x(from), y, std::max(1.0, x(until) - x(from)), height, style, escape_markup(title));
+    svg::rect(out_, x(from), y, std::max(1.0, x(until) - x(from)), height, style, title);
   }
 
   static std::string_view wait_colour(cdtn::Wait::Kind kind) {
@@ -95,13 +89,13 @@ class Drawing {
     return "fill='#c7c7c7'";
   }
 
-  static std::string_view run_colour(cdtn::NodeClass kind) {
+  static std::string_view run_colour(ActionClass kind) {
     switch (kind) {
-      case cdtn::NodeClass::Irreversible:
+      case ActionClass::Irreversible:
         return "fill='#4a4a4a'";
-      case cdtn::NodeClass::Pure:
+      case ActionClass::Pure:
         return "fill='#3182bd'";
-      case cdtn::NodeClass::Sensing:
+      case ActionClass::Sensing:
         break;
     }
     return "fill='#31a354'";
@@ -115,20 +109,19 @@ class Drawing {
     const Entry entries[] = {{"irreversible", "fill='#4a4a4a'"},
                              {"pure", "fill='#3182bd'"},
                              {"sensing", "fill='#31a354'"},
-                             {"ran ahead, and won", kAhead},
-                             {"thrown away", "fill='none' stroke='#d62728' stroke-dasharray='3 2'"},
+                             {"speculative, used", kSpeculative},
+                             {"discarded", "fill='none' stroke='#d62728' stroke-dasharray='3 2'"},
                              {"waits for data", "fill='#9ecae1'"},
                              {"for a condition", "fill='#c994c7'"},
-                             {"for the world", "fill='#a1d99b'"},
+                             {"for a precondition", "fill='#a1d99b'"},
                              {"for a resource", "fill='#fdae6b'"},
-                             {"for its turn", "fill='#c7c7c7'"},
+                             {"for program order", "fill='#c7c7c7'"},
                              {"critical chain", "fill='none' stroke='#d62728' stroke-width='2'"}};
     int at = 4;
     for (const Entry& entry : entries) {
-      fmt::format_to(std::back_inserter(body_), "<rect x='{}' y='26' width='12' height='10' {}/>\n", at,
-                     entry.style);
+      svg::rect(out_, at, 26, 12, 10, entry.style);
       text(at + 16, 35, entry.name);
-      at += 30 + 6 * static_cast<int>(std::string_view(entry.name).size());
+      at += 26 + 11 * static_cast<int>(std::string_view(entry.name).size()) / 2;
     }
   }
 
@@ -136,7 +129,7 @@ class Drawing {
     for (const Gantt::Node& node : gantt_.nodes) {
       if (is_unwanted(node)) continue;
       const bool done = node.status == cdtn::NodeStatus::Done;
-      text(4, y_ + 11, escape_markup(shortened(node.name)),
+      text(4, y_ + 11, shortened(node.name),
            done                                      ? ""
            : node.status == cdtn::NodeStatus::Failed ? "fill='#d62728'"
                                                      : "fill='#999'");
@@ -161,27 +154,27 @@ class Drawing {
     const Gantt::Node& node = gantt_.nodes[one.node];
     const std::string title =
         fmt::format("{}: {:.2f} to {:.2f} s{}", node.name, seconds(one.from), seconds(one.until),
-                    one.wasted         ? ", thrown away"
-                    : node.speculative ? ", ran ahead, and won"
+                    one.wasted         ? ", discarded"
+                    : node.speculative ? ", speculative, used"
                                        : "");
     std::string style(one.wasted ? "fill='none' stroke='#d62728' stroke-dasharray='3 2'"
                                  : run_colour(node.kind));
     if (critical && !one.wasted) style += " stroke='#d62728' stroke-width='2'";
     bar(seconds(one.from), seconds(one.until), y_ + 1, 12, style, title);
     if (node.speculative && !one.wasted)
-      bar(seconds(one.from), seconds(one.until), y_ + 14, 2, kAhead, title);
+      bar(seconds(one.from), seconds(one.until), y_ + 14, 2, kSpeculative, title);
   }
 
   void by_resource() {
     for (const Gantt::Resource& resource : gantt_.resources) {
-      text(4, y_ + 11, escape_markup(shortened(resource.name)));
+      text(4, y_ + 11, shortened(resource.name));
       for (const std::uint32_t place : resource.bars) {
         const Gantt::Bar& one = gantt_.bars[place];
         run(one, false);
         const double room = x(seconds(one.until)) - x(seconds(one.from));
         const std::string& name = gantt_.nodes[one.node].name;
         if (room > 7.0 * static_cast<double>(name.size()))
-          text(x(seconds(one.from)) + 3, y_ + 11, escape_markup(name), "fill='white' font-size='10'");
+          text(x(seconds(one.from)) + 3, y_ + 11, name, "fill='white' font-size='10'");
       }
       y_ += kRow;
     }
@@ -192,17 +185,17 @@ class Drawing {
     double step = std::pow(10, std::floor(std::log10(last_ / 4)));
     step *= last_ / step > 20 ? 5 : last_ / step > 10 ? 2 : 1;
     for (double time = 0; time <= last_ * 1.0001; time += step) {
-      fmt::format_to(std::back_inserter(body_),
-                     "<line x1='{0:.1f}' y1='50' x2='{0:.1f}' y2='{1}' stroke='#ddd'/>\n", x(time), bottom);
+      svg::line(out_, x(time), 50, x(time), bottom, "stroke='#ddd'");
       text(x(time) - 8, bottom + 14, fmt::format("{:g} s", time));
     }
   }
 
   const Gantt& gantt_;
   double last_;
-  std::size_t unwanted_ = 0;  ///< neither on the path nor run: without a row
+  std::size_t unwanted_ = 0;  ///< off the path and never run: they get no row
   int y_ = 0;
   std::string body_;
+  svg::Out out_{body_};
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
 #include <segue/draw/gantt.hpp>
+#include <segue/mission/action.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
@@ -251,6 +252,18 @@ TEST(GanttPage, NoNameIsTakenForMarkupOrScript) {
 TEST(GanttPage, AnEmptyRunIsAPageToo) {
   const type::Value run = run_in(to_html(gantt_of(TaskNetwork(), Order(), RunResult{}, {})));
   EXPECT_TRUE(run.find("nodes")->as_list().empty());
+}
+
+TEST(ActionClass, FollowsFromWhatAnActionDeclares) {
+  mission::Action action;
+  EXPECT_EQ(action.action_class(), ActionClass::Irreversible);
+  action.pure = true;
+  EXPECT_EQ(action.action_class(), ActionClass::Pure);
+  action.sensing = true;
+  EXPECT_EQ(action.action_class(), ActionClass::Sensing);
+  action = {};
+  action.run = mission::Decision{};
+  EXPECT_EQ(action.action_class(), ActionClass::Pure) << "a decision changes nothing";
 }
 
 }  // namespace

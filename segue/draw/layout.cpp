@@ -10,7 +10,7 @@ namespace {
 constexpr double kGap = 14;
 constexpr int kSweeps = 8;
 
-/// A box, or where a line passes a layer.
+/// A box, or the point where a line passes through a layer.
 struct Item {
   std::uint32_t layer = 0;
   double height = 0;
@@ -39,7 +39,7 @@ class LayoutMaker {
   }
 
  private:
-  /// Whoever comes after nothing in the first, the others behind the last that they come after.
+  /// Boxes without predecessors go into the first layer, others into the one after their last predecessor.
   void find_layers() {
     std::vector<std::uint32_t> arriving(boxes_);
     std::vector<std::vector<std::uint32_t>> after(boxes_);
@@ -118,7 +118,7 @@ class LayoutMaker {
     });
   }
 
-  /// Least squares under the distances that must be kept: neighbours that would come too near move as one.
+  /// Least squares with minimal distances: neighbours that would come too close are merged into a block.
   void place(bool rightwards) {
     struct Block {
       double sum = 0;
@@ -149,7 +149,7 @@ class LayoutMaker {
     });
   }
 
-  /// Lines meet a box at heights of their own, in the order of where they come from.
+  /// Gives the lines that arrive at a box different heights, in the order of their origins.
   void spread() {
     std::vector<std::vector<std::size_t>> arriving(boxes_);
     for (std::size_t i = 0; i < lines_.size(); ++i)

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-/// Where the boxes of an acyclic graph go: in layers from left to right, so that lines cross and bend little.
+/// Layout of an acyclic graph: boxes in layers from left to right, so that lines cross and bend little.
 namespace segue::draw {
 
 /// A line between two boxes.
 struct LayoutLine {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
-  bool cut = false;           ///< it would be too long: only its end is to be drawn
+  bool cut = false;           ///< too long: only its end is drawn
   std::vector<double> via{};  ///< the heights at which it passes the layers between
   double leaves = 0;          ///< heights at the boxes
   double arrives = 0;
@@ -21,7 +21,7 @@ struct LayoutLine {
 struct Layout {
   std::vector<std::uint32_t> layer;  ///< by box
   std::vector<double> top;           ///< by box
-  std::vector<double> height;        ///< by box: room for all lines that arrive
+  std::vector<double> height;        ///< by box: with room for all lines that arrive
   std::uint32_t layers = 0;
   double bottom = 0;
 };

@@ -20,11 +20,6 @@ cdtn::NodeStatus status_of(const History::Item& item) {
   return item.outcome == mission::kPreempted ? cdtn::NodeStatus::Preempted : cdtn::NodeStatus::Done;
 }
 
-cdtn::NodeClass class_of(const mission::Action& action) {
-  if (action.sensing) return cdtn::NodeClass::Sensing;
-  return action.pure ? cdtn::NodeClass::Pure : cdtn::NodeClass::Irreversible;
-}
-
 class MachineGantt {
  public:
   MachineGantt(const mission::Program& program, const History& history, TimePoint begin, TimePoint end)
@@ -45,7 +40,7 @@ class MachineGantt {
   }
 
  private:
-  /// Of an item: the leaf in it that ended last, the one whose end let it begin, its node.
+  /// Of an item: the last leaf in it to end, the leaf whose end let it begin, and its node.
   struct Place {
     std::uint32_t last = kNone;
     std::uint32_t before = kNone;
@@ -57,7 +52,7 @@ class MachineGantt {
     return items()[item].ended ? items()[item].end : end_;
   }
 
-  /// Items come after those around them.
+  /// Items come after their containers, so the walk is from the end.
   void find_ends() {
     for (auto i = static_cast<std::uint32_t>(items().size()); i-- > 0;) {
       const History::Item& item = items()[i];
@@ -68,8 +63,8 @@ class MachineGantt {
     }
   }
 
-  /// In a hierarchy the last of the child before; of a decider the last of all beside it; else what let the
-  /// container begin.
+  /// In a hierarchy, the last leaf of the previous child; for a decider, the last leaf of its siblings;
+  /// otherwise the leaf that let the container begin.
   std::uint32_t leaf_before(std::uint32_t i) {
     const History::Item& item = items()[i];
     if (item.parent == History::kNone) return kNone;
@@ -77,7 +72,7 @@ class MachineGantt {
     std::uint32_t& latest = latest_[item.parent];
     const bool follows = kind == StateKind::Hierarchy || program_.node(item.state).kind == StateKind::Decider;
     const std::uint32_t before = follows && latest > 0 ? places_[latest].last : places_[item.parent].before;
-    // Zero is the root, which is nobody's child.
+    // Item 0 is the root, which is never a child, so 0 means none.
     const auto end_in = [&](std::uint32_t one) {
       return places_[one].last == kNone ? TimePoint{} : end_of(places_[one].last);
     };
@@ -94,7 +89,7 @@ class MachineGantt {
     node.name = history_.path(program_, i);
     if (node.name.empty()) node.name = gantt_.name;
     if (item.iteration > 0) node.name += '#' + std::to_string(item.iteration);
-    node.kind = class_of(action);
+    node.kind = action.action_class();
     node.status = status_of(item);
     if (item.ended) node.outcome = program_.outcome_name(item.state, item.outcome);
     if (places_[i].before != kNone) node.waits.push_back(wait_for(places_[i].before, from));
@@ -113,7 +108,7 @@ class MachineGantt {
       node.resources.push_back(known->second);
   }
 
-  /// Only when the one before had begun could it be next.
+  /// The wait begins when the previous leaf began.
   [[nodiscard]] cdtn::Wait wait_for(std::uint32_t before, TimePoint until) const {
     const History::Item& item = items()[before];
     return {cdtn::Wait::Kind::Condition, cdtn::NodeId{places_[before].node},

@@ -9,9 +9,9 @@
 
 namespace segue::draw {
 
-/// A run of a state machine as drawings show it: a node for each execution of a leaf. Each waited for the
-/// outcome of the leaf before it. The chain of nodes that the run was as long for goes through the last to
-/// end of those side by side. Sequential are all leaves one after the other. `end` is for what has not ended.
+/// The chart of a sequential run of a state machine: a node for each execution of a leaf, which waited for
+/// the outcome of the leaf before it. Of concurrent states, the critical chain contains the last to end. The
+/// sequential time is the sum of all leaves. `end` is the end of leaves that have not ended.
 Gantt gantt_of(const mission::Program& program, const mission::History& history,
                const mission::Outcome& outcome, TimePoint begin, TimePoint end);
 

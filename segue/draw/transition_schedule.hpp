@@ -9,8 +9,8 @@
 
 namespace segue::draw {
 
-/// When each action begins and ends if phases follow each other and, within one, everything begins as soon as
-/// what it waits for is done.
+/// The times of all actions if phases follow each other and, within a phase, each action begins as soon as
+/// its predecessors have ended.
 struct Schedule {
   struct Span {
     double begin = 0;  ///< steps, or seconds

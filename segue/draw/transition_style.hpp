@@ -11,7 +11,7 @@ namespace segue::draw {
 
 struct KindStyle {
   std::string_view fill;
-  std::string_view text;  ///< readable on it
+  std::string_view text;  ///< of text on it
 };
 
 inline constexpr std::array<KindStyle, model::kActionKindNames.size()> kKindStyles = {{
@@ -34,7 +34,7 @@ inline const KindStyle& style_of(model::ActionKind kind) {
 
 inline constexpr std::string_view kCriticalColour = "#b3001b";
 
-/// Behind all actions of a phase.
+/// The background of a phase.
 inline std::string_view tint_of(model::Phase phase) {
   constexpr std::array<std::string_view, model::kPhaseNames.size()> kTints = {"#eef4fa", "#fdf0e4",
                                                                               "#f2f2f2"};

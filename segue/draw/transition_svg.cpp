@@ -46,7 +46,7 @@ struct Row {
 
 std::string subject_of(const Action& action) {
   std::string subject = action.label().substr(to_string(action.kind).size() + 1);
-  // Whatever its policy: a connection that is remade stays in its row.
+  // Without the policy, so that a connection that is replaced stays in its row.
   if (std::holds_alternative<model::ConnectionAction>(action.what))
     subject.resize(std::min(subject.size(), subject.find(" (")));
   return subject;
@@ -56,7 +56,7 @@ std::string cut(const std::string& text, std::size_t most) {
   return text.size() <= most ? text : text.substr(0, most - 1) + "\u2026";
 }
 
-/// Of a connection both ends are shortened.
+/// Shortens both ends of a connection.
 std::string shortened(const std::string& label) {
   constexpr std::string_view kArrow = " -> ";
   const std::size_t arrow = label.find(kArrow);
@@ -74,7 +74,7 @@ bool overlap(const Schedule::Span& a, const Schedule::Span& b) {
   return a.begin < b.end && b.begin < a.end;
 }
 
-/// In the order in which something begins to happen in them.
+/// The rows, sorted by their first action.
 std::vector<Row> rows_of(const model::Transition& transition, const Schedule& schedule) {
   std::vector<Row> rows;
   std::multimap<std::string, std::size_t> by_subject;
@@ -189,8 +189,8 @@ class Picture {
     std::string text = fmt::format("{} action{}", count, count == 1 ? "" : "s");
     if (count == 0) text = "nothing to do";
     if (count > 0) {
-      text += fmt::format(", at least {} one after the other, order {}",
-                          length_text(schedule_, schedule_.length()), to_string(transition_.order));
+      text += fmt::format(", critical path {}, order {}", length_text(schedule_, schedule_.length()),
+                          to_string(transition_.order));
     }
     svg::text(out_, kMargin, 46, "start", text);
   }
@@ -198,8 +198,7 @@ class Picture {
   void draw_band(Phase phase) {
     const Band& band = bands_.at(static_cast<std::size_t>(phase));
     if (band.width == 0) return;
-    fmt::format_to(out_, "<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n",
-                   band.x, kTop, band.width, bottom() - kTop, tint_of(phase));
+    svg::rect(out_, band.x, kTop, band.width, bottom() - kTop, fmt::format("fill=\"{}\"", tint_of(phase)));
     draw_grid(phase, band);
     svg::line(out_, band.x, kTop, band.x, bottom(), "stroke=\"#999999\"");
     const auto count = std::ranges::count(transition_.actions, phase, &Action::phase);
@@ -255,13 +254,9 @@ class Picture {
       const double width = std::max(x_of(action.phase, span.end) - x - 2, 2.0);
       const double y = middle_of(number) - kBar / 2;
       const KindStyle& style = style_of(action.kind);
-      fmt::format_to(out_,
-                     "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{}\" rx=\"2\" fill=\"{}\"{}>"
-                     "<title>{}</title></rect>\n",
-                     x + 1, y, width, kBar, style.fill,
-                     is_critical(place) ? fmt::format(" stroke=\"{}\" stroke-width=\"2\"", kCriticalColour)
-                                        : std::string(),
-                     escape_markup(tooltip(action, span)));
+      std::string look = fmt::format("rx=\"2\" fill=\"{}\"", style.fill);
+      if (is_critical(place)) look += fmt::format(" stroke=\"{}\" stroke-width=\"2\"", kCriticalColour);
+      svg::rect(out_, x + 1, y, width, kBar, look, tooltip(action, span));
       const std::string_view kind = to_string(action.kind);
       if (width < static_cast<double>(kind.size()) * kLetter + 4) continue;
       svg::text(out_, x + 1 + width / 2, y + 11, "middle", kind,
@@ -295,7 +290,7 @@ class Picture {
     }
   }
 
-  /// Its height; draws only where there is something to draw on.
+  /// Returns the height of the legend; draws it unless `out` is null.
   double draw_legend(Out* out) const {
     double x = kMargin;
     double y = bottom() + 24;
@@ -306,8 +301,7 @@ class Picture {
         y += 20;
       }
       if (out != nullptr) {
-        fmt::format_to(*out, "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"12\" height=\"12\" rx=\"2\" {}/>\n", x,
-                       y - 10, box);
+        svg::rect(*out, x, y - 10, 12, 12, "rx=\"2\" " + box);
         svg::text(*out, x + 18, y, "start", name, kSmall);
       }
       x += needed;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/action_class.hpp>
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
 #include <segue/base/id.hpp>
@@ -145,6 +146,12 @@ struct Action {
   [[nodiscard]] std::string_view foreseen_outcome() const {
     if (!expected_outcome.empty() || outcomes.empty()) return expected_outcome;
     return outcomes.front();
+  }
+  /// Journal, conversion and drawings all go by this. A decision is pure: it depends only on how states
+  /// ended.
+  [[nodiscard]] ActionClass action_class() const {
+    if (sensing) return ActionClass::Sensing;
+    return pure || std::holds_alternative<Decision>(run) ? ActionClass::Pure : ActionClass::Irreversible;
   }
   friend bool operator==(const Action&, const Action&) = default;
 };

@@ -89,8 +89,7 @@ bool EngineCore::replay_next() {
 
 void EngineCore::record_begin(const Activation& leaf) {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
-  const bool decides = std::holds_alternative<Decision>(action.run);
-  options.journal->began(path(leaf), leaf.iteration, !action.pure && !action.sensing && !decides);
+  options.journal->began(path(leaf), leaf.iteration, action.action_class() == ActionClass::Irreversible);
 }
 
 void EngineCore::record_end(const Activation& leaf) {

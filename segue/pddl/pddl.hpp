@@ -11,19 +11,18 @@
 
 namespace segue::pddl {
 
-/// A text and how messages call it.
+/// A text and the file name for messages.
 struct PddlText {
   std::string_view text;
   std::string file;
 };
 
 /// A domain, a problem and a sequential plan as a network: each step is an irreversible node of 1 s that
-/// needs no resource; its goal is the problem's. Understands STRIPS with typing (`either` too), negative
-/// preconditions, equality, constants, conditional effects and `forall` effects of ground size, and numeric
-/// costs, which it leaves out. Names do not tell upper from lower case. A conditional effect becomes what it
-/// does where the plan puts it, with the facts that decide it as preconditions. The plan is carried out step
-/// by step: a precondition or a goal that does not hold is an error with its place. Where there are errors,
-/// nothing is returned.
+/// uses no resource; the goal is that of the problem. Supports STRIPS with typing (including `either`),
+/// negative preconditions, equality, constants, conditional and `forall` effects; numeric costs are ignored.
+/// Names are case-insensitive. A conditional effect becomes the effect that it has at its place in the plan,
+/// with the facts that decide it as preconditions. The plan is simulated step by step: a precondition or a
+/// goal that does not hold is an error with its place. If there are errors, nothing is returned.
 std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
                                            const PddlText& plan, Diagnostics& diagnostics);
 /// Likewise from files. Blocks.

@@ -149,7 +149,7 @@ std::optional<bool> PddlTask::equal(const PddlTerm& term, const Binding& binding
   return std::nullopt;
 }
 
-/// A conjunction of literals; an equality that does not hold is an error, since the plan says that it does.
+/// Collects a conjunction of literals. An equality that does not hold is an error of the plan.
 void PddlTask::collect(const PddlTerm& condition, const Binding& binding, bool positive,
                        std::vector<cdtn::Literal>& literals) {
   if (condition.is_list() && condition.list.empty()) return;
@@ -193,7 +193,8 @@ void PddlTask::add_effect(const PddlTerm& effect, const Binding& binding, Step& 
   if (fact) step.spec.effects.push_back({*fact, positive});
 }
 
-/// Where the condition holds, all of it must go on to hold; else one literal that is false must stay so.
+/// Adds preconditions that preserve the truth of the condition: all its literals if it holds, else a false
+/// one.
 void PddlTask::add_conditional(const PddlTerm& effect, const Binding& binding, Step& step) {
   if (effect.list.size() != 3) return error("bad-effect", "expected (when CONDITION EFFECT)", effect.where);
   std::vector<cdtn::Literal> condition;

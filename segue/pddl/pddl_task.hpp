@@ -11,8 +11,8 @@
 
 namespace segue::pddl::detail {
 
-/// A PDDL task being read into a network: declarations of domain and problem, then the plan, carried out step
-/// by step. Internal to read_pddl.
+/// Reads a PDDL task into a network: the declarations of domain and problem, then the plan, which is
+/// simulated step by step. Internal to read_pddl.
 class PddlTask {
  public:
   PddlTask(cdtn::TaskNetwork& network, Diagnostics& diagnostics)
@@ -28,7 +28,7 @@ class PddlTask {
     PddlTerm precondition;
     PddlTerm effect;
   };
-  /// What one step does in the world where the plan puts it.
+  /// A step of the plan, with the world before it.
   struct Step {
     cdtn::NodeSpec spec;
     cdtn::VersionedWorld before;

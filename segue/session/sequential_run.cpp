@@ -168,7 +168,7 @@ class SequentialRun final : public FinishedRun {
                     {"end_s", seconds(item.end - begin_)},
                     {"status", std::string(cdtn::to_string(shown.status))},
                     {"outcome", item.ended ? program().outcome_name(item.state, item.outcome) : "under way"},
-                    {"pia", !action.pure},
+                    {"pia", action.action_class() == ActionClass::Irreversible},
                     {"resources", std::move(resources)},
                     {"waited_for", std::move(waits)}});
     if (const auto error = history.error(i); !error.empty()) node.as_map().append("error", error);

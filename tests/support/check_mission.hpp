@@ -140,11 +140,11 @@ class MissionCheck {
     const cdtn::Order order = cdtn::derive_order(network);
     const auto& nodes = run_.network_result().nodes;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const bool acts = network[cdtn::NodeId{i}].kind != cdtn::NodeClass::Pure;
+      const bool acts = network[cdtn::NodeId{i}].kind != ActionClass::Pure;
       if (!acts || nodes[i].attempts == 0 || nodes[i].status == cdtn::NodeStatus::NotReached) continue;
       for (const cdtn::Dependency& dependency : order.before(cdtn::NodeId{i})) {
         const cdtn::NodeResult& from = nodes[index(dependency.from)];
-        const bool senses = network[cdtn::NodeId{i}].kind == cdtn::NodeClass::Sensing;
+        const bool senses = network[cdtn::NodeId{i}].kind == ActionClass::Sensing;
         const bool guessed = dependency.reason() == cdtn::Reason::Data ||
                              dependency.reason() == cdtn::Reason::Condition ||
                              dependency.reason() == cdtn::Reason::Resource;

@@ -141,7 +141,7 @@ class RunCheck {
     std::string text;
     for_each_claim([&](NodeId node, const Claim& claim) {
       const ResourceRecord& resource = network_.resources[claim.resource];
-      if (network_[node].kind != NodeClass::Irreversible || claim.op == ResourceOp::Exists ||
+      if (network_[node].kind != ActionClass::Irreversible || claim.op == ResourceOp::Exists ||
           resource.commutes)
         return;
       const auto [place, first] = last.emplace(index(claim.resource), node);

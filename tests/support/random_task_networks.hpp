@@ -57,10 +57,10 @@ class RandomNetwork {
     NodeSpec spec;
     spec.name = "n" + std::to_string(number);
     const int kind = pick(0, 9);
-    spec.kind = kind < 5 ? NodeClass::Irreversible : kind < 8 ? NodeClass::Pure : NodeClass::Sensing;
+    spec.kind = kind < 5 ? ActionClass::Irreversible : kind < 8 ? ActionClass::Pure : ActionClass::Sensing;
     spec.uncertain = chance(20);
-    spec.opaque = spec.kind == NodeClass::Irreversible && chance(5);
-    spec.reads_world = spec.kind == NodeClass::Pure && chance(10);
+    spec.opaque = spec.kind == ActionClass::Irreversible && chance(5);
+    spec.reads_world = spec.kind == ActionClass::Pure && chance(10);
     if (chance(30)) {
       spec.branches = true;
       spec.handles_abort = chance(30);
