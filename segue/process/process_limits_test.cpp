@@ -15,7 +15,7 @@
 namespace segue::process {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// Drops the capability by which this thread may choose a real-time scheduler.
 void give_up_nice() {
