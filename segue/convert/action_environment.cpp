@@ -37,7 +37,7 @@ struct ActionEnvironment::Reporter {
       outcome = kPreempted;
     } else if (outcome < kPreempted || outcome >= static_cast<Outcome>(outcomes.size())) {
       outcome = planted(ConversionFault::AcceptsAnyOutcome) ? 0 : kAborted;
-      error = "its action ended with an outcome that it does not have";
+      error = "its action ended with an outcome that it does not declare";
     }
     auto report = std::make_unique<cdtn::Report>();
     report->outcome = outcome == kAborted     ? cdtn::kAborted
@@ -285,7 +285,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
   } catch (const std::exception& exception) {
     ending = Ending{planted(ConversionFault::SwallowsExceptions) ? 0 : kAborted, exception.what()};
   } catch (...) {
-    ending = Ending{kAborted, "it threw something that is no exception"};
+    ending = Ending{kAborted, "it threw an object that is not a std::exception"};
   }
   if (!ending) return;
   completions.finish_at(completions.now(), context.node(), context.attempt(),

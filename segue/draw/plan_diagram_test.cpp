@@ -148,7 +148,7 @@ states:
   EXPECT_TRUE(copies);
 }
 
-TEST(MissionDiagram, TellsWhyAStateIsARoutine) {
+TEST(MissionDiagram, SaysWhyAStateIsAnOpaqueSubtree) {
   const std::string actions = R"j(actions:
   say: {run: {simulated: {}}}
   turn: {effects: ["+turned()"], run: {simulated: {}}}
@@ -178,7 +178,7 @@ TEST(MissionDiagram, TellsWhyAStateIsARoutine) {
       b: {action: turn, on: {success: return success}}
       c: {kind: decider, action: both, on: {fine: return success}}
 )j"));
-  EXPECT_EQ(node(third, "s").note, "since a in it, side by side with others, may touch anything");
+  EXPECT_EQ(node(third, "s").note, "since a in it, concurrent with others, may touch anything");
 }
 
 constexpr const char* kLoop = R"j(mission: loop

@@ -216,7 +216,7 @@ states:
     process.signal(SIGKILL);
     process.wait();
   }
-  EXPECT_THAT(segue(begun).errors, HasSubstr("'run.journal' is there already"));
+  EXPECT_THAT(segue(begun).errors, HasSubstr("'run.journal' already exists"));
   auto resumed = begun;
   resumed.insert(resumed.end(), {"--resume", "--under-way", "again"});
   const auto rest = json(resumed);
