@@ -51,7 +51,7 @@ int apply(const Options& options, const Context& context) {
 
 void add_apply(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "apply", "predict: the network that results from a transition",
+  Verb& verb = add_verb(app, context, "apply", "predict the network that results from a transition",
                         "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue apply explore.yaml t.yaml",
                         [options, &context] { return apply(*options, context); });
   verb.option("NETWORK", options->network, "a network or CND file; '-' is the empty network").required();

@@ -55,7 +55,7 @@ const std::vector<std::size_t>& sizes_of(const Plan& plan, Placement placement) 
 
 constexpr std::array kPlacements = {Placement::OneProcess, Placement::ProcessEach};
 
-/// All that was measured, in the order in which it came.
+/// All measurements, in the order in which they were made.
 class Results {
  public:
   void add(const Measurement& measurement) {
@@ -120,7 +120,8 @@ Result<void> write_file(const fs::path& file, const std::string& text) {
   stream << text;
   stream.close();
   if (stream) return {};
-  return fail(ErrorCode::IoError, "cannot write " + quote(file.string()) + ": is there room, may you write?");
+  return fail(ErrorCode::IoError,
+              "cannot write " + quote(file.string()) + ": check the disk space and your permissions");
 }
 
 Result<void> write_results(const fs::path& folder, const Results& results) {
@@ -177,7 +178,7 @@ type::Value json_of(const Results& results) {
   return type::Value::map({{"series", std::move(series)}});
 }
 
-/// One placement, from nothing to nothing.
+/// Measures one placement, with a robot of its own.
 Result<void> measure(Placement placement, const Plan& plan, Results& results, StopSignal& stop) {
   auto robot = make_bench_robot(placement, plan.order);
   if (!robot) return robot.error();
@@ -196,8 +197,8 @@ int run(const Options& options, const Context& context) {
   std::error_code failed_to_make;
   fs::create_directories(options.folder, failed_to_make);
   if (failed_to_make) {
-    return failed(context, fail(ErrorCode::IoError, "cannot make the folder " + quote(options.folder) + ": " +
-                                                        failed_to_make.message()));
+    return failed(context, fail(ErrorCode::IoError, "cannot create the folder " + quote(options.folder) +
+                                                        ": " + failed_to_make.message()));
   }
   set_log_level(LogLevel::Error);
   const Plan plan = plan_for(options);
@@ -216,7 +217,7 @@ int run(const Options& options, const Context& context) {
     print_line(fmt::format("all series as CSV and SVG: {}", (fs::path(options.folder) / "").string()));
   }
   if (!stop.requested()) return kDone;
-  print_note("interrupted: what had been measured until then is there");
+  print_note("interrupted; the results so far have been written");
   return kFailed;
 }
 
@@ -225,21 +226,21 @@ int run(const Options& options, const Context& context) {
 void add_bench(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb = add_verb(
-      app, context, "bench", "how fast controllers are switched on this computer, as CSV and SVG",
-      "  segue bench --quick               # some seconds, to see that everything works\n"
+      app, context, "bench", "measure how fast this computer switches controllers, as CSV and SVG",
+      "  segue bench --quick               # takes some seconds, to check that everything works\n"
       "  segue bench --out results\n\n"
-      "Chains producer -> relays -> consumer are brought up (E1.1) and taken down (E1.2); of running chains "
+      "Chains of producer, relays and consumer are started (E1.1) and removed (E1.2). In running chains, "
       "one\n"
-      "relay (E2.1), all relays (E2.2) or half of them (E2.3: neighbours, the best case; every second one, "
-      "the\n"
-      "worst; and the longest pause of the samples) are exchanged. All of it once in one process and once "
-      "with\n"
-      "a process for each task. Close other programs first. Ctrl-C ends it in order, no process stays.",
+      "relay (E2.1), all relays (E2.2) or half of them (E2.3: adjacent ones, the best case; every second "
+      "one,\n"
+      "the worst; and the longest gap between samples) are exchanged. Everything is measured in one process\n"
+      "and with one process per task. Close other programs first. Ctrl-C ends it cleanly: no process is "
+      "left.",
       [options, &context] { return run(*options, context); });
-  verb.option("--out DIR", options->folder, "the folder to write to (segue-bench)");
-  verb.option("--repeat N", options->repeat, "how often each is measured (5)").between(1, 1000);
+  verb.option("--out DIR", options->folder, "the output folder (default segue-bench)");
+  verb.option("--repeat N", options->repeat, "number of repetitions (default 5)").between(1, 1000);
   add_order_option(verb, options->order);
-  verb.flag("--quick", options->quick, "short chains, twice");
+  verb.flag("--quick", options->quick, "short chains and two repetitions only");
 }
 
 }  // namespace segue::cli

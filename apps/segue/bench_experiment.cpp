@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kProducer = "producer";
 constexpr const char* kConsumer = "consumer";
 
-/// Beyond so many relays a machine of two cores has more to do than it can at 1 kHz.
+/// More relays at 1 kHz overload a machine with two cores.
 constexpr std::size_t kManyRelays = 60;
 
 bool is_exchanged(const ChainOptions& options, std::size_t relay) {
@@ -76,7 +76,7 @@ class Run {
     return stopped_ ? Result<void>{} : measure("E1.2", relays, {});
   }
 
-  /// There and back again.
+  /// Exchanges the relays, and then changes them back.
   Result<void> exchange(const std::string& name, std::size_t relays, Exchange which, bool gaps = false) {
     for (std::size_t i = 0; i < 2 * repeat_ && !stopped_; ++i) {
       const auto network = chain(relays, i % 2 == 0 ? which : Exchange::None);

@@ -16,13 +16,13 @@ namespace segue::cli {
 enum class Placement { OneProcess, ProcessEach };
 std::string to_string(Placement placement);
 
-/// Which relays of a chain are others than before.
+/// The relays of a chain that are exchanged.
 enum class Exchange {
   None,
   One,  ///< the one in the middle
   All,
-  Block,       ///< the half in the middle: best case, since most connections stay or go with their tasks
-  EverySecond  ///< worst case: every connection is another
+  Block,  ///< the half in the middle: best case, because most connections are between tasks of the same kind
+  EverySecond  ///< worst case: every connection changes
 };
 
 struct ChainOptions {
@@ -32,7 +32,7 @@ struct ChainOptions {
 };
 model::Network relay_chain(const ChainOptions& options);
 
-/// What a series shows.
+/// The name and title of a series.
 struct Experiment {
   std::string name;  ///< "E2.3 worst": also of its files, with underscores
   std::string title;
@@ -48,7 +48,7 @@ struct Measurement {
   double seconds = 0;
 };
 
-/// A robot that carries out transitions; how long each took, in seconds.
+/// A robot that executes transitions and measures them, in seconds.
 class BenchRobot {
  public:
   BenchRobot() = default;
@@ -56,9 +56,9 @@ class BenchRobot {
   BenchRobot& operator=(const BenchRobot&) = delete;
   virtual ~BenchRobot() = default;
   virtual Result<double> switch_to(const model::Network& network) = 0;
-  /// Waits until the consumer has got a sample that was sent after this call.
+  /// Blocks until the consumer has received a sample that was sent after this call.
   virtual Result<void> wait_for_samples() = 0;
-  /// Begins to look for the longest pause between two samples at the consumer, and tells it, in seconds.
+  /// Starts, and ends, the measurement of the longest gap between two samples at the consumer, in seconds.
   virtual Result<void> watch_gap() = 0;
   virtual Result<double> longest_gap() = 0;
 };

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr const char* kName = "segue-bench";
 constexpr auto kPatience = std::chrono::seconds(30);
 
-/// Held as long as the robot lives; the system drops it whatever becomes of this process.
+/// Held as long as the robot exists; the system releases it even if this process crashes.
 Result<Descriptor> take_lock() {
   const auto folder = runtime_folder();
   if (!folder) return folder.error();
@@ -37,7 +37,7 @@ Result<Descriptor> take_lock() {
   return fail(ErrorCode::AlreadyExists, "another `segue bench` of yours is running; wait for its end");
 }
 
-/// A folder that goes with this.
+/// A folder that the destructor removes.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_((fs::temp_directory_path() / "segue-bench-XXXXXX").string()) {
@@ -70,7 +70,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
     if (!lock) return lock.error();
     made->lock_ = std::move(*lock);
     if (auto opened = made->open(placement); !opened) return opened.error();
-    // What an earlier run that was killed left.
+    // Removes what an earlier run left when it was killed.
     if (auto empty = made->switch_to({}); !empty) return empty.error();
     return std::unique_ptr<BenchRobot>(std::move(made));
   }
@@ -78,7 +78,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
   ~EmbeddedBenchRobot() override {
     if (robot_ == nullptr) return;
     const auto result = robot_->shut_down();
-    if (result.error) print_note("the benchmark's robot did not stop in order: " + to_string(*result.error));
+    if (result.error) print_note("the benchmark's robot did not stop cleanly: " + to_string(*result.error));
   }
 
   Result<double> switch_to(const model::Network& network) override {
@@ -94,7 +94,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
     const auto before = statistic("count");
     if (!before) return before.error();
     const auto deadline = RealClock::instance().now() + kPatience;
-    // One may have been under way; the second was sent since.
+    // The first new sample may have been under way already; the second was sent after the call.
     for (auto now = before; RealClock::instance().now() < deadline; now = statistic("count")) {
       if (!now) return now.error();
       if (*now >= *before + 2) return {};

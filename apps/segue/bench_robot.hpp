@@ -9,9 +9,9 @@
 
 namespace segue::cli {
 
-/// A robot of its own with the bench components, switched in that order, its files in a folder that goes with
-/// it. Its destructor brings it to rest: no task and no process stays. What an earlier run left behind is
-/// taken down first. AlreadyExists while another such robot of this user runs.
+/// A robot with the bench components and a temporary folder for its files. Its destructor ends all tasks and
+/// processes. Leftovers of an earlier run are removed first. AlreadyExists while another such robot of this
+/// user runs.
 Result<std::unique_ptr<BenchRobot>> make_bench_robot(Placement placement, model::Order order);
 
 }  // namespace segue::cli

@@ -39,7 +39,7 @@ Result<Value> named(const std::vector<std::string>& arguments) {
   return Value(std::move(map));
 }
 
-/// name=value pairs; or one whole map or list in YAML; or values in the operation's order.
+/// name=value pairs, one map or list in YAML, or values in the declared order of the operation's arguments.
 Result<Value> arguments_of(const std::vector<std::string>& arguments) {
   if (!arguments.empty() && std::all_of(arguments.begin(), arguments.end(), is_named))
     return named(arguments);
@@ -82,7 +82,7 @@ void add_call(Verb& app, Context& context) {
                           });
                         });
   verb.option("TASK.OPERATION", options->operation, "the operation").required();
-  verb.option("ARGUMENT", options->arguments, "arguments as name=value, or values in order (YAML)");
+  verb.option("ARGUMENT", options->arguments, "arguments as name=value, or values in declared order (YAML)");
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the result (default 10s)");
   add_robot_option(verb, context);
 }

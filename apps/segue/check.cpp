@@ -27,7 +27,7 @@ struct Options {
   ModelSources sources;
 };
 
-/// Reads files of all kinds and collects what is wrong with them.
+/// Reads files of all kinds and collects their problems.
 class Checker {
  public:
   explicit Checker(const Options& options) : options_(options) {
@@ -81,7 +81,7 @@ class Checker {
   }
 
   void explain_unknown(const std::string& file, const std::string& text) {
-    // A YAML file that cannot be parsed has no kind; what the parser says helps more.
+    // The kind of a YAML file that cannot be parsed is unknown; the error of the parser is more helpful.
     Diagnostics parsing;
     model::read_network(text, file, parsing);
     const auto& found = parsing.items();
@@ -129,7 +129,7 @@ class Checker {
     diagnostics_.append(model::validate(network, catalog_, depth));
   }
 
-  /// Where no component is known, each would be reported, and that would help nobody.
+  /// If no component is known, reporting each of them would not help.
   Depth depth_for(const model::Network& network) {
     const bool known = network.tasks.empty() ||
                        std::any_of(network.tasks.begin(), network.tasks.end(), [&](const model::Task& task) {
@@ -184,9 +184,11 @@ void add_check(Verb& app, Context& context) {
       add_verb(app, context, "check", "validate networks, robots, missions, transitions and component models",
                "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
                [options, &context] { return check(*options, context); });
-  verb.option("FILE", options->files, "files of any kind; a robot file brings all that it names").required();
-  verb.flag("--structure", options->structure, "only names and references, not components, ports and types");
-  verb.option("--libraries DIR", options->libraries, "folders with the state machines that missions use");
+  verb.option("FILE", options->files, "files of any kind; a robot file includes all files that it names")
+      .required();
+  verb.flag("--structure", options->structure,
+            "check names and references only, not components, ports and types");
+  verb.option("--libraries DIR", options->libraries, "folders with the state machines used by missions");
   add_model_options(verb, options->sources);
 }
 

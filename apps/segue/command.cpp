@@ -32,7 +32,7 @@ Verb& add_verb(Verb& parent, Context& context, const std::string& name, const st
 }
 
 void add_robot_option(Verb& verb, Context& context) {
-  verb.option("--robot NAME", context.robot, "the running robot's name; needed where more than one runs");
+  verb.option("--robot NAME", context.robot, "the running robot's name; needed if more than one is running");
 }
 
 Option add_order_option(Verb& verb, std::string& order) {

@@ -9,17 +9,17 @@
 /// The command line: one file per verb, and what they share.
 namespace segue::cli {
 
-/// What every verb ends with; tools may rely on it.
+/// The exit status of every verb; tools may rely on it.
 enum Exit : int {
   kDone = 0,
-  kFailed = 1,      ///< the thing asked failed or was refused
+  kFailed = 1,      ///< the request failed or was refused
   kUsage = 2,       ///< the command line is wrong
-  kUnreachable = 3  ///< no runtime answered
+  kUnreachable = 3  ///< cannot connect to the runtime
 };
 
 enum class Format { Text, Json };
 
-/// What is known once the command line is read. `action` runs afterwards and answers the exit status.
+/// The result of parsing the command line. `action` runs afterwards and returns the exit status.
 struct Context {
   Format format = Format::Text;
   std::string robot;  ///< --robot

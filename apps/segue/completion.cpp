@@ -12,7 +12,7 @@ namespace segue::cli {
 
 namespace {
 
-/// Verbs whose first word names something of the running robot, and what `complete-names` calls it.
+/// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kNames = {{{"switch", "controllers"},
                                                                                   {"prepare", "controllers"},
                                                                                   {"task", "tasks"},
@@ -111,7 +111,7 @@ void add_members(const type::Value& task, const std::string& id, const std::stri
   }
 }
 
-/// For shells: one name a line, nothing at all where there is no robot.
+/// For shells: one name per line, and no output at all if there is no robot.
 int complete_names(const std::string& kind) {
   const auto running = control::running_robots();
   if (running.size() != 1) return kDone;
@@ -136,7 +136,7 @@ int complete_names(const std::string& kind) {
 void add_completion(Verb& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
   Verb& verb =
-      add_verb(app, context, "completion", "completion for a shell",
+      add_verb(app, context, "completion", "print a completion script for a shell",
                "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, shell] {
                  print(*shell == "bash" ? bash_script(app) : zsh_script(app));
                  return static_cast<int>(kDone);

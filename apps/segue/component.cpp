@@ -49,11 +49,11 @@ int list(const Options& options, const Context& context) {
   }
   if (catalog.size() == 0) {
     print_note(
-        "no component library is installed; folders looked at are those of $SEGUE_LIBRARY_PATH and lib/segue "
-        "beside the program");
+        "no component library is installed; the folders searched are those of $SEGUE_LIBRARY_PATH and "
+        "lib/segue beside the program");
     return kDone;
   }
-  Table table({{"COMPONENT"}, {"LIBRARY"}, {"WHAT IT DOES"}});
+  Table table({{"COMPONENT"}, {"LIBRARY"}, {"DESCRIPTION"}});
   for (const ComponentModel* component : catalog.all()) {
     table.add({component->name.str(), component->library.empty() ? "-" : component->library,
                printable(first_line(component->doc))});
@@ -63,7 +63,7 @@ int list(const Options& options, const Context& context) {
 }
 
 std::string ports_text(const ComponentModel& component) {
-  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"WHAT IT IS"}});
+  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"DESCRIPTION"}});
   for (const auto& port : component.ports) {
     const std::string kind = port.pattern ? " (family)" : port.dynamic ? " (dynamic)" : "";
     table.add({port.name, std::string(to_string(port.direction)) + kind, port.type, printable(port.doc)});
@@ -72,7 +72,7 @@ std::string ports_text(const ComponentModel& component) {
 }
 
 std::string properties_text(const ComponentModel& component) {
-  Table table({{"PROPERTY"}, {"TYPE"}, {"DEFAULT"}, {"LIVE"}, {"WHAT IT IS"}});
+  Table table({{"PROPERTY"}, {"TYPE"}, {"DEFAULT"}, {"LIVE"}, {"DESCRIPTION"}});
   for (const auto& property : component.properties) {
     table.add({property.name, property.type, type::describe(property.default_value),
                property.live ? "yes" : "no", printable(property.doc)});
@@ -81,7 +81,7 @@ std::string properties_text(const ComponentModel& component) {
 }
 
 std::string operations_text(const ComponentModel& component) {
-  Table table({{"OPERATION"}, {"RESULT"}, {"WHAT IT DOES"}});
+  Table table({{"OPERATION"}, {"RESULT"}, {"DESCRIPTION"}});
   for (const auto& operation : component.operations) {
     std::string arguments;
     for (const auto& argument : operation.arguments) {
@@ -101,7 +101,7 @@ int show(const Options& options, const Context& context) {
   if (component == nullptr) {
     return failed(context, fail(ErrorCode::NotFound, "no component " + quote(options.name) + " is known" +
                                                          did_you_mean(options.name, names_of(catalog)) +
-                                                         "; `segue component list` shows all"));
+                                                         "; `segue component list` lists all components"));
   }
   if (context.json()) {
     print_json(model::to_value(*component));
@@ -135,19 +135,20 @@ void add_component(Verb& app, Context& context) {
   Verb& verb = add_verb(app, context, "component", "component libraries and models",
                         "  segue component list\n  segue component show demo::Drive", nullptr);
   verb.require_verb();
-  Verb& lister = add_verb(verb, context, "list", "all components that are known", "  segue component list",
+  Verb& lister = add_verb(verb, context, "list", "list all known components", "  segue component list",
                           [options, &context] { return list(*options, context); });
   add_model_options(lister, options->sources);
   Verb& shower =
-      add_verb(verb, context, "show", "one component's interface", "  segue component show demo::Drive",
-               [options, &context] { return show(*options, context); });
+      add_verb(verb, context, "show", "show the interface of a component",
+               "  segue component show demo::Drive", [options, &context] { return show(*options, context); });
   shower.option("COMPONENT", options->name, "the component").required();
   add_model_options(shower, options->sources);
-  Verb& exporter = add_verb(verb, context, "export", "the component models of a library, as a file for tools",
-                            "  segue component export segue_components_demo -o demo.components.yaml",
-                            [options, &context] { return export_models(*options, context); });
+  Verb& exporter =
+      add_verb(verb, context, "export", "write the component models of a library to a file for tools",
+               "  segue component export segue_components_demo -o demo.components.yaml",
+               [options, &context] { return export_models(*options, context); });
   exporter.option("LIBRARY", options->name, "a library's name").required();
-  exporter.option("-o,--output FILE", options->output, "a file instead of standard output");
+  exporter.option("-o,--output FILE", options->output, "write to a file instead of standard output");
 }
 
 }  // namespace segue::cli

@@ -13,11 +13,11 @@ using type::Value;
 
 Error not_running(const std::string& robot, const std::vector<std::string>& running) {
   if (running.empty()) {
-    return fail(ErrorCode::Unavailable,
-                (robot.empty() ? std::string("no robot runs") : "robot " + quote(robot) + " does not run") +
-                    "; start one with `segue run ROBOT_FILE`");
+    return fail(ErrorCode::Unavailable, (robot.empty() ? std::string("no robot is running")
+                                                       : "robot " + quote(robot) + " is not running") +
+                                            "; start one with `segue run ROBOT_FILE`");
   }
-  return fail(ErrorCode::Unavailable, fmt::format("robot {} does not run{}; running: {}", quote(robot),
+  return fail(ErrorCode::Unavailable, fmt::format("robot {} is not running{}; running: {}", quote(robot),
                                                   did_you_mean(robot, running), listed(running)));
 }
 
@@ -27,9 +27,9 @@ std::pair<std::string, int> choose(Context& context) {
   const auto running = control::running_robots();
   if (running.size() == 1) return {running.front(), kDone};
   if (running.empty()) return {"", failed(context, not_running("", running))};
-  print_error(context,
-              fail(ErrorCode::InvalidArgument, fmt::format("{} robots run: {}; say which with --robot NAME",
-                                                           running.size(), listed(running))));
+  print_error(context, fail(ErrorCode::InvalidArgument,
+                            fmt::format("{} robots are running: {}; select one with --robot NAME",
+                                        running.size(), listed(running))));
   return {"", kUsage};
 }
 
@@ -71,7 +71,7 @@ std::vector<std::string> task_names(const Value& status) {
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what) {
   if (text.find('.') == std::string_view::npos) {
     return fail(ErrorCode::InvalidArgument,
-                fmt::format("{} names no {}; write TASK.{}", quote(text), what, what));
+                fmt::format("{} does not name a member; write TASK.{}", quote(text), what, what));
   }
   const auto status = robot.status();
   if (!status) return status.error();
@@ -84,7 +84,7 @@ Result<Address> resolve(control::RobotService& robot, std::string_view text, std
   }
   if (!best.task.empty()) return best;
   const std::string wanted(text.substr(0, text.find('.')));
-  const std::string known = names.empty() ? "; no task runs now" : "; running: " + listed(names);
+  const std::string known = names.empty() ? "; no task is running" : "; running: " + listed(names);
   return fail(ErrorCode::NotFound,
               fmt::format("the robot has no task {}{}{}", quote(wanted), did_you_mean(wanted, names), known));
 }

@@ -17,15 +17,15 @@
 /// Verbs that talk to a running robot.
 namespace segue::cli {
 
-/// The robot of --robot, or the only one that runs (whose name is then in the context). What is wrong is said
-/// on standard error; the second part is then the exit status and the first null.
+/// Connects to the robot of --robot, or to the only one running (whose name is then in the context). Problems
+/// are printed on standard error; then the first part is null and the second is the exit status.
 std::pair<std::unique_ptr<control::RobotService>, int> reach(Context& context);
 
 /// reach(), then `use`.
 int with_robot(Context& context, const std::function<int(control::RobotService&)>& use);
 
-/// "task.port" or "task.property.part": the longest task of the robot that fits, then the rest. Tells what is
-/// wrong and which tasks there are.
+/// "task.port" or "task.property.part": the longest task id of the robot that matches, then the rest.
+/// NotFound and InvalidArgument name the tasks there are.
 struct Address {
   std::string task;
   std::string member;

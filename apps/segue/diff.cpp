@@ -35,7 +35,7 @@ struct Options {
   ModelSources sources;
 };
 
-/// Nothing where no estimate is wanted.
+/// Empty if no estimate is wanted.
 Result<std::optional<solve::Estimate>> estimate(const Options& options, const std::string& robot,
                                                 const model::Network& current,
                                                 const model::Transition& transition) {
@@ -87,25 +87,24 @@ int diff(const Options& options, const Context& context) {
 void add_diff(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb =
-      add_verb(app, context, "diff", "the transition that turns one network into another",
+      add_verb(app, context, "diff", "compute the transition from one network to another",
                "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff - controllers/explore.yaml      # from the empty network\n"
                "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff a.yaml b.yaml --svg > switch.svg",
                [options, &context] { return diff(*options, context); });
   verb.option("CURRENT", options->current, "a network or CND file; '-' is the empty network").required();
-  verb.option("TARGET", options->target, "likewise").required();
+  verb.option("TARGET", options->target, "a network or CND file, or '-'").required();
   add_order_option(verb, options->order);
-  verb.flag("--force", options->force, "kill the processes that go, and do nothing else in them");
-  const Option dot = verb.flag("--dot", options->dot, "the partial order as a graph for Graphviz");
-  verb.flag("--svg", options->svg, "a picture: what happens when, and what decides how long it takes")
-      .excludes(dot);
+  verb.flag("--force", options->force, "kill the processes to be removed instead of stopping their tasks");
+  const Option dot = verb.flag("--dot", options->dot, "print the partial order as a graph for Graphviz");
+  verb.flag("--svg", options->svg, "draw a timeline with the critical path").excludes(dot);
   verb.option("-o,--output FILE", options->output, "also write the transition to a file, for `segue apply`");
-  const std::string estimate_help =
-      "also how long it will take, from the durations in a robot's journal: in all, each phase, the critical "
-      "path";
-  const Option estimate = verb.flag("--estimate", options->estimate, estimate_help);
-  verb.option("--robot NAME", context.robot, "whose journal; needed where more than one robot has one")
+  const Option estimate =
+      verb.flag("--estimate", options->estimate,
+                "also predict the duration from a robot's journal: in total, of each phase, critical path");
+  verb.option("--robot NAME", context.robot,
+              "the robot with the journal; needed if more than one robot has one")
       .needs(estimate);
   add_journal_option(verb, options->journal).needs(estimate);
   add_model_options(verb, options->sources);

@@ -31,7 +31,7 @@ std::string range_text(const Value& range) {
                      format_seconds(number_at(range, "high")));
 }
 
-/// The action of an id and its place in the list.
+/// The action with this id, and its position in the list.
 std::size_t find_action(const model::Transition& transition, int id) {
   const auto& actions = transition.actions;
   const auto found = std::find_if(actions.begin(), actions.end(),
@@ -71,7 +71,7 @@ Value to_value(const solve::Estimate& estimate) {
 std::string describe(const solve::Estimate& estimate, const model::Transition& transition) {
   if (transition.actions.empty()) return {};
   std::string text = coloured(Colour::Bold, "expected") + '\n';
-  text += fmt::format("  in all   {}\n", range_text(estimate.total));
+  text += fmt::format("  total    {}\n", range_text(estimate.total));
   for (const auto phase : {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire}) {
     const model::DurationRange& range = estimate.of(phase);
     if (range.high > Duration(0)) text += fmt::format("  {:<8} {}\n", to_string(phase), range_text(range));
@@ -79,10 +79,11 @@ std::string describe(const solve::Estimate& estimate, const model::Transition& t
   text += path_text(estimate, transition);
   const auto count = static_cast<int>(transition.actions.size());
   if (estimate.never_measured == count) {
-    text += "none of these actions was ever measured: this is a guess\n";
+    text += "none of these actions has been measured yet; this is a guess\n";
   } else if (estimate.never_measured > 0) {
-    text += fmt::format("{} of {} actions were never measured and are guessed from others of their kind\n",
-                        estimate.never_measured, count);
+    text += fmt::format(
+        "{} of {} actions have not been measured yet and are estimated from others of their kind\n",
+        estimate.never_measured, count);
   }
   return text;
 }
@@ -109,8 +110,8 @@ void Forecasts::add(const Value& result) {
 
 std::string Forecasts::verdict() const {
   if (count_ == 0) return {};
-  return fmt::format("as expected: {} of {} in all, {} of {} in commit", total_right_, count_, commit_right_,
-                     count_);
+  return fmt::format("as expected: {} of {} in total, {} of {} in commit", total_right_, count_,
+                     commit_right_, count_);
 }
 
 }  // namespace segue::cli

@@ -14,19 +14,19 @@ namespace segue::cli {
 /// "never_measured"}, in seconds.
 type::Value to_value(const solve::Estimate& estimate);
 
-/// Lines: total and phases with their ranges, the critical path, and what was never measured.
+/// Lines: the ranges of total and phases, the critical path, and the number of actions never measured.
 std::string describe(const solve::Estimate& estimate, const model::Transition& transition);
 
-/// "; expected 2.1 ms to 4.0 ms (commit 1.0 ms to 1.6 ms)" of a finished transition's JSON; "" where nothing
-/// was predicted.
+/// "; expected 2.1 ms to 4.0 ms (commit 1.0 ms to 1.6 ms)" from a finished transition's JSON; "" without
+/// a prediction.
 std::string expectation_of(const type::Value& result);
 
-/// How often what was predicted came true.
+/// Counts how often predictions were right.
 class Forecasts {
  public:
-  /// Counts a finished transition's JSON, if it was done and predicted.
+  /// Counts a finished transition (JSON) if its outcome is done and it has a prediction.
   void add(const type::Value& result);
-  /// A sentence; "" where nothing was predicted.
+  /// A sentence; "" without predictions.
   [[nodiscard]] std::string verdict() const;
 
  private:

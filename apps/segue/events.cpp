@@ -42,13 +42,13 @@ int events(control::RobotService& robot, const Options& options, const Context& 
 
 void add_events(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "events", "what happened, and with --follow what happens",
+  Verb& verb = add_verb(app, context, "events", "list past events, and with --follow new ones",
                         "  segue events\n  segue events --follow", [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
                             return events(robot, *options, context);
                           });
                         });
-  verb.flag("-f,--follow", options->follow, "go on until Ctrl-C");
+  verb.flag("-f,--follow", options->follow, "follow new events until Ctrl-C");
   verb.option("--after NUMBER", options->after, "only events with a greater number");
   add_robot_option(verb, context);
 }

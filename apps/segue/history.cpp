@@ -24,7 +24,7 @@ struct Options {
   std::string journal;
   bool all = false;
   bool differences = false;
-  std::size_t lines = 0;  ///< 0: as many as there are
+  std::size_t lines = 0;  ///< 0: all
 };
 
 /// "2026-11-22 01:02:03" of an ISO time.
@@ -55,7 +55,7 @@ int show_running(control::RobotService& robot, const Options& options, const Con
   if (context.json()) {
     print_json(results);
   } else if (results.empty()) {
-    print_line("nothing was requested yet; try `segue switch NAME`");
+    print_line("nothing has been requested yet; try `segue switch NAME`");
   } else {
     show_transitions(results, false);
   }
@@ -77,7 +77,7 @@ int show_differences(journal::JournalReader& reader, std::size_t limit, const Co
     print_json(as_values(*found));
     return kDone;
   }
-  if (found->empty()) print_line("no difference was ever found");
+  if (found->empty()) print_line("no drift was ever found");
   for (const Value& entry : as_values(*found)) {
     const std::string done = text_at(entry, "done");
     print_line(short_time(text_at(entry, "time")) + printable(text_at(entry, "sentence")) +
@@ -86,13 +86,13 @@ int show_differences(journal::JournalReader& reader, std::size_t limit, const Co
   return kDone;
 }
 
-/// What could not be kept is no part of the history, but people should know.
+/// Entries that could not be recorded are missing from the history, which a reader must know.
 void warn_of_gaps(journal::JournalReader& reader) {
   const auto gaps = reader.gaps(std::numeric_limits<std::size_t>::max());
   if (!gaps) return;
   for (const journal::GapEntry& gap : *gaps) {
     const Value entry = journal::to_value(gap);
-    print_note(fmt::format("before {}{} could not be kept: {}", short_time(text_at(entry, "time")),
+    print_note(fmt::format("before {}{} could not be recorded: {}", short_time(text_at(entry, "time")),
                            gap.lost == 1 ? "1 entry" : fmt::format("{} entries", gap.lost),
                            printable(gap.reason)));
   }
@@ -108,7 +108,7 @@ int show_journal(const std::filesystem::path& path, const Options& options, cons
   if (context.json()) {
     print_json(as_values(*entries));
   } else if (entries->empty()) {
-    print_line("nothing was requested yet");
+    print_line("nothing has been requested yet");
   } else {
     show_transitions(as_values(*entries), true);
   }
@@ -116,13 +116,13 @@ int show_journal(const std::filesystem::path& path, const Options& options, cons
   return kDone;
 }
 
-/// Whether a robot that --robot may mean runs.
+/// Whether the robot of --robot is running; without --robot, whether any is.
 bool runs(const std::string& robot) {
   const auto running = control::running_robots();
   return robot.empty() ? !running.empty() : std::find(running.begin(), running.end(), robot) != running.end();
 }
 
-/// The robot that --robot means, or the only one that runs; empty: not clear yet.
+/// The robot of --robot, or the only one that is running; otherwise empty.
 std::string meant(const Context& context) {
   if (!context.robot.empty()) return context.robot;
   const auto running = control::running_robots();
@@ -146,19 +146,18 @@ int history(const Options& options, Context& context) {
 void add_history(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb = add_verb(
-      app, context, "history", "what was requested, and how long it took",
+      app, context, "history", "list past requests and their durations",
       "  segue history\n"
-      "  segue history --all --robot artemis      # of all its lives, whether it runs or not\n\n"
-      "Of a running robot the requests of this life. Where none runs, and with --all, the robot's journal "
-      "is\n"
-      "read. 'expected' is what was predicted before from the durations that were measured until then.",
+      "  segue history --all --robot artemis      # all requests ever, whether or not it is running\n\n"
+      "For a running robot, these are the requests since it was started. If it is not running, and with "
+      "--all,\n"
+      "the robot's journal is read. 'expected' is the prediction made from the durations measured before.",
       [options, &context] { return history(*options, context); });
   add_robot_option(verb, context);
-  verb.flag("--all", options->all, "everything in the robot's journal");
+  verb.flag("--all", options->all, "show everything in the robot's journal");
   add_journal_option(verb, options->journal);
-  verb.flag("--differences", options->differences,
-            "instead, where what ran differed from what should, from the journal");
-  verb.option("-n,--lines N", options->lines, "only the latest N");
+  verb.flag("--differences", options->differences, "show the drift recorded in the journal instead");
+  verb.option("-n,--lines N", options->lines, "show the latest N only");
 }
 
 }  // namespace segue::cli

@@ -33,12 +33,12 @@ int host(const Options& options, const Context& context) {
   if (context.json()) {
     print_json_line(type::Value::map({{"socket", socket.string()}, {"pid", static_cast<int>(::getpid())}}));
   } else {
-    print_line(
-        fmt::format("the process server runs (pid {}) at {}; Ctrl-C ends it", ::getpid(), socket.string()));
+    print_line(fmt::format("the process server is running (pid {}) at {}; Ctrl-C ends it", ::getpid(),
+                           socket.string()));
   }
   const auto reason = stop.wait({});
   if (!context.json()) {
-    print_line(fmt::format("{}; deployments go on running and are found again", reason.value_or("ended")));
+    print_line(fmt::format("{}; deployments keep running and will be found again", reason.value_or("ended")));
   }
   return kDone;
 }
@@ -47,11 +47,11 @@ int host(const Options& options, const Context& context) {
 
 void add_host(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "host", "the process server of a computer, as a daemon",
+  Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
                         "  segue host\n  segue host --zygote segue_components_demo",
                         [options, &context] { return host(*options, context); });
   verb.option("--zygote LIBRARY", options->zygote,
-              "load this component library once, so that deployments start quicker; may be repeated");
+              "load this component library once, so that deployments start faster; may be repeated");
 }
 
 }  // namespace segue::cli

@@ -48,8 +48,8 @@ Result<void> write_all(const std::filesystem::path& folder, const std::vector<In
     std::error_code failed_to;
     std::filesystem::create_directories(path.parent_path(), failed_to);
     if (failed_to) {
-      return fail(ErrorCode::IoError, "cannot make the folder " + quote(path.parent_path().native()) + ": " +
-                                          failed_to.message());
+      return fail(ErrorCode::IoError, "cannot create the folder " + quote(path.parent_path().native()) +
+                                          ": " + failed_to.message());
     }
     if (auto written = write_file(path, file.text); !written) return written;
   }
@@ -66,7 +66,7 @@ void report(const Options& options, const std::vector<InitFile>& files, const Co
   for (const InitFile& file : files)
     print_line("  " + options.folder + '/' + file.path);
   print_line(
-      fmt::format("a robot is ready; try\n  cd {}\n  segue check robot.yaml\n"
+      fmt::format("the robot is ready; try\n  cd {}\n  segue check robot.yaml\n"
                   "  segue run robot.yaml --controller explore",
                   options.folder));
 }
@@ -74,10 +74,12 @@ void report(const Options& options, const std::vector<InitFile>& files, const Co
 int init(const Options& options, const Context& context) {
   const std::string name = options.name.empty() ? name_from(options.folder) : options.name;
   if (!is_identifier(name)) {
-    return failed(context,
-                  fail(ErrorCode::InvalidArgument,
-                       quote(name) + " cannot be a robot's name: a letter first, then letters, digits, "
-                                     "'_', '-' or '.'"));
+    return failed(
+        context,
+        fail(ErrorCode::InvalidArgument,
+             quote(name) +
+                 " is not a valid robot name; it must begin with a letter, followed by letters, digits, "
+                 "'_', '-' or '.'"));
   }
   if (const auto empty = check_empty(options.folder); !empty) return failed(context, empty.error());
   const auto files = init_files(name, options.library);
@@ -91,12 +93,12 @@ int init(const Options& options, const Context& context) {
 
 void add_init(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "init", "a small working robot to start from",
+  Verb& verb = add_verb(app, context, "init", "create a small working robot to start from",
                         "  segue init my_robot && cd my_robot && segue run robot.yaml --controller explore",
                         [options, &context] { return init(*options, context); });
-  verb.option("DIR", options->folder, "a folder that does not exist yet, or is empty").required();
+  verb.option("DIR", options->folder, "a folder that does not exist yet or is empty").required();
   verb.option("--name NAME", options->name, "the robot's name (default: the folder's)");
-  verb.flag("--library", options->library, "also a component library of your own, with one component");
+  verb.flag("--library", options->library, "also create a component library with one component");
 }
 
 }  // namespace segue::cli

@@ -8,14 +8,14 @@ namespace segue::cli {
 namespace {
 
 constexpr std::string_view kRobot =
-    R"(# What this robot has. `segue check robot.yaml` finds mistakes, `segue run robot.yaml` starts it.
+    R"(# The robot file: `segue check robot.yaml` checks it, `segue run robot.yaml` starts the robot.
 robot: @ROBOT@
 hosts: {onboard: local}
-libraries: [segue_components_demo]      # component libraries; `segue component list` shows what is in them
+libraries: [segue_components_demo]      # component libraries; `segue component list` shows their components
 controllers: [controllers/*.yaml]
 )";
 
-constexpr std::string_view kExplore = R"(# Wanders about and turns away from what stands in the way.
+constexpr std::string_view kExplore = R"(# Wanders about and turns away from obstacles.
 network: explore
 tasks:
   drive: {component: "demo::Drive"}
@@ -30,7 +30,7 @@ connections:
 )";
 
 constexpr std::string_view kGoal =
-    R"(# Drives to a goal. drive, odometry and laser are those of explore: a switch leaves them running.
+    R"(# Drives to a goal. A switch from explore leaves drive, odometry and laser running.
 network: go_to
 tasks:
   drive: {component: "demo::Drive"}
@@ -47,7 +47,7 @@ connections:
   - guard.safe_command -> drive.command
 )";
 
-constexpr std::string_view kManual = R"(# By hand: `segue call joystick.push forward=1 turn=0`.
+constexpr std::string_view kManual = R"(# Drives by hand: `segue call joystick.push forward=1 turn=0`.
 network: manual
 tasks:
   drive: {component: "demo::Drive"}
@@ -77,16 +77,16 @@ In another:
     segue status
     segue read odometry.pose --follow
     segue switch go_to --dry-run        # what a switch would do
-    segue switch go_to                  # drive, odometry and laser go on without missing a cycle
+    segue switch go_to                  # drive, odometry and laser continue without missing a cycle
     segue set seeker.speed=0.2
     segue switch manual
     segue call joystick.push forward=1 turn=0.2
     segue top
 
-Ctrl-C in the first terminal stops every task in order.
+Ctrl-C in the first terminal stops every task cleanly.
 
-`controllers/` holds one file per controller; add one, and `segue check robot.yaml` tells what is wrong with it.
-`segue component list` shows the components there are, `segue component show demo::Drive` one of them.
+`controllers/` contains one file per controller. Add your own, and `segue check robot.yaml` reports any problems.
+`segue component list` lists the available components, `segue component show demo::Drive` describes one of them.
 )";
 
 constexpr std::string_view kLibraryReadme = R"(
@@ -98,7 +98,7 @@ constexpr std::string_view kLibraryReadme = R"(
     export SEGUE_LIBRARY_PATH=$PWD/build/lib/segue
     segue component list
 
-Then name it in robot.yaml: `libraries: [segue_components_demo, @ROBOT@_components]`.
+Then add it to robot.yaml: `libraries: [segue_components_demo, @ROBOT@_components]`.
 )";
 
 constexpr std::string_view kCMake = R"(cmake_minimum_required(VERSION 3.25)
@@ -112,7 +112,7 @@ constexpr std::string_view kComponent = R"(#include <segue/task/component.hpp>
 
 namespace @NAMESPACE@ {
 
-/// Smooths a number: the mean of what came and what it wrote last.
+/// Smooths a number: the weighted mean of the input and the previous output.
 class Averager final : public segue::task::Component {
  public:
   Averager() {

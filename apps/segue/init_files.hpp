@@ -11,8 +11,8 @@ struct InitFile {
   std::string text;
 };
 
-/// The files of `segue init`: a robot with three controllers made of demo components, a page that explains
-/// them, and with `library` a component library that builds against the installed package.
+/// The files of `segue init`: a robot with three controllers that use demo components, a README, and with
+/// `library` a component library that builds against the installed package.
 std::vector<InitFile> init_files(const std::string& robot, bool library);
 
 }  // namespace segue::cli

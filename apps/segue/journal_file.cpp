@@ -12,7 +12,7 @@
 namespace segue::cli {
 
 Option add_journal_option(Verb& verb, std::string& file) {
-  return verb.option("--journal FILE", file, "this journal file instead of the robot's own");
+  return verb.option("--journal FILE", file, "use this journal file instead of the robot's own");
 }
 
 std::vector<std::string> robots_with_journals() {
@@ -38,7 +38,7 @@ Result<std::filesystem::path> find_journal(const std::string& file, const std::s
   const auto robots = robots_with_journals();
   if (robots.size() == 1) return journal::default_path(robots.front());
   if (robots.empty()) {
-    return fail(ErrorCode::NotFound, "no robot has a journal yet; `segue run ROBOT_FILE` begins one");
+    return fail(ErrorCode::NotFound, "no robot has a journal yet; `segue run ROBOT_FILE` creates one");
   }
   return fail(ErrorCode::InvalidArgument,
               fmt::format("{} robots have a journal: {}; say which with --robot NAME", robots.size(),

@@ -10,7 +10,7 @@
 
 #include "command.hpp"
 
-/// Verbs that read a robot's journal, whether the robot runs or not.
+/// For verbs that read the journal of a robot, whether or not it is running.
 namespace segue::cli {
 
 /// --journal FILE.
@@ -19,8 +19,8 @@ Option add_journal_option(Verb& verb, std::string& file);
 /// Robots of this user that have a journal where journals are kept, sorted.
 std::vector<std::string> robots_with_journals();
 
-/// The given file, or that of the robot, or of the only robot that has one. NotFound where there is none;
-/// InvalidArgument where it is not clear which.
+/// The given file, the journal of the robot, or that of the only robot that has one. NotFound if there is
+/// none; InvalidArgument if it is ambiguous.
 Result<std::filesystem::path> find_journal(const std::string& file, const std::string& robot);
 
 }  // namespace segue::cli

@@ -51,7 +51,7 @@ Error nothing_printed(const Options& options, const std::vector<fs::path>& logs)
   for (const fs::path& log : logs)
     names.push_back(name_of(log));
   return fail(ErrorCode::NotFound,
-              fmt::format("there is no output of process {}{}; there is some of {}", quote(options.process),
+              fmt::format("there is no output of process {}{}; there is output of {}", quote(options.process),
                           did_you_mean(options.process, names), names.empty() ? "none" : listed(names)));
 }
 
@@ -69,11 +69,11 @@ Result<fs::path> find_log(const Options& options, const std::string& robot) {
   if (found.empty()) return nothing_printed(options, logs);
   if (found.size() == 1) return found.front();
   return fail(ErrorCode::InvalidArgument,
-              fmt::format("robots {} have a process {}; say which with --robot NAME", listed(robots),
+              fmt::format("robots {} have a process {}; select one with --robot NAME", listed(robots),
                           quote(options.process)));
 }
 
-/// Whole lines of what comes in pieces.
+/// Assembles lines from pieces of output.
 class LinePrinter {
  public:
   explicit LinePrinter(const Context& context) : context_(context) {}
@@ -120,13 +120,13 @@ int show_log(const Options& options, const Context& context) {
 
 void add_log(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "log", "what a deployment process printed, whether it runs or not",
+  Verb& verb = add_verb(app, context, "log", "show the output of a deployment process, running or not",
                         "  segue log drivers\n  segue log drivers --lines 200 --follow",
                         [options, &context] { return show_log(*options, context); });
   verb.option("PROCESS", options->process, "the process's name").required();
-  verb.option("-n,--lines N", options->lines, "how many lines at the end (50)");
-  verb.flag("-f,--follow", options->follow, "go on until Ctrl-C");
-  verb.option("--robot NAME", context.robot, "the robot's name; needed where several have that process");
+  verb.option("-n,--lines N", options->lines, "the number of lines from the end (default 50)");
+  verb.flag("-f,--follow", options->follow, "follow new output until Ctrl-C");
+  verb.option("--robot NAME", context.robot, "the robot's name; needed if several robots have that process");
 }
 
 }  // namespace segue::cli

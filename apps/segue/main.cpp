@@ -62,7 +62,7 @@ int usage_error(const Verb& app, const segue::Error& error, const std::vector<st
   std::string message = explain_word(verb, words);
   if (message.empty()) message = error.message;
   const std::string name = verb.full_name();
-  std::cerr << name << ": " << message << "\n`" << name << " --help` tells how it is used.\n";
+  std::cerr << name << ": " << message << "\n`" << name << " --help` shows its usage.\n";
   return segue::cli::kUsage;
 }
 
@@ -74,7 +74,7 @@ int run(int count, char** arguments) {
   app.require_verb();
   app.footer(
       "`segue VERB --help` explains a verb with an example. Start with: segue init my_robot\n"
-      "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 no runtime reached.");
+      "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 cannot connect to the runtime.");
   Context context;
   add_verbs(app, context);
   const auto parsed = app.parse(count, arguments);

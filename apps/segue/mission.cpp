@@ -67,7 +67,7 @@ int import(const ImportOptions& source, PddlOptions pddl, const Context& context
     pddl.output = source.output;
     return import_pddl(pddl, context);
   }
-  print_error(context, fail(ErrorCode::InvalidArgument, "say what to import: --rafcon or --pddl"));
+  print_error(context, fail(ErrorCode::InvalidArgument, "select what to import: --rafcon or --pddl"));
   return kUsage;
 }
 
@@ -90,9 +90,10 @@ void add_runner(Verb& verb, Context& context) {
   add_mode_option(runner, *options);
   runner.option("--clock CLOCK", options->clock, "real (default), or virtual: simulated actions take no time")
       .one_of({"real", "virtual"});
-  runner.flag("--simulate", options->simulate, "simulate every action by what is expected of it");
+  runner.flag("--simulate", options->simulate,
+              "simulate every action with its expected duration and outcome");
   runner.option("--input NAME=VALUE", options->inputs, "an input of the mission");
-  runner.option("--fact FACT", options->facts, "a fact that holds at the beginning, or with '!' does not");
+  runner.option("--fact FACT", options->facts, "a fact that initially holds, or with '!' does not hold");
   runner.option("--start-at PATH", options->start_at, "begin at this state, such as fetch/grasp");
   const Option journal =
       runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed");
@@ -113,7 +114,7 @@ void add_runner(Verb& verb, Context& context) {
 void add_gantt(Verb& parent, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   const auto network = std::make_shared<NetworkOptions>();
-  Verb& verb = add_verb(parent, context, "gantt", "a run in virtual time as a drawing (SVG)",
+  Verb& verb = add_verb(parent, context, "gantt", "draw a run in virtual time as a Gantt chart (SVG)",
                         "  segue mission gantt fetch.json -o fetch.svg\n"
                         "  segue mission gantt fetch.json --mode sequential -o before.svg",
                         [options, network, &context] {
@@ -126,7 +127,7 @@ void add_gantt(Verb& parent, Context& context) {
   verb.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
       .required();
   add_mode_option(verb, *options);
-  verb.option("-o,--output FILE", options->files.svg, "a file instead of standard output");
+  verb.option("-o,--output FILE", options->files.svg, "write to a file instead of standard output");
   add_page_and_trace(verb, options->files);
   add_library_option(verb, *options);
   add_network_options(verb, *network);
@@ -135,7 +136,7 @@ void add_gantt(Verb& parent, Context& context) {
 void add_convert(Verb& parent, Context& context) {
   const auto options = std::make_shared<ConvertOptions>();
   Verb& verb =
-      add_verb(parent, context, "convert", "a plan as the task network that runs concurrently, and why",
+      add_verb(parent, context, "convert", "show a plan as a task network, and the reasons for its order",
                "  segue mission convert fetch.yaml\n"
                "  segue mission convert fetch.yaml --svg -o fetch.svg\n"
                "  segue mission convert loops.yaml --assume-expected --horizon 200",
@@ -152,7 +153,7 @@ void add_convert(Verb& parent, Context& context) {
             "plan beyond decisions, as if actions ended as simulated or expected");
   verb.option("--input NAME=VALUE", options->mission.inputs, "an input of the mission");
   verb.option("--fact FACT", options->mission.facts,
-              "a fact that holds at the beginning, or with '!' does not");
+              "a fact that initially holds, or with '!' does not hold");
   verb.option("--order ORDER", options->order,
               "of a task network: epoch (default) keeps the whole final world, goal only its goal")
       .one_of({"epoch", "goal"});
@@ -164,12 +165,12 @@ void add_convert(Verb& parent, Context& context) {
 
 void add_library_option(Verb& verb, MissionOptions& options) {
   verb.option("--libraries DIR", options.libraries,
-              "folders with the state machines that missions use; for RAFCON's machines NAME=DIR");
+              "folders with the state machines used by missions; for RAFCON machines NAME=DIR");
 }
 
 void add_mission(Verb& app, Context& context) {
   Verb& verb = add_verb(
-      app, context, "mission", "plans as state machines",
+      app, context, "mission", "run, check and convert missions and task networks",
       "  segue mission run fetch.yaml\n  segue mission import --rafcon machine -o machine.yaml", nullptr);
   verb.require_verb();
   add_runner(verb, context);
@@ -184,7 +185,7 @@ void add_mission(Verb& app, Context& context) {
 
   const auto source = std::make_shared<ImportOptions>();
   const auto pddl = std::make_shared<PddlOptions>();
-  Verb& importer = add_verb(verb, context, "import", "other plans as mission files and task networks",
+  Verb& importer = add_verb(verb, context, "import", "convert other plans to mission files and task networks",
                             "  segue mission import --rafcon my_machine --libraries "
                             "generic=/opt/rafcon/libraries/generic -o m.yaml",
                             [source, pddl, &context] { return import(*source, *pddl, context); });
@@ -196,7 +197,7 @@ void add_mission(Verb& app, Context& context) {
       .takes(3)
       .excludes(rafcon);
   importer.option("--libraries NAME=DIR", source->libraries, "RAFCON's library paths");
-  importer.option("-o,--output FILE", source->output, "a file instead of standard output");
+  importer.option("-o,--output FILE", source->output, "write to a file instead of standard output");
   add_gantt(verb, context);
   add_convert(verb, context);
 }

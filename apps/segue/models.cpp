@@ -33,11 +33,10 @@ void add_pattern(const std::filesystem::path& pattern, const SourceLocation& whe
 }  // namespace
 
 void add_model_options(Verb& verb, ModelSources& sources) {
-  verb.option("--models PATTERN", sources.patterns,
-              "component model files beside those of the installed libraries; may hold * and ?")
+  verb.option("--models PATTERN", sources.patterns, "further component model files; may contain * and ?")
       .takes_one_at_a_time();
   verb.option("--robot-file FILE", sources.robot_file,
-              "a robot file whose libraries and models are known too");
+              "also use the libraries and models of this robot file");
 }
 
 void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalog, Diagnostics& diagnostics) {

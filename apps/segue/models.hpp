@@ -16,7 +16,7 @@
 /// Files that verbs read without a runtime.
 namespace segue::cli {
 
-/// Where component models come from beside the installed libraries.
+/// The sources of component models besides the installed libraries.
 struct ModelSources {
   std::vector<std::string> patterns;  ///< --models
   std::string robot_file;             ///< --robot-file
@@ -28,17 +28,17 @@ model::ComponentCatalog load_catalog(const ModelSources& sources, Diagnostics& d
 /// Adds the models of libraries and the model files that the robot file names.
 void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalog, Diagnostics& diagnostics);
 
-/// Files that a robot file's pattern names; a warning where there are none.
+/// The files that match a pattern of the robot file; a warning if there are none.
 std::vector<std::filesystem::path> files_of(const model::Robot& robot, const std::string& pattern,
                                             Diagnostics& diagnostics);
 
-/// A network file; '-' and, where no such file is there, 'empty' are the network without anything. Its
-/// structure is valid.
+/// Reads a network file and validates its structure. '-' is the empty network, as is 'empty' if there is no
+/// such file.
 std::optional<model::Network> load_valid_network(const std::string& file,
                                                  const model::ComponentCatalog& catalog,
                                                  Diagnostics& diagnostics);
 
-/// Diagnostics on standard error, in JSON on standard output too, where there are errors; then kFailed.
+/// Prints diagnostics on standard error, and with JSON on standard output too. Returns kFailed.
 int report_failure(const Context& context, Diagnostics& diagnostics);
 
 }  // namespace segue::cli

@@ -46,12 +46,12 @@ std::string painted(Colour colour, std::string_view text) {
   return fmt::format("\x1b[{}m{}\x1b[0m", code_of(colour), text);
 }
 
-/// For standard error, where diagnostics go.
+/// For standard error.
 std::string label(Colour colour, std::string_view text) {
   return errors_are_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
 }
 
-/// Columns that a text takes: without escape sequences, and bytes that continue a UTF-8 character.
+/// The width of a text in columns: without escape sequences and UTF-8 continuation bytes.
 std::size_t width(std::string_view text) {
   std::size_t columns = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -105,7 +105,7 @@ std::string flow(const Value& value) {
 
 std::string headline(const Error& error) {
   std::string text = error.where.known() ? to_string(error.where) + ": " : std::string();
-  // The message often names its subject already.
+  // Often the message names its subject already.
   if (!error.subject.empty() && error.message.find(error.subject) == std::string::npos) {
     text += error.subject + ": ";
   }

@@ -12,7 +12,7 @@
 
 #include "command.hpp"
 
-/// What people and tools read: results on standard output, diagnostics and progress on standard error.
+/// Output for users and tools: results on standard output, diagnostics and progress on standard error.
 namespace segue::cli {
 
 enum class Colour { Red, Green, Yellow, Blue, Bold, Dim };
@@ -22,7 +22,7 @@ std::string coloured(Colour colour, std::string_view text);
 bool output_is_terminal();
 bool errors_are_terminal();
 
-/// Text that others wrote, with control characters made harmless for a terminal.
+/// Untrusted text with its control characters escaped, safe for a terminal.
 std::string printable(std::string_view text);
 
 void print(std::string_view text);       ///< as it is
@@ -70,7 +70,7 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// One line on standard error that is written over; nothing unless that is a terminal.
+/// A line on standard error that is overwritten; only if standard error is a terminal.
 class Progress {
  public:
   Progress() : active_(errors_are_terminal()) {}

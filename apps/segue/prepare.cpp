@@ -43,7 +43,7 @@ int prepare(control::RobotService& robot, const Options& options, const Context&
   if (context.json()) {
     print_json(*answer);
   } else if (options.controllers.empty()) {
-    print_line("nothing is kept ready");
+    print_line("no controller is prepared");
   }
   return status;
 }
@@ -53,9 +53,9 @@ int prepare(control::RobotService& robot, const Options& options, const Context&
 void add_prepare(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb = add_verb(
-      app, context, "prepare", "keep controllers of a running robot ready, so that a switch to them is quick",
-      "  segue prepare dock explore    # the likeliest first\n  segue prepare                 # nothing any "
-      "more\n\n"
+      app, context, "prepare", "keep controllers of a running robot prepared, for fast switches",
+      "  segue prepare dock explore    # the likeliest first\n  segue prepare                 # release "
+      "all\n\n"
       "Their processes run and their tasks are configured, as far as the running controller and the budget "
       "in\n"
       "the robot file (`look_ahead`) permit. They stay ready across switches.",
@@ -63,8 +63,9 @@ void add_prepare(Verb& app, Context& context) {
         return with_robot(context,
                           [&](control::RobotService& robot) { return prepare(robot, *options, context); });
       });
-  verb.option("NAME", options->controllers, "controllers, the likeliest first");
-  verb.option("--timeout DURATION", options->timeout, "how long to wait until they are ready (default 60s)");
+  verb.option("NAME", options->controllers, "the controllers, likeliest first");
+  verb.option("--timeout DURATION", options->timeout,
+              "how long to wait until they are prepared (default 60s)");
   add_robot_option(verb, context);
 }
 

@@ -42,7 +42,7 @@ class Limit {
     if (options.length > Duration(0)) end_ = deadline_in(options.length);
   }
   [[nodiscard]] bool reached() const { return count_ == 0 || (end_ && RealClock::instance().now() >= *end_); }
-  /// Whether an end is known by the clock, so that silence until then is no failure.
+  /// Whether the end is a point in time, so that receiving no sample until then is not a failure.
   [[nodiscard]] bool is_timed() const { return end_.has_value(); }
   [[nodiscard]] std::size_t left() const { return std::min(count_, kBatch); }
   void printed() { --count_; }
@@ -67,9 +67,11 @@ int read_samples(control::SampleStream& stream, const Options& options, const Co
     if (!samples->empty()) continue;
     if (!any && !options.follow && !limit.is_timed() && RealClock::instance().now() > patience) {
       return failed(
-          context, fail(ErrorCode::DeadlineExceeded,
-                        fmt::format("no sample came from {} within {}; does its task run? See `segue status`",
-                                    quote(options.port), format_duration(options.timeout))));
+          context,
+          fail(ErrorCode::DeadlineExceeded,
+               fmt::format(
+                   "no sample arrived from {} within {}; check with `segue status` that its task is running",
+                   quote(options.port), format_duration(options.timeout))));
     }
     RealClock::instance().sleep_until(deadline_in(kPollInterval));
   }
@@ -88,7 +90,7 @@ int read(control::RobotService& robot, const Options& options, const Context& co
 
 void add_read(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "read", "the samples of an output port",
+  Verb& verb = add_verb(app, context, "read", "print the samples of an output port",
                         "  segue read odometry.pose\n  segue read odometry.pose --follow\n"
                         "  segue read laser.scan --count 10 --format json",
                         [options, &context] {
@@ -97,9 +99,9 @@ void add_read(Verb& app, Context& context) {
                           });
                         });
   verb.option("TASK.PORT", options->port, "an output port of a running task").required();
-  verb.option("-n,--count N", options->count, "how many samples (default 1)").positive();
-  verb.flag("-f,--follow", options->follow, "until Ctrl-C");
-  verb.option("--for DURATION", options->length, "all samples of so long");
+  verb.option("-n,--count N", options->count, "the number of samples (default 1)").positive();
+  verb.flag("-f,--follow", options->follow, "print samples until Ctrl-C");
+  verb.option("--for DURATION", options->length, "print the samples of this time");
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the first sample (default 5s)");
   add_robot_option(verb, context);
 }

@@ -11,7 +11,7 @@ int reset_belief(control::RobotService& robot, const Context& context) {
   if (context.json()) {
     print_json(type::Value::map({{"outcome", "done"}}));
   } else {
-    print_line("the belief is now what is observed; `segue status` shows it");
+    print_line("the observed state is now the expected one; `segue status` shows it");
   }
   return kDone;
 }
@@ -19,12 +19,12 @@ int reset_belief(control::RobotService& robot, const Context& context) {
 }  // namespace
 
 void add_reset_belief(Verb& app, Context& context) {
-  Verb& verb =
-      add_verb(app, context, "reset-belief", "believe what is observed, after the tasks were changed by hand",
-               "  segue reset-belief && segue status", [&context] {
-                 return with_robot(
-                     context, [&](control::RobotService& robot) { return reset_belief(robot, context); });
-               });
+  Verb& verb = add_verb(
+      app, context, "reset-belief", "accept the observed state as expected, after tasks were changed by hand",
+      "  segue reset-belief && segue status", [&context] {
+        return with_robot(context,
+                          [&](control::RobotService& robot) { return reset_belief(robot, context); });
+      });
   add_robot_option(verb, context);
 }
 

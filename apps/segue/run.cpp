@@ -60,12 +60,12 @@ LogLevel level_of(const std::string& name) {
   return found == kLevels.end() ? LogLevel::Info : *found;
 }
 
-/// Prints what the runtime does, from a thread of its own.
+/// Prints the events of the runtime, from a thread of its own.
 class EventPrinter {
  public:
   EventPrinter(runtime::Runtime& runtime, const Context& context, bool verbose)
       : runtime_(runtime), context_(context), verbose_(verbose), thread_([this] { run(); }) {}
-  /// Prints what is left, then ends.
+  /// Prints the remaining events, then ends.
   ~EventPrinter() {
     ended_ = true;
     thread_.join();
@@ -74,7 +74,7 @@ class EventPrinter {
   EventPrinter(const EventPrinter&) = delete;
   EventPrinter& operator=(const EventPrinter&) = delete;
 
-  /// Behind all events so far. Text for people only; in JSON every line is an event.
+  /// Prints the text after all events so far; not in JSON, where every line is an event.
   void announce(const std::string& text) {
     const std::lock_guard lock(mutex_);
     print_new_locked();
@@ -116,7 +116,7 @@ class EventPrinter {
   runtime::Runtime& runtime_;
   const Context& context_;
   bool verbose_;
-  std::mutex mutex_;  ///< one prints at a time
+  std::mutex mutex_;  ///< serialises printing; protects actions_ and progress_
   std::atomic<std::uint64_t> last_{0};
   int actions_ = 0;
   Progress progress_;
@@ -124,7 +124,7 @@ class EventPrinter {
   std::thread thread_;
 };
 
-/// A request that gave way to a newer one did what it should.
+/// A request that was superseded by a newer one has not failed.
 int explain_outcome(const runtime::SwitchResult& result) {
   if (result.outcome == runtime::Outcome::Done || result.outcome == runtime::Outcome::Superseded)
     return kDone;
@@ -136,7 +136,7 @@ int explain_outcome(const runtime::SwitchResult& result) {
   return kFailed;
 }
 
-/// A controller that is not there is told before anything starts.
+/// An unknown controller is reported before anything starts.
 Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runtime,
                               const std::string& name) {
   if (name.empty() || runtime.controller(model::NetworkName(name))) return {};
@@ -148,7 +148,7 @@ Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runt
                           quote(name), did_you_mean(name, names), names.empty() ? "none" : listed(names)));
 }
 
-/// Until the first controller runs, then until there is a reason to end.
+/// Blocks until the first controller runs, and then until there is a reason to end.
 int operate(std::future<runtime::SwitchResult> first, const Options& options, StopSignal& stop,
             EventPrinter& printer) {
   std::optional<TimePoint> end;
@@ -158,7 +158,7 @@ int operate(std::future<runtime::SwitchResult> first, const Options& options, St
     if (status != kDone) return status;
   }
   const auto reason = stop.wait(end);
-  printer.announce(reason ? *reason + "; stopping in order" : "time is up; stopping in order");
+  printer.announce(reason ? *reason + "; stopping cleanly" : "the time is up; stopping cleanly");
   return kDone;
 }
 
@@ -175,7 +175,7 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   const auto socket = control::socket_path(robot.robot().name);
   if (!socket) return failed(context, socket.error());
   runtime::RuntimeService service(runtime, [&stop] { stop.request("asked to end"); });
-  // Before anybody else can ask for another one.
+  // Before the server accepts requests of others.
   std::future<runtime::SwitchResult> first;
   if (!options.controller.empty()) first = runtime.request(model::NetworkName(options.controller));
   const auto server = control::Server::listen(*socket, &service);
@@ -184,7 +184,7 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
     return failed(context, server.error());
   }
   if (!context.json()) {
-    print_line(fmt::format("robot {} runs (pid {}); Ctrl-C stops it in order, `segue status` looks at it",
+    print_line(fmt::format("robot {} runs (pid {}); Ctrl-C stops it cleanly, `segue status` shows its state",
                            robot.robot().name, ::getpid()));
   }
   EventPrinter printer(runtime, context, options.verbose);
@@ -219,31 +219,33 @@ int run(const Options& options, const Context& context) {
 void add_run(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb = add_verb(
-      app, context, "run", "start a robot's runtime; Ctrl-C stops it in order",
+      app, context, "run", "start a robot's runtime; Ctrl-C stops it cleanly",
       "  segue run robot.yaml --controller explore\n"
-      "  segue run --stand-in robot.yaml     # without the components of the real robot\n\n"
-      "Tasks of deployments live in processes of their own, all others in this one. SIGINT (Ctrl-C) and\n"
-      "SIGTERM stop every task in order and end those processes; a second one ends at once with status 130\n"
-      "and leaves them running. Deployments of the robot that already run are taken over: without\n"
-      "`--controller` they just go on. With `--format json` every event is a line of JSON.",
+      "  segue run --stand-in robot.yaml     # simulates components that are not installed\n\n"
+      "Tasks of deployments run in processes of their own, all others in this one. SIGINT (Ctrl-C) and\n"
+      "SIGTERM stop every task cleanly and end those processes; a second signal ends this process at once\n"
+      "with status 130 and leaves them running. Deployments of the robot that are already running are\n"
+      "adopted; without `--controller` they simply continue. With `--format json` every event is a line of\n"
+      "JSON.",
       [options, &context] { return run(*options, context); });
   verb.option("ROBOT", options->file, "the robot file").required();
-  verb.option("--controller NAME", options->controller, "request this controller at once");
-  verb.flag("--stand-in", options->stand_in, "a stand-in for every component that is not installed");
+  verb.option("--controller NAME", options->controller, "request this controller at startup");
+  verb.flag("--stand-in", options->stand_in,
+            "use a stand-in (simulated component) for each component that is not installed");
   verb.option("--stand-ins FILE", options->stand_ins,
-              "a file that says how stand-ins behave; implies --stand-in");
+              "configure the behaviour of stand-ins with this file; implies --stand-in");
   const Option in_process =
       verb.flag("--in-process", options->in_process,
-                "all tasks in this one process, whatever the network's deployments say");
+                "run all tasks in this process, whatever the network's deployments say");
   verb.flag("--daemon", options->daemon,
             "let the process server of this computer (`segue host`) start the processes")
       .excludes(in_process);
-  const Option no_journal = verb.flag("--no-journal", options->no_journal, "keep no journal of what happens");
+  const Option no_journal = verb.flag("--no-journal", options->no_journal, "keep no journal");
   add_journal_option(verb, options->journal).excludes(no_journal);
-  verb.option("--for DURATION", options->length, "end by itself after so long");
+  verb.option("--for DURATION", options->length, "end after this time");
   verb.flag("-v,--verbose", options->verbose, "also print every action");
   verb.option("--log-level LEVEL", options->log_level,
-              "debug, info (default), warning or error: what tasks log on standard error")
+              "lowest level of task log messages shown: debug, info (default), warning or error")
       .one_of(level_names());
 }
 

@@ -34,12 +34,12 @@ Result<void> check_writable(const std::string& file) {
 }
 
 void add_run_files(Verb& verb, RunFiles& files) {
-  verb.option("--svg FILE", files.svg, "also write a drawing of the run");
+  verb.option("--svg FILE", files.svg, "also write a Gantt chart of the run");
   add_page_and_trace(verb, files);
 }
 
 void add_page_and_trace(Verb& verb, RunFiles& files) {
-  verb.option("--html FILE", files.html, "also write a page with the run to look around in");
+  verb.option("--html FILE", files.html, "also write an interactive page with the run");
   verb.option("--trace FILE", files.trace, "also write a trace for Perfetto");
 }
 
@@ -49,7 +49,7 @@ Result<void> check(const RunFiles& files) {
     if (file->empty()) continue;
     if (auto fits = *file == "-" ? Result<void>{} : check_writable(*file); !fits) return fits;
     if (std::ranges::find(seen, *file) != seen.end())
-      return fail(ErrorCode::InvalidArgument, quote(*file) + " cannot hold two things");
+      return fail(ErrorCode::InvalidArgument, quote(*file) + " cannot be used for two outputs");
     seen.push_back(*file);
   }
   return {};

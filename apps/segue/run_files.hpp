@@ -8,10 +8,10 @@
 
 #include "command.hpp"
 
-/// What the runs of all plans show and write, whatever ran them.
+/// Output of the runs of missions and task networks.
 namespace segue::cli {
 
-/// Where drawings and traces of a run go; empty: nowhere; "-": to standard output.
+/// Files for charts and traces of a run; "": none; "-": standard output.
 struct RunFiles {
   std::string svg;
   std::string html;
@@ -21,7 +21,7 @@ struct RunFiles {
 
 /// --svg, --html, --trace
 void add_run_files(Verb& verb, RunFiles& files);
-/// The last two.
+/// --html, --trace
 void add_page_and_trace(Verb& verb, RunFiles& files);
 
 /// Whether the file can be written as far as that can be known. NotFound, PermissionDenied, InvalidArgument

@@ -19,7 +19,7 @@ struct Options {
   Duration timeout = std::chrono::seconds(10);
 };
 
-/// The present value, for the report.
+/// The current value, for the report.
 std::string present_value(control::RobotService& robot, const Address& address) {
   const auto task = robot.task(address.task);
   const Value* value = task ? task->find("properties") : nullptr;
@@ -55,13 +55,13 @@ int set(control::RobotService& robot, const Options& options, const Context& con
 void add_set(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
   Verb& verb = add_verb(
-      app, context, "set", "change a property of a task",
+      app, context, "set", "set a property of a task",
       "  segue set drive.max_speed=0.4\n  segue set 'seeker.goal={x: 1.0, y: 2.0}'", [options, &context] {
         return with_robot(context,
                           [&](control::RobotService& robot) { return set(robot, *options, context); });
       });
   verb.option("ASSIGNMENT TASK.PROPERTY=VALUE", options->assignment,
-              "the property (a.b for a part of it) and its value as YAML")
+              "the property (a.b for a field of it) and its value as YAML")
       .required()
       .check([](const std::string& text) {
         return text.find('=') == std::string::npos ? "write TASK.PROPERTY=VALUE" : std::string();

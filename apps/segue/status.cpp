@@ -21,7 +21,7 @@ std::string heading(const Value& status) {
                      number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
                      !controller.empty()                ? "controller " + coloured(Colour::Green, controller)
                      : list_at(status, "tasks").empty() ? "the empty network"
-                                                        : "no controller that it knows",
+                                                        : "an unnamed network",
                      text_at(status, "state"));
 }
 
@@ -59,7 +59,7 @@ int show(control::RobotService& robot, const Context& context) {
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {
     if (difference.is_string())
-      print(coloured(Colour::Yellow, "differs: ") + printable(difference.as_string()) + '\n');
+      print(coloured(Colour::Yellow, "drift: ") + printable(difference.as_string()) + '\n');
   }
   return kDone;
 }
@@ -67,7 +67,7 @@ int show(control::RobotService& robot, const Context& context) {
 }  // namespace
 
 void add_status(Verb& app, Context& context) {
-  Verb& verb = add_verb(app, context, "status", "what a running robot does",
+  Verb& verb = add_verb(app, context, "status", "show the state of a running robot",
                         "  segue status\n  segue status --format json", [&context] {
                           return with_robot(
                               context, [&](control::RobotService& robot) { return show(robot, context); });

@@ -15,7 +15,7 @@ namespace segue::cli {
 namespace {
 
 constexpr int kEndedBySignal = 130;
-/// Who is sent one is often sent it again at once, as one of a group; only a later one is a second.
+/// A process group often gets the same signal twice at once; only a later signal counts as the second.
 constexpr auto kSameRequest = std::chrono::milliseconds(200);
 
 sigset_t stop_signals() {

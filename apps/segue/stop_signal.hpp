@@ -13,10 +13,10 @@
 
 namespace segue::cli {
 
-/// SIGINT and SIGTERM as something that can be waited for. The first asks to end; a second, a fifth of a
-/// second later or more, ends the process at once with status 130. Make one before any other thread, since it
-/// blocks the signals for all of them, and end it on the same thread, which then takes signals as before; but
-/// for a process that was told to end, which is on its way.
+/// Makes SIGINT and SIGTERM an event that can be waited for. The first signal asks to end; a second one, at
+/// least a fifth of a second later, ends the process at once with status 130. Create it before any other
+/// thread, because it blocks the signals for all of them, and destroy it on the same thread, which then
+/// handles signals as before, unless the process has already been asked to end.
 class StopSignal {
  public:
   StopSignal();
@@ -24,9 +24,9 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// From any thread: as if a signal had come.
+  /// From any thread: has the effect of a signal.
   void request(const std::string& reason);
-  /// Why to end; waits until `deadline`, or for ever.
+  /// Blocks until there is a reason to end, or until `deadline`. Returns the reason.
   std::optional<std::string> wait(std::optional<TimePoint> deadline);
   [[nodiscard]] bool requested();
   /// Stop is requested of it when a signal comes, or by request().
@@ -39,7 +39,7 @@ class StopSignal {
   std::condition_variable changed_;
   std::optional<std::string> reason_;
   std::stop_source stop_;
-  bool signalled_ = false;  ///< the listener's, until it has ended
+  bool signalled_ = false;  ///< used by the listener thread only, until it has ended
   int wake_ = -1;
   sigset_t before_{};
   std::thread thread_;

@@ -32,7 +32,7 @@ struct Options {
   Duration timeout = std::chrono::seconds(60);
 };
 
-/// Shows what the robot does meanwhile, through a connection of its own. Nothing where nobody watches.
+/// Shows progress on a terminal, through a connection of its own.
 class Watcher {
  public:
   explicit Watcher(const Context& context) {
@@ -89,18 +89,19 @@ int show_requested(const Options& options, const Context& context) {
   if (context.json()) {
     print_json(Value::map({{"outcome", "requested"}, {by_file ? "transition" : "to", what}}));
   } else {
-    print_line("requested " + what + "; `segue status` tells how it goes");
+    print_line("requested " + what + "; `segue status` shows its progress");
   }
   return kDone;
 }
 
-/// An unknown name is the likeliest mistake, and the robot's list the best help.
+/// An unknown name is the likeliest mistake: lists the robot's controllers.
 void suggest(control::RobotService& robot, const std::string& controller) {
   const auto status = robot.status();
   if (!status) return;
   const auto names = controller_names(*status);
   const bool known = controller.empty() || std::find(names.begin(), names.end(), controller) != names.end();
-  if (!known) print_note(names.empty() ? "the robot has no controllers" : "the robot has " + listed(names));
+  if (!known)
+    print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }
 
 Result<Value> request(control::RobotService& robot, const Options& options) {
@@ -139,23 +140,23 @@ void add_switch(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "switch", "request a controller of a running robot",
       "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"
-      "  segue switch --transition t.yaml  # carry out a transition file",
+      "  segue switch --transition t.yaml  # execute a transition file",
       [options, &context] {
         return with_robot(
             context, [&](control::RobotService& robot) { return switch_robot(robot, *options, context); });
       });
   const Option name = verb.option("NAME", options->controller, "the controller; \"\" is the empty network");
-  const Option file =
-      verb.option("--transition FILE", options->transition, "instead of NAME: carry out this transition file")
-          .excludes(name);
-  verb.flag("--dry-run", options->dry_run, "show the transition, do nothing").excludes(file);
+  const Option file = verb.option("--transition FILE", options->transition,
+                                  "execute this transition file instead of a switch to NAME")
+                          .excludes(name);
+  verb.flag("--dry-run", options->dry_run, "only show the transition").excludes(file);
   verb.flag("--force", options->force,
-            "kill processes that go instead of stopping their tasks in order: for what hangs")
+            "kill the processes to be removed instead of stopping their tasks; for tasks that hang")
       .excludes(file);
   add_order_option(verb, options->order).excludes(file);
   verb.require_any({name, file}, "NAME or --transition FILE");
   verb.flag("--wait,!--no-wait", options->wait,
-            "wait for the outcome (default); --no-wait returns once it is requested");
+            "wait for the outcome (default); --no-wait returns after the request");
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the outcome (default 60s)");
   add_robot_option(verb, context);
 }

@@ -51,7 +51,7 @@ std::string outcome_line(const Value& result) {
   const std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
                                        name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
   if (list_at(result, "actions").empty()) return line;
-  const std::string leftover = text_at(result, "leftover").empty() ? "" : ", with something left over";
+  const std::string leftover = text_at(result, "leftover").empty() ? "" : ", retire incomplete";
   return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",
                             format_seconds(number_at(result, "duration_s")),
                             format_seconds(number_at(result, "commit_s")), leftover);

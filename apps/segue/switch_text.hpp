@@ -7,7 +7,7 @@
 
 namespace segue::cli {
 
-/// Prints the JSON of `switch` or its text; kDone where the outcome is done, else kFailed.
+/// Prints the result of `switch` as JSON or text. Returns kDone if the outcome is done, otherwise kFailed.
 int show_outcome(const type::Value& result, const Context& context);
 
 /// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"

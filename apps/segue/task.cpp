@@ -14,7 +14,7 @@ namespace {
 using type::Value;
 
 std::string ports_text(const Value& task) {
-  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"WHAT IT IS"}});
+  Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"DESCRIPTION"}});
   for (const Value& port : list_at(task, "ports")) {
     table.add(
         {text_at(port, "name"), text_at(port, "direction"), text_at(port, "type"), text_at(port, "doc")});
@@ -23,7 +23,7 @@ std::string ports_text(const Value& task) {
 }
 
 std::string operations_text(const Value& task) {
-  Table table({{"OPERATION"}, {"RESULT"}, {"WHAT IT DOES"}});
+  Table table({{"OPERATION"}, {"RESULT"}, {"DESCRIPTION"}});
   for (const Value& operation : list_at(task, "operations")) {
     std::string arguments;
     for (const Value& argument : list_at(operation, "arguments")) {
@@ -47,7 +47,7 @@ std::string timing_text(const Value& task) {
                      micros("cpu_us"));
 }
 
-/// "name: value"; what does not fit into a line is indented below.
+/// "name: value"; a value that does not fit on the line is indented below.
 std::string property_text(const std::string& name, const Value& value) {
   const std::string text = value.is_string() ? '\'' + readable(value) + '\'' : readable(value);
   if (text.find('\n') == std::string::npos) return fmt::format("  {}: {}\n", name, text);
@@ -86,7 +86,7 @@ int show(control::RobotService& robot, const std::string& id, const Context& con
 void add_task(Verb& app, Context& context) {
   const auto id = std::make_shared<std::string>();
   Verb& verb = add_verb(
-      app, context, "task", "one task: state, ports, properties, operations, timing", "  segue task drive",
+      app, context, "task", "show a task: state, ports, properties, operations, timing", "  segue task drive",
       [id, &context] {
         return with_robot(context, [&](control::RobotService& robot) { return show(robot, *id, context); });
       });

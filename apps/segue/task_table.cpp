@@ -15,7 +15,7 @@ namespace {
 
 using type::Value;
 
-/// The state, and the named sub-state where there is one.
+/// The state, with the sub-state if there is one.
 std::string state_cell(const Value& task) {
   const std::string state = text_at(task, "state");
   const std::string name = text_at(task, "state_name");
@@ -30,7 +30,7 @@ std::string micros(const Value& task, std::string_view key) {
   return value > 0 ? format_seconds(value * 1e-6) : std::string("-");
 }
 
-/// Where it lives; the host only where it is another one.
+/// The process in which it runs, with the host unless it is the local one.
 std::string process_cell(const Value& task) {
   const std::string process = text_at(task, "process");
   const std::string host = text_at(task, "host");
@@ -58,7 +58,7 @@ std::vector<std::string> cells(const Value& task, bool with_process, bool with_c
   return row;
 }
 
-/// Below the table: they are longer than any cell.
+/// Errors are shown below the table, because they are longer than any cell.
 std::string errors_text(const Value::List& tasks) {
   std::string text;
   for (const Value& task : tasks) {

@@ -28,13 +28,13 @@ std::string page(const Value& status) {
                      list_at(status, "connections").size(), task_table(status, true));
 }
 
-/// A runtime whose status has no processor times has them in each task's own report.
+/// If the status of a runtime has no processor times, they are taken from the report of each task.
 void add_processor_times(control::RobotService& robot, Value& status) {
   Value* tasks = status.is_map() ? status.as_map().find("tasks") : nullptr;
   if (tasks == nullptr || !tasks->is_list()) return;
   for (Value& task : tasks->as_list()) {
     if (task.find("cpu_us") != nullptr) continue;
-    const auto report = robot.task(text_at(task, "id"));  // may have gone since
+    const auto report = robot.task(text_at(task, "id"));  // may have been removed since
     const Value* timing = report ? report->find("timing") : nullptr;
     if (timing != nullptr && task.is_map()) task.as_map().set("cpu_us", number_at(*timing, "cpu_us"));
   }
@@ -52,7 +52,7 @@ int top(control::RobotService& robot, const Options& options, const Context& con
       print((once ? std::string() : std::string(kClear)) + page(*status));
     }
     if (once) return kDone;
-    print_line(coloured(Colour::Dim, "Ctrl-C ends"));
+    print_line(coloured(Colour::Dim, "Ctrl-C exits"));
     RealClock::instance().sleep_until(deadline_in(options.interval));
   }
 }
@@ -61,13 +61,13 @@ int top(control::RobotService& robot, const Options& options, const Context& con
 
 void add_top(Verb& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  Verb& verb = add_verb(app, context, "top", "the timing of all tasks, again and again",
+  Verb& verb = add_verb(app, context, "top", "show the timing of all tasks continuously",
                         "  segue top\n  segue top --once", [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
                             return top(robot, *options, context);
                           });
                         });
-  verb.flag("--once", options->once, "print once and end; so it does where the output is no terminal");
+  verb.flag("--once", options->once, "print once and exit; the default if the output is not a terminal");
   verb.option("--interval DURATION", options->interval, "time between refreshes (default 1s)");
   add_robot_option(verb, context);
 }

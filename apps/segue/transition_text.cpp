@@ -70,7 +70,7 @@ std::string describe_transition(const Value& transition) {
                       number_at(counted, "state_changes"), text_at(transition, "order"));
   for (const auto phase : model::kPhaseNames)
     text += phase_text(transition, phase);
-  return text + "in all: " + counts_text(counted) + '\n';
+  return text + "total: " + counts_text(counted) + '\n';
 }
 
 std::string describe(const model::Transition& transition) {

@@ -58,7 +58,7 @@ TEST_F(JournalFiles, HistoryIsReadWithoutARunningRobot) {
                "2027-01-15 08:00:00  explore -> manual: done, 1 action in 30 ms (commit 5 ms); expected "
                "20 ms to 40 ms (commit 1 ms to 4 ms)"))
       << finished.output;
-  EXPECT_TRUE(contains(finished.output, "as expected: 2 of 2 in all, 0 of 2 in commit")) << finished.output;
+  EXPECT_TRUE(contains(finished.output, "as expected: 2 of 2 in total, 0 of 2 in commit")) << finished.output;
   const auto entries = json({"history", "--robot", "rover", "-n", "2"});
   ASSERT_EQ(entries.as_list().size(), 2U);
   EXPECT_EQ(entries.as_list()[0].find("request")->as_int(), 2);
@@ -93,7 +93,7 @@ TEST_F(JournalFiles, ATransitionIsEstimated) {
   const auto text = segue({"diff", "-", "one.yaml", "--estimate", "--journal", "old.sqlite"});
   EXPECT_EQ(text.status, 0) << text.errors;
   EXPECT_TRUE(contains(text.output, "critical path")) << text.output;
-  EXPECT_TRUE(contains(text.output, "1 of 2 actions were never measured")) << text.output;
+  EXPECT_TRUE(contains(text.output, "1 of 2 actions have not been measured yet")) << text.output;
   const auto value = json({"diff", "-", "one.yaml", "--estimate", "--journal", "old.sqlite"});
   const auto* estimate = value.find("estimate_s");
   ASSERT_NE(estimate, nullptr);

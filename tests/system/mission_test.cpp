@@ -153,7 +153,7 @@ TEST_F(Missions, TwoOutputsCannotShareAFile) {
   write("n.json", R"({"nodes": [{"name": "dig", "duration_s": 1}]})");
   const auto run = segue({"mission", "run", "n.json", "--clock", "virtual", "--svg", "x", "--html", "x"});
   EXPECT_EQ(run.status, 1);
-  EXPECT_THAT(run.errors, HasSubstr("'x' cannot hold two things"));
+  EXPECT_THAT(run.errors, HasSubstr("'x' cannot be used for two outputs"));
 }
 
 TEST_F(Missions, UnwritableFilesAreReportedBeforeTheRun) {

@@ -285,7 +285,7 @@ TEST_F(StubbornRobot, ASecondSignalEndsAtOnce) {
   start({"--stand-in", "--controller", "busy"});
   ASSERT_TRUE(robot_->wait_for("transition_done"));
   robot_->signal(SIGINT);
-  ASSERT_TRUE(robot_->wait_for("stopping in order"));
+  ASSERT_TRUE(robot_->wait_for("stopping cleanly"));
   std::this_thread::sleep_for(std::chrono::milliseconds(250));  // a sooner one would belong to the first
   robot_->signal(SIGINT);
   EXPECT_EQ(robot_->wait().status, 130);
