@@ -158,7 +158,7 @@ TEST(ConcurrentEngine, SaysWhoWaitsForWhat) {
   SimulatedEnvironment environment(network);
   const RunResult result = ConcurrentEngine(network, order, environment).run();
   ASSERT_TRUE(result.error);
-  EXPECT_THAT(to_string(*result.error), HasSubstr("'lift' waits for 2 of 'system:arm' (1 there, 1 free)"));
+  EXPECT_THAT(to_string(*result.error), HasSubstr("'lift' waits for 2 of 'system:arm' (1 in total, 1 free)"));
   EXPECT_THAT(to_string(*result.error), HasSubstr("'turn' waits for 'lift' (resource: system:arm)"));
 }
 

@@ -6,8 +6,6 @@
 #include <segue/cdtn/flat_reader.hpp>
 #include <segue/type/json.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -53,9 +51,10 @@ void check_resources(const TaskNetwork& network, const std::string& file, Diagno
       if (claim.op != ResourceOp::Create && claim.op != ResourceOp::Release && claim.count > units) {
         diagnostics.error(
             "missing-resource",
-            fmt::format("node '{}' needs {} of '{}', of which there are at most {} when its turn comes; "
-                        "give the resource a larger count, or let an earlier node create it",
-                        network.label(node), claim.count, network.resources.name(claim.resource), units),
+            "node " + quote(network.label(node)) + " needs " + std::to_string(claim.count) + " of " +
+                quote(network.resources.name(claim.resource)) + ", of which there are at most " +
+                std::to_string(units) +
+                " when its turn comes; give the resource a larger count, or let an earlier node create it",
             {file, 0, 0});
         units = claim.count;
       }

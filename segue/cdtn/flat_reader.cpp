@@ -3,8 +3,6 @@
 
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace segue::cdtn::detail {
@@ -20,7 +18,7 @@ void FlatReader::warn_unknown(const Value& map, const std::string& what,
                               std::initializer_list<std::string_view> known) {
   for (const auto& [key, value] : map.as_map()) {
     if (std::ranges::find(known, key) != known.end()) continue;
-    diagnostics_.warning("unknown-key", fmt::format("{} of {} means nothing here", quote(key), what),
+    diagnostics_.warning("unknown-key", quote(key) + " of " + std::string(what) + " means nothing here",
                          {file_, static_cast<int>(value.mark().line), static_cast<int>(value.mark().column)});
   }
 }
@@ -30,7 +28,8 @@ const Value* FlatReader::find(const Value& map, std::string_view key, Value::Kin
   const Value* value = map.find(key);
   if (value == nullptr || value->is_null()) return nullptr;
   if (value->kind() == kind) return value;
-  error("wrong-kind", fmt::format("'{}' must be {}, not {}", key, describe(kind), describe(*value)), *value);
+  error("wrong-kind", quote(key) + " must be " + std::string(describe(kind)) + ", not " + describe(*value),
+        *value);
   return nullptr;
 }
 
@@ -55,7 +54,7 @@ std::uint32_t FlatReader::count(const Value& map, std::string_view key, std::uin
   const Value* value = find(map, key, Value::Kind::Int);
   if (value == nullptr) return fallback;
   if (value->as_int() >= 0 && value->as_int() <= kMost) return static_cast<std::uint32_t>(value->as_int());
-  error("bad-count", fmt::format("'{}' must be between 0 and {}", key, kMost), *value);
+  error("bad-count", quote(key) + " must be between 0 and " + std::to_string(kMost), *value);
   return fallback;
 }
 
@@ -77,7 +76,7 @@ void FlatReader::read(const Value& root) {
 
 std::optional<Literal> FlatReader::literal(const Value& value) {
   if (!value.is_string()) {
-    error("bad-fact", fmt::format("a fact must be text like on(box1,table), not {}", describe(value)), value);
+    error("bad-fact", "a fact must be text like on(box1,table), not " + describe(value), value);
     return std::nullopt;
   }
   const auto read = network_.facts.intern_literal(value.as_string());
@@ -90,10 +89,8 @@ std::optional<Literal> FlatReader::literal(const Value& value) {
 std::optional<Literal> FlatReader::effect(const Value& value) {
   const std::string text = value.is_string() ? value.as_string() : std::string();
   if (!text.starts_with('+') && !text.starts_with('-')) {
-    error(
-        "bad-effect",
-        fmt::format("an effect must be text like +on(box1,base) or -on(box1,table), not {}", describe(value)),
-        value);
+    error("bad-effect",
+          "an effect must be text like +on(box1,base) or -on(box1,table), not " + describe(value), value);
     return std::nullopt;
   }
   const auto fact = network_.facts.intern(std::string_view(text).substr(1));
@@ -116,7 +113,7 @@ void FlatReader::read_resources(const Value& root) {
   if (resources == nullptr) return;
   for (const auto& [name, value] : resources->as_map()) {
     if (!value.is_map()) {
-      error("wrong-kind", fmt::format("resource {} must be a map", quote(name)), value);
+      error("wrong-kind", "resource " + quote(name) + " must be a map", value);
       continue;
     }
     warn_unknown(value, "resource " + quote(name), {"class", "count", "commutes"});
@@ -323,8 +320,8 @@ void FlatReader::join_releases() {
       const auto block = blocks.find(index(claim.resource));
       if (block == blocks.end()) {
         error("release-without-block",
-              fmt::format("{} releases {}, which no node before it blocks", quote(entry.spec.name),
-                          quote(network_.resources.name(claim.resource))),
+              quote(entry.spec.name) + " releases " + quote(network_.resources.name(claim.resource)) +
+                  ", which no node before it blocks",
               *entry.value);
         continue;
       }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sequential.hpp"
 
+#include <segue/base/text.hpp>
 #include <segue/cdtn/node_outcome.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
@@ -146,10 +145,10 @@ class SequentialRun {
       const std::uint64_t units =
           exists ? claim.count : wanted(network_.claims(node), claim.resource) + held_[place];
       if (units > result_.units[place]) {
-        return fail(
-            ErrorCode::ResourceExhausted,
-            fmt::format("there are not {} of '{}'", claim.count, network_.resources.name(claim.resource)),
-            network_.label(node));
+        return fail(ErrorCode::ResourceExhausted,
+                    "there are not " + std::to_string(claim.count) + " of " +
+                        quote(network_.resources.name(claim.resource)),
+                    network_.label(node));
       }
     }
     for (const Claim& claim : network_.claims(node)) {

@@ -1,34 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "concurrent_engine_implementation.hpp"
 
-#include <fmt/format.h>
+#include <segue/base/text.hpp>
 
 namespace segue::cdtn {
 
 namespace {
 
 std::string amount(const TaskNetwork& network, const Claim& claim, const ResourcePool& pool) {
-  return fmt::format("{} of '{}' ({} there, {} free)", claim.count, network.resources.name(claim.resource),
-                     pool.total(claim.resource), pool.free(claim.resource));
+  return std::to_string(claim.count) + " of " + quote(network.resources.name(claim.resource)) + " (" +
+         std::to_string(pool.total(claim.resource)) + " in total, " +
+         std::to_string(pool.free(claim.resource)) + " free)";
 }
 
 }  // namespace
 
 std::string ConcurrentEngine::Implementation::waits_for(NodeId node) const {
   const State& state = at(node);
-  const std::string name = fmt::format("'{}'", network_.label(node));
+  const std::string name = quote(network_.label(node));
   if (state.active) return name + " was cancelled and has not ended";
   if (state.phase == Phase::Queued) {
     const Claim* claim = pool_.obstacle(network_.claims(node));
-    if (claim != nullptr) return fmt::format("{} waits for {}", name, amount(network_, *claim, pool_));
+    if (claim != nullptr) return name + " waits for " + amount(network_, *claim, pool_);
     return name + " waits for earlier nodes at a resource";
   }
   for (const Dependency& dependency : order_.before(node)) {
     const State& from = at(dependency.from);
     const bool resource = dependency.reason() == Reason::Resource;
     if (resource ? from.began : from.passed) continue;
-    return fmt::format("{} waits for '{}' ({}: {})", name, network_.label(dependency.from),
-                       to_string(dependency.reason()), subject_text(network_, dependency));
+    return name + " waits for " + quote(network_.label(dependency.from)) + " (" +
+           std::string(to_string(dependency.reason())) + ": " + subject_text(network_, dependency) + ")";
   }
   return name + " waits for the nodes before it";
 }

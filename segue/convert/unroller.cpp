@@ -3,8 +3,6 @@
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/index.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace segue::convert {
@@ -147,7 +145,7 @@ void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
   const ContainerExecution& activation = *frame.activation;
   const auto place = activation.order->vertices[frame.loops.back().head];
   const StateIndex head = node(activation.entry.state).children[place];
-  plan_.waits_for_ = fmt::format("whether the loop at {} goes on{}", path_of(activation, head), addition);
+  plan_.waits_for_ = "whether the loop at " + path_of(activation, head) + " goes on" + std::string(addition);
 }
 
 /// Whether there is a way to a state after the loop.

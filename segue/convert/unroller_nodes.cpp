@@ -4,8 +4,6 @@
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/footprint.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cassert>
 
@@ -48,7 +46,7 @@ bool counts_executions(const Action& action) {
 }
 
 std::string numbered(std::string_view name, std::size_t number) {
-  return number == 0 ? std::string(name) : fmt::format("{}~{}", name, number);
+  return number == 0 ? std::string(name) : std::string(name) + '~' + std::to_string(number);
 }
 
 }  // namespace
@@ -415,7 +413,8 @@ std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const State
       if (!live) continue;
       BranchEnd end;
       end.outcome = exit.outcome;
-      const std::string name = fmt::format("branch{}.{}", sources.size(), source.ends.size());
+      const std::string name =
+          "branch" + std::to_string(sources.size()) + '.' + std::to_string(source.ends.size());
       end.error = connect(spec, {exit.arrival.errors, {}}, name + ".error");
       if (!paths_.implies(decider.when, *live)) {
         end.input = plan_.network_.names.intern(name);

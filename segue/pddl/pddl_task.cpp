@@ -3,8 +3,6 @@
 
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace segue::pddl::detail {
@@ -17,7 +15,7 @@ const std::vector<PddlTerm>* PddlTask::definition(const std::vector<PddlTerm>& t
   const bool fine = terms.size() == 1 && terms[0].begins_with("define") && terms[0].list.size() > 1 &&
                     terms[0].list[1].begins_with(kind);
   if (fine) return &terms[0].list;
-  error("bad-definition", fmt::format("expected (define ({} ...) ...)", kind),
+  error("bad-definition", "expected (define (" + std::string(kind) + " ...) ...)",
         terms.empty() ? SourceLocation{} : terms[0].where);
   return nullptr;
 }
@@ -224,19 +222,17 @@ void PddlTask::add_for_all(const PddlTerm& effect, const Binding& binding, Step&
 
 bool PddlTask::bind(const Action& action, const PddlTerm& term, Binding& binding) {
   if (term.list.size() != action.parameters.size() + 1) {
-    error(
-        "bad-step",
-        fmt::format("the action takes {} arguments, not {}", action.parameters.size(), term.list.size() - 1),
-        term.where);
+    error("bad-step",
+          "the action takes " + std::to_string(action.parameters.size()) + " arguments, not " +
+              std::to_string(term.list.size() - 1),
+          term.where);
     return false;
   }
   for (std::size_t i = 0; i < action.parameters.size(); ++i) {
     const PddlTerm& argument = term.list[i + 1];
     if (!network_.facts.is_a(argument.word, action.parameters[i].types)) {
-      error(
-          "bad-step",
-          fmt::format("{} is no object of type {}", quote(argument.word), listed(action.parameters[i].types)),
-          argument.where);
+      error("bad-step", quote(argument.word) + " is no object of type " + listed(action.parameters[i].types),
+            argument.where);
       return false;
     }
     binding[action.parameters[i].name] = argument.word;
