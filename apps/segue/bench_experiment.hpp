@@ -34,10 +34,10 @@ model::Network relay_chain(const ChainOptions& options);
 
 /// The name and title of a series.
 struct Experiment {
-  std::string name;  ///< "E2.3 worst": also of its files, with underscores
+  std::string name;  ///< "E2.3 worst"; with underscores, the name of its files
   std::string title;
 };
-/// All, in their order: E1.1, E1.2, E2.1, E2.2, E2.3 best, E2.3 worst, E2.3 gap.
+/// All series in their order: E1.1, E1.2, E2.1, E2.2, E2.3 best, E2.3 worst, E2.3 gap.
 const std::vector<Experiment>& experiments();
 
 /// One measurement.
@@ -63,8 +63,8 @@ class BenchRobot {
   virtual Result<double> longest_gap() = 0;
 };
 
-/// Runs one placement. `report` is told of every measurement; it answers whether to go on. Leaves the robot
-/// with whatever ran last.
+/// Runs the experiments of one placement. `report` is called with every measurement and returns whether to
+/// continue. The robot keeps running the last network.
 Result<void> run_experiments(BenchRobot& robot, Placement placement, const std::vector<std::size_t>& sizes,
                              std::size_t repeat, const std::function<bool(const Measurement&)>& report);
 

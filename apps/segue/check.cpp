@@ -5,7 +5,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <memory>

@@ -4,7 +4,7 @@
 #include <segue/host/component_library.hpp>
 #include <segue/model/files.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <memory>
 

@@ -3,7 +3,7 @@
 
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 namespace segue::cli {
 

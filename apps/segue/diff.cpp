@@ -5,7 +5,7 @@
 #include <segue/solve/estimate.hpp>
 #include <segue/solve/solve.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <memory>
 #include <optional>

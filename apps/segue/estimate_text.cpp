@@ -4,7 +4,7 @@
 #include <segue/journal/report.hpp>
 #include <segue/model/files.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 

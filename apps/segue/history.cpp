@@ -3,7 +3,7 @@
 #include <segue/journal/reader.hpp>
 #include <segue/journal/report.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <limits>

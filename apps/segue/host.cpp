@@ -2,7 +2,7 @@
 #include <segue/control/server.hpp>
 #include <segue/process/process_server.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <memory>

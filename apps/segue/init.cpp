@@ -2,7 +2,7 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cctype>

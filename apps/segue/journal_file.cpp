@@ -4,7 +4,7 @@
 #include <segue/base/text.hpp>
 #include <segue/journal/journal.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <system_error>

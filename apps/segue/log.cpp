@@ -3,7 +3,7 @@
 #include <segue/base/text.hpp>
 #include <segue/process/process_log.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include <segue/mission/rafcon.hpp>
 #include <segue/session/session.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <memory>
 

@@ -5,7 +5,7 @@
 #include <segue/session/session.hpp>
 #include <segue/type/yaml.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <charconv>
 
@@ -105,7 +105,7 @@ void show_executions(const FinishedRun& run) {
 }
 
 void show_nodes(FinishedRun& run) {
-  Table table({{"node"}, {"start", Align::Right}, {"end", Align::Right}, {"status"}, {"waited last for"}});
+  Table table({{"node"}, {"start", Align::Right}, {"end", Align::Right}, {"status"}, {"last waited for"}});
   std::size_t off_path = 0;
   for (const session::RunRow& row : run.rows()) {
     const bool skipped = row.status == cdtn::NodeStatus::Skipped;

@@ -4,7 +4,7 @@
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <memory>
@@ -32,7 +32,7 @@ void print_sample(const Value& sample, const Context& context) {
   print_line(one_line(sample));
 }
 
-/// How many samples to print, and until when.
+/// Limits the samples to be printed by number and time.
 class Limit {
  public:
   explicit Limit(const Options& options)

@@ -6,7 +6,7 @@
 #include <segue/runtime/report.hpp>
 #include <segue/runtime/robot_service.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/type/yaml.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <memory>
 

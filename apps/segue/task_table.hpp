@@ -7,7 +7,7 @@
 
 namespace segue::cli {
 
-/// The tasks of a status, one a line: state, times, missed cycles, and the processor time if it is asked for.
+/// The tasks of a status, one per line: state, times, missed cycles, and on request the processor time.
 std::string task_table(const type::Value& status, bool with_cpu);
 
 }  // namespace segue::cli

@@ -3,7 +3,7 @@
 
 #include <segue/model/files.hpp>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "output.hpp"
 

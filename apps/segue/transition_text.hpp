@@ -8,7 +8,7 @@
 
 namespace segue::cli {
 
-/// A transition for people: a summary, the actions of each phase, the counts.
+/// A transition as text: a summary, the actions of each phase, the counts.
 std::string describe(const model::Transition& transition);
 
 /// The same from the JSON of `diff`, as a running robot sends it.

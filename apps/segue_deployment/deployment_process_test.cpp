@@ -69,7 +69,7 @@ class DeploymentProcessTest : public testing::Test {
     return *process;
   }
 
-  /// How it ended by itself.
+  /// The exit status, once it has ended by itself.
   std::optional<process::ExitReason> end() {
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, kPatience, [&] { return !ended_.empty(); })) return std::nullopt;
@@ -86,7 +86,7 @@ class DeploymentProcessTest : public testing::Test {
   std::vector<process::ProcessInfo> ended_;
 };
 
-TEST_F(DeploymentProcessTest, itServesItselfAndGoesInOrderWhenItIsTold) {
+TEST_F(DeploymentProcessTest, ItServesAndEndsCleanlyOnRequest) {
   serve();
   const auto process = start(launch());
   auto deployment = control::connect_deployment(process.socket, soon(), [] {});
@@ -101,7 +101,7 @@ TEST_F(DeploymentProcessTest, itServesItselfAndGoesInOrderWhenItIsTold) {
   EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);
 }
 
-TEST_F(DeploymentProcessTest, aZygoteWithLibrariesServesTheSame) {
+TEST_F(DeploymentProcessTest, AForkOfAZygoteWithLibrariesServesToo) {
   process::ProcessServerOptions options;
   options.zygote_libraries = {"segue_components_demo"};
   serve(options);
@@ -114,7 +114,7 @@ TEST_F(DeploymentProcessTest, aZygoteWithLibrariesServesTheSame) {
   EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);
 }
 
-TEST_F(DeploymentProcessTest, aLibraryThatIsMissingIsTheLastWordOfTheLog) {
+TEST_F(DeploymentProcessTest, TheLogEndsWithAMissingLibrary) {
   serve();
   process::Launch wrong = launch();
   wrong.libraries = {"no_such_library"};
@@ -125,7 +125,7 @@ TEST_F(DeploymentProcessTest, aLibraryThatIsMissingIsTheLastWordOfTheLog) {
   EXPECT_THAT(text_of(process.log), HasSubstr("no_such_library"));
 }
 
-TEST_F(DeploymentProcessTest, aLibraryThatThrowsWhenItIsLoadedEndsTheProcessWithAWord) {
+TEST_F(DeploymentProcessTest, ALibraryThatThrowsWhileLoadingEndsTheProcessWithAMessage) {
   ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
   serve();
   process::Launch wrong = launch();
@@ -137,7 +137,7 @@ TEST_F(DeploymentProcessTest, aLibraryThatThrowsWhenItIsLoadedEndsTheProcessWith
   EXPECT_THAT(text_of(process.log), HasSubstr("no luck today"));
 }
 
-TEST_F(DeploymentProcessTest, processorsThatAreNotThereAreRefused) {
+TEST_F(DeploymentProcessTest, MissingProcessorsAreRefused) {
   serve();
   process::Launch wrong = launch();
   wrong.deployment.cpus = {1000};
@@ -148,7 +148,7 @@ TEST_F(DeploymentProcessTest, processorsThatAreNotThereAreRefused) {
   EXPECT_THAT(text_of(process.log), HasSubstr("processors"));
 }
 
-TEST_F(DeploymentProcessTest, withoutAPlaceForSocketsNothingStarts) {
+TEST_F(DeploymentProcessTest, WithoutASocketFolderNothingStarts) {
   serve();
   ::setenv("XDG_RUNTIME_DIR", "/nowhere", 1);
   EXPECT_FALSE(processes_->start(launch(), soon()).has_value());
