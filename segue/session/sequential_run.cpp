@@ -4,8 +4,6 @@
 #include <segue/mission/engine.hpp>
 #include <segue/session/implementation.hpp>
 
-#include <fmt/format.h>
-
 namespace segue::session::detail {
 
 namespace {
@@ -133,8 +131,8 @@ class SequentialRun final : public FinishedRun {
     if (!found) return found.error();
     journal = std::move(*found);
     if (request.note) {
-      request.note(fmt::format("the run is resumed: {} {} had ended", journal->size(),
-                               journal->size() == 1 ? "action" : "actions"));
+      request.note("the run is resumed: " + std::to_string(journal->size()) +
+                   (journal->size() == 1 ? " action" : " actions") + " had ended");
     }
     return journal->start();
   }
