@@ -80,7 +80,7 @@ TEST_F(Bench, AFolderThatCannotBeCreatedIsExplained) {
   write("taken", "a file");
   const auto finished = segue({"bench", "--quick", "--out", "taken/results"});
   EXPECT_EQ(finished.status, 1);
-  EXPECT_NE(finished.errors.find("cannot make the folder 'taken/results'"), std::string::npos)
+  EXPECT_NE(finished.errors.find("cannot create the folder 'taken/results'"), std::string::npos)
       << finished.errors;
 }
 

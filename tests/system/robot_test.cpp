@@ -99,7 +99,7 @@ TEST_F(RunningRobot, ItsBeliefCanBeReset) {
   while (differ() && std::chrono::steady_clock::now() < give_up) {
   }
   EXPECT_FALSE(differ()) << segue({"status"}).output;
-  EXPECT_TRUE(contains(segue({"reset-belief"}).output, "what is observed"));
+  EXPECT_TRUE(contains(segue({"reset-belief"}).output, "the observed state"));
 }
 
 TEST_F(RunningRobot, ASampleIsOneLine) {
