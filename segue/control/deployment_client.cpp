@@ -3,11 +3,11 @@
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/detail/batch_client.hpp>
+#include <segue/control/detail/callback_slot.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/link.hpp>
 #include <segue/control/detail/memory_wire.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
-#include <segue/control/detail/told.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -24,7 +24,7 @@ using detail::decode;
 using detail::encode;
 using detail::kGrace;
 using detail::kLookTimeout;
-using detail::Link;
+using detail::RpcChannel;
 using detail::time_left;
 using type::Value;
 using Process = wire::DeploymentProcess;
@@ -37,8 +37,8 @@ constexpr auto kOutcomes = [](auto& results) { return results.getOutcomes(); };
 /// Takes what the deployment process tells.
 class ListenerServer final : public wire::TaskListener::Server {
  public:
-  ListenerServer(std::shared_ptr<detail::Told<host::TaskEvent>> told, std::string who)
-      : told_(std::move(told)), who_(std::move(who)) {}
+  ListenerServer(std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener, std::string who)
+      : listener_(std::move(listener)), who_(std::move(who)) {}
 
   kj::Promise<void> told(ToldContext context) override {
     const auto params = context.getParams();
@@ -47,12 +47,12 @@ class ListenerServer final : public wire::TaskListener::Server {
           std::to_string(lost) + " events of tasks of " + who_ + " came too fast and were lost");
     }
     for (const auto event : params.getEvents())
-      told_->tell(decode(event));
+      listener_->call(decode(event));
     return kj::READY_NOW;
   }
 
  private:
-  std::shared_ptr<detail::Told<host::TaskEvent>> told_;
+  std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener_;
   std::string who_;
 };
 
@@ -72,27 +72,28 @@ class ClientReader final : public host::PortReader {
 
 class DeploymentClient final : public deploy::DeploymentService {
  public:
-  DeploymentClient(std::shared_ptr<Link> link, std::function<void()> gone) : link_(std::move(link)) {
-    link_->watch(std::move(gone));
+  DeploymentClient(std::shared_ptr<RpcChannel> channel, std::function<void()> gone)
+      : channel_(std::move(channel)) {
+    channel_->watch(std::move(gone));
   }
   ~DeploymentClient() override {
-    link_->unwatch();
-    told_->set(nullptr);
+    channel_->unwatch();
+    listener_->set(nullptr);
   }
 
   Result<deploy::DeploymentInfo> info() override {
     return ask<deploy::DeploymentInfo>(kLookTimeout, [](Process::Client process) {
       auto request = process.infoRequest();
-      return Link::send<deploy::DeploymentInfo>(request,
-                                                [](auto& results) { return decode(results.getInfo()); });
+      return RpcChannel::send<deploy::DeploymentInfo>(
+          request, [](auto& results) { return decode(results.getInfo()); });
     });
   }
 
   Result<deploy::Snapshot> snapshot() override {
     return ask<deploy::Snapshot>(kLookTimeout, [](Process::Client process) {
       auto request = process.snapshotRequest();
-      return Link::send<deploy::Snapshot>(request,
-                                          [](auto& results) { return decode(results.getSnapshot()); });
+      return RpcChannel::send<deploy::Snapshot>(request,
+                                                [](auto& results) { return decode(results.getSnapshot()); });
     });
   }
 
@@ -100,7 +101,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<void>(kLookTimeout, [&](Process::Client process) {
       auto request = process.expectRequest();
       encode(network, request.initNetwork());
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -113,7 +114,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<void>(time_left(deadline), [&](Process::Client process) {
       auto request = process.concludeRequest();
       encode(transition, request.initTransition());
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -124,7 +125,7 @@ class DeploymentClient final : public deploy::DeploymentService {
       auto request = process.saveStateRequest();
       request.setTask(as_text(task.str()));
       request.setTimeout(left.count());
-      return Link::send<State>(request, [](auto& results) {
+      return RpcChannel::send<State>(request, [](auto& results) {
         return results.hasState() ? State(decode(results.getState())) : State();
       });
     });
@@ -138,7 +139,7 @@ class DeploymentClient final : public deploy::DeploymentService {
       request.setTask(as_text(task.str()));
       request.setTimeout(left.count());
       encode(state, request.initState());
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -146,8 +147,8 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<model::ComponentModel>(kLookTimeout, [&](Process::Client process) {
       auto request = process.describeRequest();
       request.setTask(as_text(task.str()));
-      return Link::send<model::ComponentModel>(request,
-                                               [](auto& results) { return decode(results.getModel()); });
+      return RpcChannel::send<model::ComponentModel>(
+          request, [](auto& results) { return decode(results.getModel()); });
     });
   }
 
@@ -155,7 +156,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<Value>(kLookTimeout, [&](Process::Client process) {
       auto request = process.propertiesRequest();
       request.setTask(as_text(task.str()));
-      return Link::send(request);
+      return RpcChannel::send(request);
     });
   }
 
@@ -168,7 +169,7 @@ class DeploymentClient final : public deploy::DeploymentService {
       request.setPath(as_text(std::string(path)));
       request.setTimeout(left.count());
       detail::put(value, request.initValue());
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -181,27 +182,27 @@ class DeploymentClient final : public deploy::DeploymentService {
       request.setOperation(as_text(std::string(operation)));
       request.setTimeout(left.count());
       detail::put(arguments, request.initArguments());
-      return Link::send(request);
+      return RpcChannel::send(request);
     });
   }
 
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
-    const Link::StreamId id = link_->new_stream_id();
-    auto type = link_->ask(kLookTimeout, [&, id](Link::Connection& connection) {
+    const RpcChannel::StreamId id = channel_->new_stream_id();
+    auto type = channel_->ask(kLookTimeout, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<Process>().openReaderRequest();
       encode(port, request.initPort());
       request.setBuffer(static_cast<std::uint32_t>(std::min<std::size_t>(buffer, UINT32_MAX)));
       return connection.open(id, request);
     });
-    auto stream = detail::opened_stream(link_, id, type);
+    auto stream = detail::opened_stream(channel_, id, type);
     if (!stream) return stream.error();
     return std::make_unique<ClientReader>(std::move(*stream));
   }
 
   Result<link::MemoryOffer> memory(TimePoint deadline) override {
     return ask<link::MemoryOffer>(time_left(deadline), [](Process::Client process) {
-      return process.memoryRequest().send().then([](auto&& response) -> Link::Reply<link::MemoryOffer> {
+      return process.memoryRequest().send().then([](auto&& response) -> RpcChannel::Reply<link::MemoryOffer> {
         if (response.hasError()) return Result<link::MemoryOffer>(decode(response.getError()));
         return decode(response.getOffer());
       });
@@ -216,7 +217,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<void>(time_left(deadline), [&](Process::Client process) {
       auto request = process.admitRequest();
       encode(std::move(offer), request.initOffer());
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -224,7 +225,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     return ask<void>(kLookTimeout, [&](Process::Client process) {
       auto request = process.forgetRequest();
       request.setIncarnation(peer);
-      return Link::send<void>(request, kNothing);
+      return RpcChannel::send<void>(request, kNothing);
     });
   }
 
@@ -270,13 +271,13 @@ class DeploymentClient final : public deploy::DeploymentService {
 
   void set_listener(Listener listener) override {
     const bool wanted = listener != nullptr;
-    told_->set(std::move(listener));
+    listener_->set(std::move(listener));
     const std::lock_guard lock(listening_mutex_);
     if (!wanted || listening_) return;
     const auto done = ask<void>(kLookTimeout, [this](Process::Client process) {
       auto request = process.listenRequest();
-      request.setListener(kj::heap<ListenerServer>(told_, link_->who()));
-      return Link::send<void>(request, kNothing);
+      request.setListener(kj::heap<ListenerServer>(listener_, channel_->who()));
+      return RpcChannel::send<void>(request, kNothing);
     });
     listening_ = done.has_value();
     if (!listening_) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
@@ -285,8 +286,8 @@ class DeploymentClient final : public deploy::DeploymentService {
  private:
   template <class T, class Build>
   Result<T> ask(Duration timeout, const Build& build) {
-    return link_->ask<T>(timeout,
-                         [&](Link::Connection& connection) { return build(connection.as<Process>()); });
+    return channel_->ask<T>(
+        timeout, [&](RpcChannel::Connection& connection) { return build(connection.as<Process>()); });
   }
 
   /// One call for all `items`: `build(process, items)` is the request, `list(results)` the outcomes. What
@@ -298,18 +299,19 @@ class DeploymentClient final : public deploy::DeploymentService {
     auto outcomes = ask<Outcomes>(left + kGrace, [&](Process::Client process) {
       auto request = build(std::move(process), items);
       request.setTimeout(left.count());
-      return Link::send<Outcomes>(
+      return RpcChannel::send<Outcomes>(
           request, [list](auto& results) { return detail::decode_list<Result<T>>(list(results), kDecode); });
     });
     if (!outcomes) return Outcomes(items.size(), Result<T>(outcomes.error()));
     if (outcomes->size() == items.size()) return std::move(*outcomes);
     return Outcomes(items.size(), Result<T>(fail(ErrorCode::Internal,
-                                                 link_->who() + " did not answer for everything asked")));
+                                                 channel_->who() + " did not answer for everything asked")));
   }
 
-  std::shared_ptr<Link> link_;
-  detail::BatchClient batches_{link_};
-  std::shared_ptr<detail::Told<host::TaskEvent>> told_ = std::make_shared<detail::Told<host::TaskEvent>>();
+  std::shared_ptr<RpcChannel> channel_;
+  detail::BatchClient batches_{channel_};
+  std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener_ =
+      std::make_shared<detail::CallbackSlot<host::TaskEvent>>();
   std::mutex listening_mutex_;
   bool listening_ = false;
 };
@@ -320,9 +322,9 @@ Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std:
                                                                       TimePoint deadline,
                                                                       std::function<void()> gone) {
   const std::string who = "deployment process " + quote(socket.stem().string());
-  auto link = Link::open(socket, detail::kDeploymentKind, who, time_left(deadline));
-  if (!link) return link.error();
-  return std::make_unique<DeploymentClient>(std::move(*link), std::move(gone));
+  auto channel = RpcChannel::open(socket, detail::kDeploymentKind, who, time_left(deadline));
+  if (!channel) return channel.error();
+  return std::make_unique<DeploymentClient>(std::move(*channel), std::move(gone));
 }
 
 }  // namespace segue::control

@@ -2,9 +2,9 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
+#include <segue/control/detail/callback_slot.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/link.hpp>
-#include <segue/control/detail/told.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 
 #include <mutex>
 #include <string>
@@ -18,14 +18,15 @@ using detail::as_text;
 using detail::decode;
 using detail::kGrace;
 using detail::kLookTimeout;
-using detail::Link;
+using detail::RpcChannel;
 using detail::time_left;
 using process::ProcessInfo;
 
 /// Takes what the process server tells.
 class ListenerServer final : public wire::ProcessListener::Server {
  public:
-  explicit ListenerServer(std::shared_ptr<detail::Told<ProcessInfo>> told) : told_(std::move(told)) {}
+  explicit ListenerServer(std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener)
+      : listener_(std::move(listener)) {}
 
   kj::Promise<void> told(ToldContext context) override {
     const auto params = context.getParams();
@@ -34,18 +35,18 @@ class ListenerServer final : public wire::ProcessListener::Server {
           std::to_string(lost) + " events of the process server came too fast and were lost");
     }
     for (const auto event : params.getEvents())
-      told_->tell(decode(event));
+      listener_->call(decode(event));
     return kj::READY_NOW;
   }
 
  private:
-  std::shared_ptr<detail::Told<ProcessInfo>> told_;
+  std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener_;
 };
 
 class ProcessesClient final : public process::ProcessService {
  public:
-  explicit ProcessesClient(std::shared_ptr<Link> link) : link_(std::move(link)) {}
-  ~ProcessesClient() override { told_->set(nullptr); }
+  explicit ProcessesClient(std::shared_ptr<RpcChannel> channel) : channel_(std::move(channel)) {}
+  ~ProcessesClient() override { listener_->set(nullptr); }
 
   Result<ProcessInfo> start(const process::Launch& launch, TimePoint deadline) override {
     const Duration left = time_left(deadline);
@@ -53,7 +54,8 @@ class ProcessesClient final : public process::ProcessService {
       auto request = processes.startRequest();
       detail::put(process::to_value(launch), request.initLaunch());
       request.setTimeout(left.count());
-      return Link::send<ProcessInfo>(request, [](auto& results) { return decode(results.getProcess()); });
+      return RpcChannel::send<ProcessInfo>(request,
+                                           [](auto& results) { return decode(results.getProcess()); });
     });
   }
 
@@ -75,8 +77,8 @@ class ProcessesClient final : public process::ProcessService {
       request.setProcess(as_text(key.process.str()));
       request.setTimeout(left.count());
       request.setKill(kill);
-      return Link::send<process::ExitReason>(request,
-                                             [](auto& results) { return decode(results.getExit()); });
+      return RpcChannel::send<process::ExitReason>(request,
+                                                   [](auto& results) { return decode(results.getExit()); });
     });
   }
 
@@ -84,7 +86,7 @@ class ProcessesClient final : public process::ProcessService {
     return ask<std::vector<ProcessInfo>>(kLookTimeout, [&](wire::Processes::Client processes) {
       auto request = processes.processesRequest();
       request.setRobot(as_text(robot));
-      return Link::send<std::vector<ProcessInfo>>(request, [](auto& results) {
+      return RpcChannel::send<std::vector<ProcessInfo>>(request, [](auto& results) {
         return detail::decode_list<ProcessInfo>(results.getProcesses(),
                                                 [](const auto& part) { return decode(part); });
       });
@@ -93,13 +95,13 @@ class ProcessesClient final : public process::ProcessService {
 
   void set_listener(Listener listener) override {
     const bool wanted = listener != nullptr;
-    told_->set(std::move(listener));
+    listener_->set(std::move(listener));
     const std::lock_guard lock(listening_mutex_);
     if (!wanted || listening_) return;
     const auto done = ask<void>(kLookTimeout, [this](wire::Processes::Client processes) {
       auto request = processes.listenRequest();
-      request.setListener(kj::heap<ListenerServer>(told_));
-      return Link::send<void>(request, [](auto&) { return Result<void>(); });
+      request.setListener(kj::heap<ListenerServer>(listener_));
+      return RpcChannel::send<void>(request, [](auto&) { return Result<void>(); });
     });
     listening_ = done.has_value();
     if (!listening_) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
@@ -108,12 +110,13 @@ class ProcessesClient final : public process::ProcessService {
  private:
   template <class T, class Build>
   Result<T> ask(Duration timeout, const Build& build) {
-    return link_->ask<T>(
-        timeout, [&](Link::Connection& connection) { return build(connection.as<wire::Processes>()); });
+    return channel_->ask<T>(
+        timeout, [&](RpcChannel::Connection& connection) { return build(connection.as<wire::Processes>()); });
   }
 
-  std::shared_ptr<Link> link_;
-  std::shared_ptr<detail::Told<ProcessInfo>> told_ = std::make_shared<detail::Told<ProcessInfo>>();
+  std::shared_ptr<RpcChannel> channel_;
+  std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener_ =
+      std::make_shared<detail::CallbackSlot<ProcessInfo>>();
   std::mutex listening_mutex_;
   bool listening_ = false;
 };
@@ -122,9 +125,9 @@ class ProcessesClient final : public process::ProcessService {
 
 Result<std::unique_ptr<process::ProcessService>> connect_processes(const std::filesystem::path& socket,
                                                                    Duration timeout) {
-  auto link = Link::open(socket, detail::kProcessesKind, "the process server", timeout);
-  if (!link) return link.error();
-  return std::make_unique<ProcessesClient>(std::move(*link));
+  auto channel = RpcChannel::open(socket, detail::kProcessesKind, "the process server", timeout);
+  if (!channel) return channel.error();
+  return std::make_unique<ProcessesClient>(std::move(*channel));
 }
 
 }  // namespace segue::control

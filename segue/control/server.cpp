@@ -37,7 +37,7 @@ struct Server::Implementation {
     core.loop.run([this](kj::AsyncIoContext&) {
       if (sessions) sessions->stop_accepting();
     });
-    core.pool.finish();
+    core.pool.close();
     core.batches.wait_for_none();
     flush();
     core.loop.run([this](kj::AsyncIoContext&) { sessions.reset(); });

@@ -2,9 +2,9 @@
 #include <segue/deploy/deployed_task_host.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/deploy/action_dispatcher.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
-#include <segue/deploy/routing.hpp>
 
 #include <algorithm>
 
@@ -80,7 +80,7 @@ struct DeployedTaskHost::Implementation {
   const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
   detail::RemoteConnector remote_connector{*fleet};
-  detail::Router router{*fleet, remote_connector};
+  detail::ActionDispatcher dispatcher{*fleet, remote_connector};
 };
 
 DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessService& processes,
@@ -141,20 +141,20 @@ void DeployedTaskHost::get_ready(const model::Network& target) {
 }
 
 void DeployedTaskHost::conclude(const model::Transition& transition) {
-  implementation_->router.conclude(transition);
+  implementation_->dispatcher.conclude(transition);
 }
 
 void DeployedTaskHost::withdraw() {
-  implementation_->router.withdraw();
+  implementation_->dispatcher.withdraw();
 }
 
 Result<void> DeployedTaskHost::perform(const model::Action& action, TimePoint deadline) {
   return std::move(perform_all(std::span(&action, 1), deadline).front());
 }
 
-void DeployedTaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                                   const host::Completion& completed) {
-  implementation_->router.perform(actions, deadline, completed);
+void DeployedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                                 host::Completion completed) {
+  implementation_->dispatcher.begin(std::move(actions), deadline, std::move(completed));
 }
 
 model::Network DeployedTaskHost::observe() const {

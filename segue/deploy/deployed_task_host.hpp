@@ -46,11 +46,9 @@ class DeployedTaskHost final : public host::TaskHost {
   /// The processes run on.
   ~DeployedTaskHost() override;
 
-  /// Side by side in their processes: one message for each process and kind of work, three for connections
+  /// One message for each process and kind of work, all processes at the same time; three for connections
   /// between processes however many they are.
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const host::Completion& completed) override;
-  using TaskHost::perform_all;
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
 
   [[nodiscard]] model::Depth validation_depth() const override;
   Result<void> can_make(const model::ComponentName& component) const override;

@@ -82,9 +82,8 @@ class DeploymentService {
   /// Stand-ins that are created from now on get the ports that `network` (the part for this process) names.
   virtual Result<void> expect(const model::Network& network) = 0;
   /// Begins to carry out actions on tasks and connections of this process that do not depend on each other,
-  /// side by side, and returns without waiting for hooks. `completed` is told each of them once, by
-  /// `deadline` and a little at the latest, as TaskHost::perform_all says; from any thread, also before this
-  /// returns, and it must not call back into this. This must not be destroyed before all are told.
+  /// and returns without waiting for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed
+  /// before all are reported, its destructor waits for them or reports them as Unavailable.
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                          host::Completion completed) = 0;
   /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.

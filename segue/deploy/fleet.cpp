@@ -47,7 +47,7 @@ void Fleet::begin() {
   });
   listen_to(own_, *own_->service());
   adopt();
-  watcher_ = std::thread([this] { watch(); });
+  watcher_ = concurrent::start_thread("segue-fleet", [this] { watch(); });
 }
 
 void Fleet::close() {
@@ -173,7 +173,7 @@ void Fleet::expect(const model::Network& network) {
       *known = network;
     }
   }
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& record : all()) {
     jobs.emplace_back([&network, record] {
       if (const auto service = record->service()) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/concurrent/notifier.hpp>
+#include <segue/concurrent/thread_pool.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
-#include <segue/deploy/event_queue.hpp>
 #include <segue/deploy/merged_view.hpp>
 #include <segue/deploy/placement_table.hpp>
 #include <segue/deploy/process_record.hpp>
-#include <segue/deploy/worker_pool.hpp>
 
 #include <condition_variable>
 #include <map>
@@ -64,8 +64,9 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   Result<Located> locate(const model::TaskId& id, Which which = Which::Current) const;
   [[nodiscard]] PlacementTable& placements() { return placements_; }
 
-  [[nodiscard]] WorkerPool& pool() { return pool_; }
-  [[nodiscard]] EventQueue& events() { return events_; }
+  [[nodiscard]] concurrent::ThreadPool& pool() { return pool_; }
+  using Events = concurrent::Notifier<host::HostEvent>;
+  [[nodiscard]] Events& events() { return events_; }
   /// Whom to call in a watch, beside the look: takes off what was left over.
   void set_housekeeping(std::function<void()> work);
 
@@ -83,6 +84,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   Result<void> connect_when_ready(const RecordPtr& record, TimePoint deadline);
   std::optional<process::ProcessInfo> wait_for_exit_of_starting(const ProcessRecord& record,
                                                                 Duration patience);
+  /// A service that is destroyed on a thread of the pool: its last user may be a thread of its own.
+  std::shared_ptr<DeploymentService> shared(std::unique_ptr<DeploymentService> service);
   /// Connects, and checks who answers.
   Result<void> open(const RecordPtr& record, TimePoint deadline);
   void listen_to(const RecordPtr& record, DeploymentService& service);
@@ -118,8 +121,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   const process::Launch launch_;
   const DeployedOptions options_;
   const RecordPtr own_;
-  WorkerPool pool_{12, 64};
-  EventQueue events_;
+  concurrent::ThreadPool pool_{"segue-fleet", {64, 12}};
+  Events events_{500};
   PlacementTable placements_;
 
   mutable std::mutex mutex_;                           ///< protects everything below except the thread

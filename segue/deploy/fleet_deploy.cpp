@@ -157,6 +157,15 @@ std::optional<process::ProcessInfo> Fleet::wait_for_exit_of_starting(const Proce
   return exit;
 }
 
+std::shared_ptr<DeploymentService> Fleet::shared(std::unique_ptr<DeploymentService> service) {
+  return {service.release(), [weak = weak_from_this()](DeploymentService* last) {
+            const auto self = weak.lock();
+            if (self == nullptr || !self->pool_.submit([last] { delete last; })) {
+              delete last;
+            }
+          }};
+}
+
 Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
   auto made = connector_(record->process().socket, deadline,
                          [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)] {
@@ -167,7 +176,7 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
   if (!made) {
     return std::move(made.error());
   }
-  const std::shared_ptr<DeploymentService> service = std::move(*made);
+  const auto service = shared(std::move(*made));
   auto info = service->info();
   if (!info) {
     return std::move(info.error());
@@ -199,7 +208,7 @@ void Fleet::listen_to(const RecordPtr& record, DeploymentService& service) {
         if (self && from && !from->end_expected() && !from->ended()) {
           host::TaskEvent named = event;
           named.task = self->placements_.name(event.task, from->key());
-          self->events_.push(std::move(named));
+          self->events_.post(std::move(named));
         }
       });
 }
@@ -226,7 +235,7 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   return end_by(*record, [&] {
     auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
     if (reason && reason->killed) {
-      events_.push(host::ProcessEvent{key, to_string(*reason), true});
+      events_.post(host::ProcessEvent{key, to_string(*reason), true});
     }
     return reason;
   });
@@ -253,7 +262,7 @@ Result<void> Fleet::end_by(const RecordPtr& record, const std::function<Result<p
 }
 
 void Fleet::end_all(TimePoint deadline) {
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& record : all()) {
     if (record == own_) {
       continue;
@@ -287,19 +296,19 @@ Result<void> Fleet::check_empty(const ProcessView& view) {
 void Fleet::adopt() {
   auto running = processes_.processes(launch_.robot);
   if (!running) {
-    events_.push(host::ProcessEvent{
+    events_.post(host::ProcessEvent{
         {}, "which processes run already cannot be told: " + to_string(running.error()), false});
     return;
   }
   std::sort(running->begin(), running->end(), [](const auto& a, const auto& b) { return a.key < b.key; });
   std::vector<std::string> findings(running->size());
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (std::size_t i = 0; i < running->size(); ++i) {
     jobs.emplace_back([&, i] { findings[i] = adopt((*running)[i]); });
   }
   pool_.run_all(std::move(jobs));
   for (std::size_t i = 0; i < findings.size(); ++i) {
-    events_.push(host::ProcessEvent{(*running)[i].key, findings[i], false});
+    events_.post(host::ProcessEvent{(*running)[i].key, findings[i], false});
   }
   poll();
 }

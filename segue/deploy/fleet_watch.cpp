@@ -165,7 +165,7 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
     return;
   }
   const std::string what = to_string(reason);
-  events_.push(host::ProcessEvent{record->key(), with_tasks(what, *tasks), true});
+  events_.post(host::ProcessEvent{record->key(), with_tasks(what, *tasks), true});
   for (const auto& task : *tasks) {
     report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }
@@ -188,7 +188,7 @@ std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record)
 void Fleet::release(const RecordPtr& record) {
   record->set_service(nullptr, std::nullopt);
   const link::Incarnation incarnation = record->incarnation();
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& other : all()) {
     const auto service = other->service();
     if (service == nullptr || incarnation == 0 ||
@@ -208,11 +208,11 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
   const ProcessView view = record.view();
   if (change.silent) {
     const std::string why = silence_text(record.key(), view.pid);
-    events_.push(host::ProcessEvent{record.key(), why, false});
+    events_.post(host::ProcessEvent{record.key(), why, false});
     report_all_tasks(view, TaskState::Fatal, why);
   }
   if (change.answers_again) {
-    events_.push(host::ProcessEvent{record.key(), "answers again", false});
+    events_.post(host::ProcessEvent{record.key(), "answers again", false});
     report_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
@@ -236,7 +236,7 @@ void Fleet::report_all_tasks(const ProcessView& view, std::optional<TaskState> s
 }
 
 void Fleet::report_task(const model::TaskId& task, TaskState state, std::string message) {
-  events_.push(host::TaskEvent{task, state, std::move(message)});
+  events_.post(host::TaskEvent{task, state, std::move(message)});
 }
 
 void Fleet::set_housekeeping(std::function<void()> work) {

@@ -3,14 +3,13 @@
 
 #include <segue/base/text.hpp>
 #include <segue/deploy/endpoints.hpp>
-#include <segue/deploy/gate.hpp>
+#include <segue/deploy/in_flight_guard.hpp>
 #include <segue/deploy/shut_down.hpp>
-#include <segue/host/crew.hpp>
+#include <segue/host/action_pool.hpp>
 
 #include <algorithm>
 #include <functional>
-#include <map>
-#include <mutex>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -18,7 +17,10 @@ namespace segue::deploy {
 
 namespace {
 
-/// fn(item) for each, in order.
+/// Hooks keep their deadlines by themselves, and say more about it than whoever waits for them.
+constexpr Duration kGrace = std::chrono::milliseconds(10);
+
+/// function(item) for each, in order.
 template <class Outcome, class Items, class Function>
 std::vector<Outcome> each(const Items& items, Function&& function) {
   std::vector<Outcome> outcomes;
@@ -40,9 +42,10 @@ struct LocalDeployment::Implementation {
   Result<void> perform(const model::Action& action, TimePoint deadline);
   /// Whether the action is one for this process.
   [[nodiscard]] Result<void> check(const model::Action& action) const;
-  /// Runs a hook of a task on a thread that it may keep. `hook` must own what it uses.
-  Result<void> run_hook(const model::TaskId& task, TimePoint deadline, std::function<Result<void>()> hook);
-  Result<void> run_hook(const model::Action& action);
+  /// Runs a hook of a task on a thread that it keeps where it has not ended by the deadline. `hook` must own
+  /// what it uses.
+  template <class T>
+  Result<T> run_hook(const model::TaskId& task, TimePoint deadline, std::function<Result<T>()> hook);
   [[nodiscard]] Error going(const std::string& subject) const {
     return fail(ErrorCode::Unavailable, "process " + quote(to_string(key())) + " is going down", subject);
   }
@@ -50,14 +53,13 @@ struct LocalDeployment::Implementation {
   DeploymentInfo info;
   host::LocalTaskHost& host;
   detail::Endpoints endpoints;
-  detail::Gate gate;  ///< for all that runs hooks; closed when this goes down
-  host::Crew crew{
-      [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
-  std::mutex hooks_mutex;
-  int last_hook = 0;
-  std::map<int, std::function<Result<void>()>> hooks;
-  host::Crew hook_crew{[this](const model::Action& action, TimePoint) { return run_hook(action); }};
-  host::Crew last{
+  detail::InFlightGuard in_flight;  ///< all that runs hooks; closed when this goes down
+  concurrent::ThreadPool threads{"segue-actions", host::kActionThreads};
+  host::ActionPool actions{
+      threads, [this](const model::Action& action, TimePoint deadline) { return perform(action, deadline); }};
+  /// For the actions of shut_down(), which go on where others are refused.
+  host::ActionPool last_actions{
+      threads,
       [this](const model::Action& action, TimePoint deadline) { return host.perform(action, deadline); },
       detail::kShutDownPatience};
 };
@@ -83,35 +85,28 @@ Result<void> LocalDeployment::Implementation::perform(const model::Action& actio
   if (auto checked = check(action); !checked) {
     return checked;
   }
-  const detail::Gate::Pass pass(gate);
+  const detail::InFlightGuard::Pass pass(in_flight);
   if (!pass) {
     return going(action.label());
   }
   return host.perform(action, deadline);
 }
 
-Result<void> LocalDeployment::Implementation::run_hook(const model::TaskId& task, TimePoint deadline,
-                                                       std::function<Result<void>()> hook) {
-  model::Action action{0, model::ActionKind::HandOver, model::TaskAction{task}, {}, {}};
-  {
-    const std::lock_guard lock(hooks_mutex);
-    action.id = ++last_hook;
-    hooks.emplace(action.id, std::move(hook));
+template <class T>
+Result<T> LocalDeployment::Implementation::run_hook(const model::TaskId& task, TimePoint deadline,
+                                                    std::function<Result<T>()> hook) {
+  const auto outcome = std::make_shared<Result<T>>(fail(ErrorCode::Internal, "was not run"));
+  auto ran = threads.run(
+      [this, outcome, task, hook = std::move(hook)] {
+        const detail::InFlightGuard::Pass pass(in_flight);
+        *outcome = pass ? hook() : Result<T>(going(task.str()));
+      },
+      deadline + kGrace);
+  if (!ran) {
+    ran.error().subject = task.str();
+    return std::move(ran.error());
   }
-  Result<void> outcome;
-  hook_crew.run(std::span(&action, 1), deadline,
-                [&](std::vector<host::Completed> ended) { outcome = std::move(ended.front().outcome); });
-  return outcome;
-}
-
-Result<void> LocalDeployment::Implementation::run_hook(const model::Action& action) {
-  std::function<Result<void>()> hook;
-  {
-    const std::lock_guard lock(hooks_mutex);
-    hook = std::move(hooks.extract(action.id).mapped());
-  }
-  const detail::Gate::Pass pass(gate);
-  return pass ? hook() : Result<void>(going(action.task()->str()));
+  return std::move(*outcome);
 }
 
 LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
@@ -126,8 +121,8 @@ LocalDeployment::LocalDeployment(DeploymentInfo info, host::LocalTaskHost& host,
 }
 
 LocalDeployment::~LocalDeployment() {
-  implementation_->crew.close();
-  implementation_->hook_crew.close();
+  implementation_->actions.close();
+  implementation_->threads.close();
   implementation_->host.set_listener({});
   implementation_->endpoints.close_all();
 }
@@ -135,9 +130,9 @@ LocalDeployment::~LocalDeployment() {
 bool LocalDeployment::shut_down(TimePoint deadline) {
   // Half of the time for what is under way, half for what is to be stopped then.
   const TimePoint now = RealClock::instance().now();
-  implementation_->gate.close(std::min(deadline, now + (deadline - now) / 2));
-  const bool stopped = detail::shut_down(implementation_->host, implementation_->last, deadline);
-  const bool left = implementation_->gate.close(deadline);
+  implementation_->in_flight.close(std::min(deadline, now + (deadline - now) / 2));
+  const bool stopped = detail::shut_down(implementation_->host, implementation_->last_actions, deadline);
+  const bool left = implementation_->in_flight.close(deadline);
   implementation_->endpoints.close_all();
   return stopped && left;
 }
@@ -165,7 +160,7 @@ Result<void> LocalDeployment::expect(const model::Network& network) {
 
 void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint deadline,
                                 host::Completion completed) {
-  implementation_->crew.begin(std::move(actions), deadline, std::move(completed));
+  implementation_->actions.begin(std::move(actions), deadline, std::move(completed));
 }
 
 Result<void> LocalDeployment::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
@@ -174,28 +169,18 @@ Result<void> LocalDeployment::conclude(const model::Transition& transition, Time
 }
 
 Result<std::optional<task::SavedState>> LocalDeployment::save_state(const model::TaskId& task,
-                                                                    TimePoint deadline) {
-  const auto state = std::make_shared<std::optional<task::SavedState>>();
-  auto saved =
-      implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
-        auto answer = host.save_state(task, deadline);
-        if (!answer) {
-          return Result<void>(std::move(answer.error()));
-        }
-        *state = std::move(*answer);
-        return Result<void>();
-      });
-  if (!saved) {
-    return std::move(saved.error());
-  }
-  return std::move(*state);
+                                                               TimePoint deadline) {
+  return implementation_->run_hook<std::optional<task::SavedState>>(
+      task, deadline,
+      [&host = implementation_->host, task, deadline] { return host.save_state(task, deadline); });
 }
 
 Result<void> LocalDeployment::restore_state(const model::TaskId& task, const task::SavedState& state,
                                             TimePoint deadline) {
-  return implementation_->run_hook(task, deadline, [&host = implementation_->host, task, deadline, state] {
-    return host.restore_state(task, state, deadline);
-  });
+  return implementation_->run_hook<void>(task, deadline,
+                                         [&host = implementation_->host, task, deadline, state] {
+                                           return host.restore_state(task, state, deadline);
+                                         });
 }
 
 Result<model::ComponentModel> LocalDeployment::describe(const model::TaskId& task) {
@@ -208,7 +193,7 @@ Result<type::Value> LocalDeployment::properties(const model::TaskId& task) {
 
 Result<void> LocalDeployment::set_property(const model::TaskId& task, std::string_view path,
                                            const type::Value& value, TimePoint deadline) {
-  const detail::Gate::Pass pass(implementation_->gate);
+  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
   if (!pass) {
     return implementation_->going(task.str());
   }
@@ -217,7 +202,7 @@ Result<void> LocalDeployment::set_property(const model::TaskId& task, std::strin
 
 Result<type::Value> LocalDeployment::call(const model::TaskId& task, std::string_view operation,
                                           const type::Value& arguments, TimePoint deadline) {
-  const detail::Gate::Pass pass(implementation_->gate);
+  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
   if (!pass) {
     return implementation_->going(task.str());
   }

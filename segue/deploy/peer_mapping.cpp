@@ -12,7 +12,7 @@ namespace {
 
 class PeerMapping {
  public:
-  PeerMapping(WorkerPool& pool, TimePoint deadline) : pool_(pool), deadline_(deadline) {}
+  PeerMapping(concurrent::ThreadPool& pool, TimePoint deadline) : pool_(pool), deadline_(deadline) {}
 
   std::vector<FailedPair> make(const std::vector<ProcessPair>& pairs) {
     for (const auto& [one, other] : pairs) {
@@ -20,7 +20,7 @@ class PeerMapping {
       add(other, one);
     }
     collect_offers();
-    std::vector<WorkerPool::Job> jobs;
+    std::vector<concurrent::ThreadPool::Job> jobs;
     for (const auto& [one, others] : unknown_) {
       jobs.emplace_back([this, one = one, &others = others] { admit_peers(one, others); });
     }
@@ -41,7 +41,7 @@ class PeerMapping {
         offers_.try_emplace(other, other->unreachable());
       }
     }
-    std::vector<WorkerPool::Job> jobs;
+    std::vector<concurrent::ThreadPool::Job> jobs;
     for (auto& item : offers_) {
       jobs.emplace_back([this, &item] {
         if (const auto service = item.first->service()) {
@@ -68,7 +68,7 @@ class PeerMapping {
     }
   }
 
-  WorkerPool& pool_;
+  concurrent::ThreadPool& pool_;
   const TimePoint deadline_;
   std::map<RecordPtr, std::set<RecordPtr>> unknown_;  ///< who has to be told of whom
   std::map<RecordPtr, Result<link::MemoryOffer>> offers_;
@@ -78,7 +78,7 @@ class PeerMapping {
 
 }  // namespace
 
-std::vector<FailedPair> map_peers(WorkerPool& pool, const std::vector<ProcessPair>& pairs,
+std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vector<ProcessPair>& pairs,
                                   TimePoint deadline) {
   return PeerMapping(pool, deadline).make(pairs);
 }

@@ -19,7 +19,7 @@ struct FailedPair {
 
 /// Both processes of every pair map each other's memory, once for each pair, all side by side; where they
 /// know each other already, nothing is asked. Gives the pairs that could not. One call at a time for a fleet.
-std::vector<FailedPair> map_peers(WorkerPool& pool, const std::vector<ProcessPair>& pairs,
+std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vector<ProcessPair>& pairs,
                                   TimePoint deadline);
 
 }  // namespace segue::deploy::detail

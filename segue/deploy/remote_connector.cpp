@@ -31,8 +31,8 @@ struct ConnectAttempt {
 
 /// Calls work(process, indices) for each group, all in parallel.
 template <class Work>
-void for_each_group(WorkerPool& pool, const Groups& groups, Work work) {
-  std::vector<WorkerPool::Job> jobs;
+void for_each_group(concurrent::ThreadPool& pool, const Groups& groups, Work work) {
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& [record, indices] : groups) {
     jobs.emplace_back([&work, record = record, &indices = indices] { work(record, indices); });
   }
@@ -76,7 +76,8 @@ bool is_inconclusive(const Error& error) {
 /// with its own attempts, so no lock is needed.
 class ConnectionBatch {
  public:
-  ConnectionBatch(WorkerPool& pool, std::span<const RemoteConnection> connections, TimePoint deadline)
+  ConnectionBatch(concurrent::ThreadPool& pool, std::span<const RemoteConnection> connections,
+                  TimePoint deadline)
       : pool_(pool), deadline_(deadline) {
     for (const auto& remote : connections) {
       attempts_.emplace_back().remote = &remote;
@@ -277,7 +278,7 @@ class ConnectionBatch {
     return outcomes;
   }
 
-  WorkerPool& pool_;
+  concurrent::ThreadPool& pool_;
   const TimePoint deadline_;
   std::vector<ConnectAttempt> attempts_;
 };
@@ -381,7 +382,7 @@ void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphan
   for (const auto& endpoint : orphaned) {
     by_process[endpoint.process].push_back(&endpoint);
   }
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& [key, endpoints] : by_process) {
     jobs.emplace_back([this, deadline, key = key, &endpoints = endpoints] {
       const auto record = fleet_.find(key);

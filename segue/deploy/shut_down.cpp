@@ -17,7 +17,7 @@ bool runs(TaskState state) {
 }
 
 /// The verb for all tasks in such a state, in the order of producers first; what fails is logged.
-void perform_on_all(const host::LocalTaskHost& host, host::Crew& crew, model::ActionKind verb,
+void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, model::ActionKind verb,
                     bool (*wanted)(TaskState), TimePoint deadline) {
   const model::Network network = host.observe();
   std::vector<model::Action> actions;
@@ -26,13 +26,14 @@ void perform_on_all(const host::LocalTaskHost& host, host::Crew& crew, model::Ac
       actions.push_back({0, verb, model::TaskAction{id}, {}, {}});
     }
   }
-  crew.run(actions, deadline, [](const std::vector<host::Completed>& ended) {
-    for (const auto& one : ended) {
-      if (!one.outcome) {
-        log(LogLevel::Warning, "deploy", to_string(one.outcome.error()));
-      }
-    }
+  const auto outcomes = host::wait_for_outcomes(actions.size(), [&](host::Completion completed) {
+    pool.begin(actions, deadline, std::move(completed));
   });
+  for (const auto& outcome : outcomes) {
+    if (!outcome) {
+      log(LogLevel::Warning, "deploy", to_string(outcome.error()));
+    }
+  }
 }
 
 }  // namespace
@@ -71,11 +72,11 @@ std::vector<model::TaskId> producers_first(const model::Network& network) {
   return ordered;
 }
 
-bool shut_down(const host::LocalTaskHost& host, host::Crew& crew, TimePoint deadline) {
+bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoint deadline) {
   const TimePoint now = RealClock::instance().now();
-  perform_on_all(host, crew, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
+  perform_on_all(host, pool, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
   // Also where a stop is under way: the verb waits for it.
-  perform_on_all(host, crew, model::ActionKind::Cleanup, &is_configured, deadline);
+  perform_on_all(host, pool, model::ActionKind::Cleanup, &is_configured, deadline);
   bool at_rest = host.hanging().empty();
   for (const auto& task : host.observe().tasks) {
     if (is_configured(task.state)) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/host/crew.hpp>
+#include <segue/host/action_pool.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/network.hpp>
 
@@ -17,9 +17,9 @@ std::vector<model::TaskId> producers_first(const model::Network& network);
 /// How long a hook may take before the next ones begin beside it.
 inline constexpr Duration kShutDownPatience = std::chrono::milliseconds(20);
 
-/// Stops and cleans up all tasks of `host` by `crew`, producers first; slow ones side by side. Answers at
+/// Stops and cleans up all tasks of `host` by `pool`, producers first; slow ones side by side. Answers at
 /// `deadline` and a little at the latest. False: a hook has not returned. It still runs in its thread then,
 /// so neither may be destroyed: end the process by std::_Exit.
-bool shut_down(const host::LocalTaskHost& host, host::Crew& crew, TimePoint deadline);
+bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoint deadline);
 
 }  // namespace segue::deploy::detail

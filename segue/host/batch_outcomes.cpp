@@ -25,13 +25,13 @@ bool BatchOutcomes::note_now(Completed one) {
 void BatchOutcomes::note(Completed one) {
   std::unique_lock lock(mutex_);
   if (note_now(std::move(one)) && ended_ == known_.size()) {
-    tell_now(lock);
+    report_now(lock);
   }
 }
 
-void BatchOutcomes::tell() {
+void BatchOutcomes::report() {
   std::unique_lock lock(mutex_);
-  tell_now(lock);
+  report_now(lock);
 }
 
 void BatchOutcomes::add(std::vector<Completed> ended) {
@@ -39,7 +39,7 @@ void BatchOutcomes::add(std::vector<Completed> ended) {
   for (auto& one : ended) {
     note_now(std::move(one));
   }
-  tell_now(lock);
+  report_now(lock);
 }
 
 void BatchOutcomes::fail_rest(const std::function<Error(std::size_t index)>& why) {
@@ -49,7 +49,7 @@ void BatchOutcomes::fail_rest(const std::function<Error(std::size_t index)>& why
       note_now({index, why(index)});
     }
   }
-  tell_now(lock);
+  report_now(lock);
 }
 
 std::size_t BatchOutcomes::ended() const {
@@ -57,34 +57,28 @@ std::size_t BatchOutcomes::ended() const {
   return ended_;
 }
 
-void BatchOutcomes::wait() const {
-  std::unique_lock lock(mutex_);
-  all_told_.wait(lock, [&] { return told_ == known_.size() && !telling_; });
-}
-
-void BatchOutcomes::tell_now(std::unique_lock<std::mutex>& lock) {
-  if (telling_ || waiting_.empty()) {
+void BatchOutcomes::report_now(std::unique_lock<std::mutex>& lock) {
+  if (reporting_ || waiting_.empty()) {
     return;
   }
-  telling_ = true;
+  reporting_ = true;
   while (!waiting_.empty()) {
     auto ended = std::exchange(waiting_, {});
-    told_ += ended.size();
+    reported_ += ended.size();
     lock.unlock();
     try {
       completed_(std::move(ended));
     } catch (const std::exception& exception) {
-      log(LogLevel::Error, "host", std::string("who was told of ended actions threw: ") + exception.what());
+      log(LogLevel::Error, "host", std::string("the receiver of outcomes threw: ") + exception.what());
     }
     lock.lock();
   }
-  telling_ = false;
-  if (told_ < known_.size()) {
+  reporting_ = false;
+  if (reported_ < known_.size()) {
     return;
   }
-  // What it holds goes with it, also where a hook that hangs holds on to this.
+  // Released here, since a hook that hangs may keep this alive for ever.
   const Completion done = std::exchange(completed_, nullptr);
-  all_told_.notify_all();
   lock.unlock();
 }
 

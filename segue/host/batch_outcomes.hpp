@@ -3,7 +3,6 @@
 
 #include <segue/host/task_host.hpp>
 
-#include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <mutex>
@@ -11,42 +10,40 @@
 
 namespace segue::host {
 
-/// Collects how the actions of a batch end, and passes it on to a Completion: each action once, one call at a
-/// time. All functions may be called from any thread.
+/// Collects how the actions of a batch end, and reports each of them to a Completion once. Needed where an
+/// end may come twice: where a deadline is kept (the action may end later), and where another process
+/// reports. All functions may be called from any thread.
 class BatchOutcomes {
  public:
   BatchOutcomes(std::size_t count, Completion completed);
   BatchOutcomes(const BatchOutcomes&) = delete;
   BatchOutcomes& operator=(const BatchOutcomes&) = delete;
 
-  /// Notes how one has ended; told by the next tell(), or at once where it was the last one. What is known
+  /// Takes note of an end; reported by the next report(), or at once where it was the last one. What is known
   /// already, and an index that is none, is dropped.
   void note(Completed one);
-  /// Passes on what has been noted. Where another thread is at that, it passes on this too.
-  void tell();
-  /// note() for each, then tell().
+  /// Reports what has been noted. Where another thread is reporting, that one reports this too.
+  void report();
+  /// note() for each, then report().
   void add(std::vector<Completed> ended);
-  /// Tells what is left as failed, each with its own error.
+  /// Reports what has not ended as failed, each with its own error.
   void fail_rest(const std::function<Error(std::size_t index)>& why);
 
   /// How many have ended.
   [[nodiscard]] std::size_t ended() const;
-  /// Blocks until all are told; the Completion is not called any more then.
-  void wait() const;
 
  private:
-  /// Gives the lock back where all are told.
-  void tell_now(std::unique_lock<std::mutex>& lock);
+  /// Gives the lock back where all are reported.
+  void report_now(std::unique_lock<std::mutex>& lock);
   bool note_now(Completed one);
 
-  mutable std::mutex mutex_;
-  mutable std::condition_variable all_told_;
-  Completion completed_;
+  mutable std::mutex mutex_;  ///< protects all below; not held while the Completion is called
+  Completion completed_;      ///< released once all are reported
   std::vector<bool> known_;
-  std::vector<Completed> waiting_;  ///< noted and not told
+  std::vector<Completed> waiting_;  ///< noted and not reported
   std::size_t ended_ = 0;
-  std::size_t told_ = 0;
-  bool telling_ = false;
+  std::size_t reported_ = 0;
+  bool reporting_ = false;
 };
 
 }  // namespace segue::host

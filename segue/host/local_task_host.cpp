@@ -2,8 +2,7 @@
 #include <segue/host/local_task_host.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/host/crew.hpp>
-#include <segue/host/notifier.hpp>
+#include <segue/host/action_pool.hpp>
 #include <segue/host/port_reader.hpp>
 #include <segue/host/task_actions.hpp>
 #include <segue/host/task_maker.hpp>
@@ -52,13 +51,15 @@ struct LocalTaskHost::Implementation {
   Implementation(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : maker(libraries, catalog, std::move(options)) {}
 
-  detail::Notifier notifier;
+  detail::EventNotifier notifier;
   detail::TaskMaker maker;
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, notifier};
-  Crew crew{
-      [this](const model::Action& action, TimePoint deadline) { return actions.perform(action, deadline); }};
+  concurrent::ThreadPool threads{"segue-actions", kActionThreads};
+  ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
+                    return actions.perform(action, deadline);
+                  }};
 };
 
 LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
@@ -67,7 +68,7 @@ LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::Component
 
 LocalTaskHost::~LocalTaskHost() {
   implementation_->notifier.set_listener({});
-  implementation_->crew.close();
+  implementation_->pool.close();
   implementation_->table.clear();
 }
 
@@ -91,13 +92,12 @@ Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadl
   return implementation_->actions.perform(action, deadline);
 }
 
-void LocalTaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                                const Completion& completed) {
-  Crew& crew = implementation_->crew;
+void LocalTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
+  ActionPool& pool = implementation_->pool;
   if (std::any_of(actions.begin(), actions.end(), runs_hooks)) {
-    crew.run(actions, deadline, completed);
+    pool.begin(std::move(actions), deadline, std::move(completed));
   } else {
-    crew.run_here(actions, deadline, completed);
+    pool.begin_here(std::move(actions), deadline, std::move(completed));
   }
 }
 
@@ -230,7 +230,15 @@ std::vector<model::TaskId> LocalTaskHost::hanging() const {
 }
 
 void LocalTaskHost::set_listener(Listener listener) {
-  implementation_->notifier.set_listener(std::move(listener));
+  if (!listener) {
+    implementation_->notifier.set_listener({});
+    return;
+  }
+  implementation_->notifier.set_listener([listener = std::move(listener)](const detail::LateEvent& make) {
+    if (const auto event = make()) {
+      listener(*event);
+    }
+  });
 }
 
 }  // namespace segue::host

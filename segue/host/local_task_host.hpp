@@ -40,11 +40,9 @@ class LocalTaskHost final : public TaskHost {
 
   /// In the caller's thread, whose hooks it runs: one that hangs keeps it.
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
-  /// Hooks run on threads of the host; one that hangs keeps its own. Without hooks, all in the caller's
-  /// thread.
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const Completion& completed) override;
-  using TaskHost::perform_all;
+  /// Hooks run on threads of the host; one that hangs keeps its own. Actions without hooks are carried out in
+  /// the caller's thread.
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<TaskReport> tasks() const override;
   [[nodiscard]] std::vector<ConnectionReport> connections() const override;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/notifier.hpp>
+#include <segue/concurrent/notifier.hpp>
 #include <segue/host/task_connections.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
@@ -10,11 +10,15 @@
 
 namespace segue::host::detail {
 
+/// An event that is only read on the notifier's thread, where it may wait; nothing where it no longer holds.
+using LateEvent = std::function<std::optional<TaskEvent>()>;
+using EventNotifier = concurrent::Notifier<LateEvent>;
+
 /// Carries out the eleven actions on the tasks of a table. Thread safe; hooks run without any lock of the
 /// table.
 class TaskActions {
  public:
-  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, Notifier& notifier)
+  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, EventNotifier& notifier)
       : table_(table), maker_(maker), connections_(connections), notifier_(notifier) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline);
@@ -46,7 +50,7 @@ class TaskActions {
   TaskTable& table_;
   TaskMaker& maker_;
   TaskConnections& connections_;
-  Notifier& notifier_;
+  EventNotifier& notifier_;
   VerbWatch verbs_;
 };
 

@@ -1,7 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/host/task_host.hpp>
 
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
 namespace segue::host {
+
+std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin) {
+  struct Waiting {
+    std::mutex mutex;  ///< protects both
+    std::condition_variable all_known;
+    std::vector<Result<void>> outcomes;
+    std::size_t left = 0;
+  };
+  // Shared, since the waiter may be gone before the last call of the completion has returned.
+  const auto waiting = std::make_shared<Waiting>();
+  waiting->outcomes.resize(count);
+  waiting->left = count;
+  begin([waiting](std::vector<Completed> ended) {
+    const std::lock_guard lock(waiting->mutex);
+    for (auto& one : ended) {
+      waiting->outcomes[one.index] = std::move(one.outcome);
+    }
+    waiting->left -= ended.size();
+    if (waiting->left == 0) {
+      waiting->all_known.notify_all();
+    }
+  });
+  std::unique_lock lock(waiting->mutex);
+  waiting->all_known.wait(lock, [&] { return waiting->left == 0; });
+  return std::move(waiting->outcomes);
+}
 
 Result<void> TaskHost::can_make(const model::ComponentName& /*component*/) const {
   return {};
@@ -11,8 +41,7 @@ Diagnostics TaskHost::check(const model::Network& /*network*/) const {
   return {};
 }
 
-void TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                           const Completion& completed) {
+void TaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
   for (std::size_t i = 0; i < actions.size(); ++i) {
     const TimePoint begin = RealClock::instance().now();
     auto outcome = perform(actions[i], deadline);
@@ -21,13 +50,9 @@ void TaskHost::perform_all(std::span<const model::Action> actions, TimePoint dea
 }
 
 std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> actions, TimePoint deadline) {
-  std::vector<Result<void>> outcomes(actions.size());
-  perform_all(actions, deadline, [&](std::vector<Completed> ended) {
-    for (auto& one : ended) {
-      outcomes[one.index] = std::move(one.outcome);
-    }
+  return wait_for_outcomes(actions.size(), [&](Completion completed) {
+    begin_all({actions.begin(), actions.end()}, deadline, std::move(completed));
   });
-  return outcomes;
 }
 
 void TaskHost::expect(const model::Network& /*target*/) {}

@@ -68,9 +68,14 @@ struct Completed {
   std::optional<Duration> took{};  ///< from its own begin to its end, where that was measured
 };
 
-/// Told what has ended since the last call, at least one; one call at a time, from any thread. Must not
-/// block.
+/// Gets the actions of a batch that have ended since the last call, at least one. Called from any thread,
+/// also before the function that begins the batch returns, and by several threads at the same time. Must not
+/// block; may begin other batches.
 using Completion = std::function<void(std::vector<Completed>)>;
+
+/// Calls `begin` with a Completion, waits until it has got `count` actions, and returns their outcomes in the
+/// order of their indices.
+std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::function<void(Completion)>& begin);
 
 /// Reads the samples of an output port for a person or a tool. Destroying it removes the connection.
 class PortReader {
@@ -109,18 +114,17 @@ class TaskHost {
   /// under their full ids, until they are removed.
   virtual void withdraw();
 
-  /// Carries out one action. CallOperation's result is dropped; use call() for one that is wanted. Deadline
-  /// passed: DeadlineExceeded, and the true state must be read again.
+  /// Carries out one action in the caller's thread. The result of CallOperation is dropped; call() returns
+  /// it. DeadlineExceeded: the true state must be observed.
   virtual Result<void> perform(const model::Action& action, TimePoint deadline) = 0;
 
-  /// Carries out actions that do not depend on each other, side by side; a failure does not keep the others
-  /// from being done. Every action is told exactly once; what ends while others still run is told without
-  /// waiting for them, what ends quickly together is told together. Returns when all are told, by `deadline`
-  /// and a little at the latest: what has not ended by then is told as DeadlineExceeded and may still be at
-  /// work. `completed` is not called any more when it returns.
-  virtual void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                           const Completion& completed);
-  /// The same; outcomes in the order of `actions`, when all have ended.
+  /// Begins to carry out actions that do not depend on each other, at the same time, and returns without
+  /// waiting for hooks. A failure does not keep the others from being carried out. Each action is reported
+  /// exactly once: what ends quickly together is reported together, what ends while others still run without
+  /// waiting for them, and what has not ended shortly after `deadline` as DeadlineExceeded; it may still be
+  /// at work.
+  virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
+  /// The same, and waits; outcomes in the order of `actions`.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
   /// What truly runs, as a network: every configured or named task with its true state, properties and

@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <exception>
 #include <map>
-#include <span>
-#include <system_error>
+#include <memory>
 
 namespace segue::runtime::detail {
 
 namespace {
 
-/// Threads that wait for hosts beside the caller's; each costs little while it waits.
-constexpr std::size_t kMostHelpers = 64;
+/// Hosts report what is overdue themselves; only one that does not is given up.
+constexpr Duration kHostGrace = std::chrono::seconds(30);
 
 bool task_is(const model::Network& observed, const model::Action& action, TaskState state) {
   const model::Task* task = observed.find_task(*action.task());
@@ -31,10 +30,6 @@ bool has_connection(const model::Network& observed, const model::Action& action)
   const auto& wanted = std::get<model::ConnectionAction>(action.what).connection;
   return std::find(observed.connections.begin(), observed.connections.end(), wanted) !=
          observed.connections.end();
-}
-
-Error no_answer(const model::Action& action, const std::string& why) {
-  return fail(ErrorCode::Internal, why, action.label());
 }
 
 }  // namespace
@@ -61,17 +56,9 @@ bool took_effect(const model::Action& action, const model::Network& observed) {
   }
 }
 
-/// Actions on their way to the host at the same time.
-struct Execution::Batch {
-  Indices indices;
-  std::vector<bool> told;
-  std::size_t outstanding = 0;
-};
-
 Execution::Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
                      Progress progress)
     : host_(host),
-      transition_(transition),
       action_deadline_(action_deadline),
       progress_(std::move(progress)),
       started_(RealClock::instance().now()),
@@ -93,121 +80,113 @@ Execution::Execution(host::TaskHost& host, const model::Transition& transition, 
   }
 }
 
-Execution::~Execution() {
-  {
-    const std::lock_guard lock(mutex_);
-    leaving_ = true;
-  }
-  changed_.notify_all();
-  for (auto& helper : helpers_) {
-    helper.join();
-  }
-}
-
 bool Execution::run(model::Phase phase) {
   std::unique_lock lock(mutex_);
   phase_ = phase;
-  over_ = false;
   ready_.clear();
+  batches_.clear();
   for (std::size_t index = 0; index < records_.size(); ++index) {
     const bool here = records_[index].action.phase == phase && !records_[index].executed;
     if (here && waits_for_[index] == 0) {
       ready_.push_back(index);
     }
   }
-  work(lock);
-  return failed_ == kNobody && !cancelled_;
-}
-
-void Execution::work(std::unique_lock<std::mutex>& lock) {
-  while (!over_) {
+  while (true) {
     if (!doubtful_.empty()) {
       settle_doubtful(lock);
     } else if (may_begin()) {
-      Batch batch;
-      batch.indices.swap(ready_);
-      std::sort(batch.indices.begin(), batch.indices.end());
-      batch.outstanding = batch.indices.size();
-      batch.told.resize(batch.indices.size());
-      under_way_ += batch.indices.size();
-      const Duration now = RealClock::instance().now() - started_;
-      for (const std::size_t index : batch.indices) {
-        records_[index].started = now;
-      }
-      lock.unlock();
-      perform(batch);
-      lock.lock();
-    } else if (under_way_ == 0) {
-      over_ = true;
-      changed_.notify_all();
+      begin_ready(lock);
+    } else if (in_progress_ > 0 || !beginning_.empty()) {
+      wait(lock);
     } else {
-      ++idle_;
-      changed_.wait(lock, [this] { return over_ || under_way_ == 0 || has_work(); });
-      --idle_;
+      return failed_ == kNobody && !cancelled_;
     }
   }
 }
 
-void Execution::help() {
-  std::unique_lock lock(mutex_);
-  while (!leaving_) {
-    work(lock);
-    ++idle_;
-    changed_.wait(lock, [this] { return leaving_ || has_work(); });
-    --idle_;
+void Execution::wait(std::unique_lock<std::mutex>& lock) {
+  TimePoint last = RealClock::instance().now();
+  for (const auto& batch : batches_) {
+    last = std::max(last, batch->deadline);
+  }
+  const bool in_time = changed_.wait_until(lock, last + kHostGrace, [this] {
+    return !doubtful_.empty() || may_begin() || (in_progress_ == 0 && beginning_.empty());
+  });
+  if (!in_time && RealClock::instance().now() > last + kHostGrace) {
+    for (const auto& batch : batches_) {
+      fail_batch(*batch, "the host did not report how it ended");
+    }
   }
 }
 
-void Execution::perform(Batch& batch) {
-  const TimePoint deadline = RealClock::instance().now() + action_deadline_;
-  const std::size_t first = batch.indices.front();
-  std::vector<model::Action> copies;
-  std::span<const model::Action> actions(&transition_.actions[first], batch.indices.size());
-  if (batch.indices.back() - first + 1 != batch.indices.size()) {
-    for (const std::size_t index : batch.indices) {
-      copies.push_back(transition_.actions[index]);
+void Execution::begin_ready(std::unique_lock<std::mutex>& lock) {
+  const auto me = std::this_thread::get_id();
+  if (!beginning_.insert(me).second) {
+    return;  // the host reports while this thread calls it, which goes on below afterwards
+  }
+  while (may_begin()) {
+    const auto batch = take_ready();
+    std::vector<model::Action> actions;
+    for (const std::size_t index : batch->indices) {
+      actions.push_back(records_[index].action);
     }
-    actions = copies;
-  }
-  std::string missing = "the host gave no answer";
-  try {
-    host_.perform_all(actions, deadline,
-                      [&](std::vector<host::Completed> ended) { complete(batch, std::move(ended)); });
-  } catch (const std::exception& exception) {
-    // A host that throws breaks its contract; it must not take the runtime along.
-    missing = std::string("the host threw: ") + exception.what();
-  }
-  std::vector<host::Completed> rest;
-  {
-    const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; batch.outstanding > 0 && i < batch.indices.size(); ++i) {
-      if (!batch.told[i]) {
-        rest.push_back({i, no_answer(actions[i], missing)});
-      }
+    lock.unlock();
+    std::string thrown;
+    try {
+      host_.begin_all(std::move(actions), batch->deadline,
+                      [self = shared_from_this(), batch](std::vector<host::Completed> ended) {
+                        self->complete(*batch, std::move(ended));
+                      });
+    } catch (const std::exception& exception) {
+      thrown = std::string("the host threw: ") + exception.what();
+    }
+    lock.lock();
+    if (!thrown.empty()) {
+      fail_batch(*batch, thrown);
     }
   }
-  complete(batch, std::move(rest));
+  beginning_.erase(me);
+  if (beginning_.empty() && in_progress_ == 0) {
+    changed_.notify_all();
+  }
+}
+
+Execution::BatchPtr Execution::take_ready() {
+  const TimePoint now = RealClock::instance().now();
+  const auto batch = std::make_shared<Batch>();
+  batch->indices.swap(ready_);
+  std::sort(batch->indices.begin(), batch->indices.end());
+  batch->reported.resize(batch->indices.size());
+  batch->deadline = now + action_deadline_;
+  for (const std::size_t index : batch->indices) {
+    records_[index].started = now - started_;
+  }
+  in_progress_ += batch->indices.size();
+  batches_.push_back(batch);
+  return batch;
 }
 
 void Execution::complete(Batch& batch, std::vector<host::Completed> ended) {
-  if (ended.empty()) {
-    return;
-  }
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   for (auto& one : ended) {
-    if (one.index >= batch.indices.size() || batch.told[one.index]) {
-      continue;
+    if (one.index < batch.indices.size() && !batch.reported[one.index]) {
+      batch.reported[one.index] = true;
+      finish(batch.indices[one.index], std::move(one));
     }
-    batch.told[one.index] = true;
-    --batch.outstanding;
-    finish(batch.indices[one.index], std::move(one));
   }
-  // Whoever brought the batch goes on by himself when all of it is done.
-  if (batch.outstanding > 0 && has_work()) {
-    call_help();
-  }
-  if (under_way_ == 0) {
+  begin_ready(lock);
+  if (in_progress_ == 0 || !doubtful_.empty()) {
     changed_.notify_all();
+  }
+}
+
+void Execution::fail_batch(Batch& batch, const std::string& why) {
+  for (std::size_t i = 0; i < batch.indices.size(); ++i) {
+    if (!batch.reported[i]) {
+      batch.reported[i] = true;
+      const std::size_t index = batch.indices[i];
+      record(index, fail(ErrorCode::Internal, why, records_[index].action.label()), std::nullopt);
+    }
   }
 }
 
@@ -224,11 +203,11 @@ void Execution::record(std::size_t index, std::optional<Error> error, std::optio
   ActionRecord& record = records_[index];
   record.duration = RealClock::instance().now() - started_ - record.started;
   if (took) {
-    record.took = std::min(*took, record.duration);  // a process may tell what it likes
+    record.took = std::min(*took, record.duration);  // another process may report anything
   }
   record.error = std::move(error);
   record.executed = true;
-  --under_way_;
+  --in_progress_;
   if (!record.error) {
     release_successors(index);
   } else if (failed_ == kNobody) {
@@ -253,23 +232,6 @@ void Execution::settle_doubtful(std::unique_lock<std::mutex>& lock) {
   for (const auto& [index, error] : doubtful) {
     const bool done = took_effect(records_[index].action, observed);
     record(index, done ? std::nullopt : std::optional(error), std::nullopt);
-  }
-  if (under_way_ == 0) {
-    changed_.notify_all();
-  }
-}
-
-void Execution::call_help() {
-  if (idle_ > 0) {
-    changed_.notify_one();
-    return;
-  }
-  try {
-    if (helpers_.size() < kMostHelpers) {
-      helpers_.emplace_back([this] { help(); });
-    }
-  } catch (const std::system_error&) {
-    // Without another thread it takes longer: whoever is busy takes it next.
   }
 }
 

@@ -12,35 +12,41 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 namespace segue::runtime::detail {
 
-/// Carries out the actions of a transition, phase by phase and as its partial order allows: whatever is ready
-/// goes to the host at once, which works side by side; what an action's end makes ready follows without
-/// waiting for its neighbours. The first failure lets nothing new begin.
-class Execution {
+/// Carries out the actions of a transition, phase by phase and as its partial order allows. Whatever is ready
+/// is begun at once as one batch; what the end of an action makes ready is begun by the thread that reports
+/// the end, so nothing waits for its neighbours and no thread waits for the host but the caller of run(). The
+/// first failure lets nothing new begin.
+///
+/// A host that breaks its contract does no harm: what it reports twice is dropped, and what it does not
+/// report long after the deadline counts as failed.
+class Execution : public std::enable_shared_from_this<Execution> {
  public:
   /// Called after every action that was carried out, one call at a time, from any thread; must not block.
   using Progress = std::function<void(const ActionRecord& record)>;
 
-  /// `transition` must outlive this; an action waits for none of a later phase. `action_deadline` is for each
-  /// action, from its begin.
+  /// An action of `transition` waits for none of a later phase. `action_deadline` is
+  /// for each action, from its begin. Made by std::make_shared: reports that come late keep this alive.
   Execution(host::TaskHost& host, const model::Transition& transition, Duration action_deadline,
             Progress progress);
-  ~Execution();
   Execution(const Execution&) = delete;
   Execution& operator=(const Execution&) = delete;
 
-  /// Carries out one phase; those before it are done. Blocks until none of its actions is under way any more.
-  /// True: all are done. False: one failed, or cancel() came in between.
+  /// Carries out one phase; those before it are done. Blocks until none of its actions is in progress any
+  /// more, so until their deadlines and a little at most. False where one failed, or cancel() came in
+  /// between.
   bool run(model::Phase phase);
   /// No further action begins. From any thread.
   void cancel();
 
-  /// One record for each action, in the order of the transition. None may be under way.
+  /// One record for each action, in the order of the transition. None may be in progress.
   [[nodiscard]] const std::vector<ActionRecord>& records() const { return records_; }
   /// Moves them out.
   [[nodiscard]] std::vector<ActionRecord> take_records() { return std::move(records_); }
@@ -51,33 +57,39 @@ class Execution {
 
  private:
   using Indices = std::vector<std::size_t>;
-  struct Batch;
+  /// Actions that were begun together.
+  struct Batch {
+    Indices indices;
+    std::vector<bool> reported;
+    TimePoint deadline;
+  };
+  using BatchPtr = std::shared_ptr<Batch>;
 
-  /// Takes what is ready to the host until there is nothing left to do in this phase. With the lock held.
-  void work(std::unique_lock<std::mutex>& lock);
-  void help();
-  void perform(Batch& batch);
-  /// The host tells how actions of a batch ended.
-  void complete(Batch& batch, std::vector<host::Completed> ended);
+  // With the lock held; they may let go of it in between.
+  /// Begins what is ready, until there is nothing left.
+  void begin_ready(std::unique_lock<std::mutex>& lock);
+  BatchPtr take_ready();
+  /// Actions that did not end in time count by what is seen of them.
+  void settle_doubtful(std::unique_lock<std::mutex>& lock);
+  /// Waits until there is something to do in run().
+  void wait(std::unique_lock<std::mutex>& lock);
+  void fail_batch(Batch& batch, const std::string& why);
   void finish(std::size_t index, host::Completed ended);
   void record(std::size_t index, std::optional<Error> error, std::optional<Duration> took);
   void release_successors(std::size_t index);
-  /// Actions that did not end in time count by what is seen of them.
-  void settle_doubtful(std::unique_lock<std::mutex>& lock);
-  /// Somebody has to take what is ready while others are busy.
-  void call_help();
   [[nodiscard]] bool may_begin() const { return !cancelled_ && failed_ == kNobody && !ready_.empty(); }
-  [[nodiscard]] bool has_work() const { return !over_ && (may_begin() || !doubtful_.empty()); }
+
+  /// The host reports how actions of a batch ended.
+  void complete(Batch& batch, std::vector<host::Completed> ended);
 
   static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 
   host::TaskHost& host_;
-  const model::Transition& transition_;
   const Duration action_deadline_;
   const Progress progress_;
   const TimePoint started_;
 
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< protects all below; not held while the host is called
   std::condition_variable changed_;
   std::vector<ActionRecord> records_;
   std::vector<Indices> successors_;
@@ -85,13 +97,11 @@ class Execution {
   model::Phase phase_ = model::Phase::Prepare;
   Indices ready_;                                        ///< of this phase
   std::vector<std::pair<std::size_t, Error>> doubtful_;  ///< their deadlines have passed
-  std::size_t under_way_ = 0;
+  std::vector<BatchPtr> batches_;                        ///< begun in this phase
+  std::size_t in_progress_ = 0;                          ///< actions; the doubtful ones too
   std::size_t failed_ = kNobody;
   bool cancelled_ = false;
-  bool over_ = true;      ///< no phase is under way
-  std::size_t idle_ = 0;  ///< threads that wait for something to do
-  std::vector<std::thread> helpers_;
-  bool leaving_ = false;
+  std::set<std::thread::id> beginning_;  ///< threads in begin_ready(), where the host may report at once
 };
 
 /// Whether the effect of an action can be seen in what the host observes. ApplyConfig, HandOver and

@@ -33,7 +33,8 @@ std::size_t threads_of(pid_t pid) {
   std::error_code gone;
   std::size_t threads = 0;
   for (const auto& thread : fs::directory_iterator(folder_of(pid) / "task", gone)) {
-    threads += text_of(thread.path() / "comm") == "segue-worker\n" ? 0 : 1;
+    const std::string name = text_of(thread.path() / "comm");
+    threads += name == "segue-fleet\n" || name == "segue-calls\n" ? 0 : 1;
   }
   return threads;
 }

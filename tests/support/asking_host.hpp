@@ -47,8 +47,8 @@ class AskingHost final : public ForwardingHost {
     }
     inner_.get_ready(target);
   }
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const host::Completion& completed) override {
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
     Ask ask;
     Ask after;
     {
@@ -66,7 +66,7 @@ class AskingHost final : public ForwardingHost {
         index_of.push_back(i);
       }
     }
-    inner_.perform_all(allowed, deadline, [&](std::vector<host::Completed> ended) {
+    inner_.begin_all(allowed, deadline, [allowed, index_of, after, completed](auto ended) {
       for (auto& one : ended) {
         if (one.outcome && after) {
           one.outcome = after(allowed.at(one.index));

@@ -3,7 +3,7 @@
 
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
-#include <segue/host/crew.hpp>
+#include <segue/host/action_pool.hpp>
 #include <support/fake_robot.hpp>
 
 #include <sys/mman.h>
@@ -115,7 +115,7 @@ class FakeDeployment final : public deploy::DeploymentService {
     for (const model::Action& action : actions) {
       if (action.task() != nullptr && action.task()->str() == "throws") throw std::runtime_error("a defect");
     }
-    crew_.begin(std::move(actions), deadline, std::move(completed));
+    actions_.begin(std::move(actions), deadline, std::move(completed));
   }
   Result<void> conclude(const model::Transition& transition, TimePoint /*deadline*/) override {
     const std::lock_guard lock(fields_);
@@ -259,12 +259,14 @@ class FakeDeployment final : public deploy::DeploymentService {
   std::mutex fields_;
   std::mutex mutex_;
   Listener listener_;
-  host::Crew crew_{[this](const model::Action& action, TimePoint deadline) -> Result<void> {
-    const std::string task = action.task() != nullptr ? action.task()->str() : "";
-    if (task == "wait") return wait(deadline);
-    if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
-    return {};
-  }};
+  concurrent::ThreadPool threads_{"fake", host::kActionThreads};
+  host::ActionPool actions_{threads_,
+                            [this](const model::Action& action, TimePoint deadline) -> Result<void> {
+                              const std::string task = action.task() != nullptr ? action.task()->str() : "";
+                              if (task == "wait") return wait(deadline);
+                              if (task == "bad") return fail(ErrorCode::HookFailed, "it is bad", "bad");
+                              return {};
+                            }};
 };
 
 class FakeProcesses final : public process::ProcessService {

@@ -75,8 +75,8 @@ class FaultyHost final : public ForwardingHost {
     return passed_;
   }
 
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const host::Completion& completed) override {
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
     std::vector<model::Action> passed;
     std::vector<std::size_t> index_of;
     std::set<std::size_t> doubted;
@@ -95,7 +95,7 @@ class FaultyHost final : public ForwardingHost {
       const std::lock_guard lock(mutex_);
       passed_.insert(passed_.end(), passed.begin(), passed.end());
     }
-    inner_.perform_all(passed, deadline, [&](std::vector<host::Completed> ended) {
+    inner_.begin_all(std::move(passed), deadline, [index_of, doubted, completed](auto ended) {
       for (auto& one : ended) {
         one.index = index_of.at(one.index);
         if (one.outcome && doubted.contains(one.index)) one.outcome = broken();

@@ -18,11 +18,11 @@ class ForwardingHost : public host::TaskHost {
   explicit ForwardingHost(host::TaskHost& inner) : inner_(inner) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override {
-    return std::move(host::TaskHost::perform_all({&action, 1}, deadline).front());
+    return std::move(perform_all({&action, 1}, deadline).front());
   }
-  void perform_all(std::span<const model::Action> actions, TimePoint deadline,
-                   const host::Completion& completed) override {
-    inner_.perform_all(actions, deadline, completed);
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
+    inner_.begin_all(std::move(actions), deadline, std::move(completed));
   }
   [[nodiscard]] bool side_by_side() const override { return inner_.side_by_side(); }
   void withdraw() override { inner_.withdraw(); }

@@ -28,8 +28,8 @@ struct BatchClient::Batch {
   host::BatchOutcomes outcomes;
 };
 
-/// Those of which something may be told early, by their tickets. Lives in the loop.
-class BatchClient::Followed {
+/// Batches that have not ended, by their tickets. Used in the loop only.
+class BatchClient::Open {
  public:
   std::uint64_t add(const std::shared_ptr<Batch>& batch) {
     batches_.emplace(++last_, batch);
@@ -42,6 +42,10 @@ class BatchClient::Followed {
     const auto found = batches_.find(ticket);
     return found == batches_.end() ? nullptr : found->second;
   }
+  void fail_all(const Error& why) {
+    for (const auto& [ticket, batch] : std::exchange(batches_, {}))
+      batch->fail_rest(why);
+  }
   /// True the first time.
   bool follow() { return !std::exchange(following_, true); }
 
@@ -53,15 +57,15 @@ class BatchClient::Followed {
 
 namespace {
 
-/// Takes what a process tells early; what is told of no batch, or twice, is dropped.
-template <class Followed>
+/// Takes what a process reports early.
+template <class Open>
 class FollowerServer final : public wire::BatchFollower::Server {
  public:
-  explicit FollowerServer(std::shared_ptr<Followed> followed) : followed_(std::move(followed)) {}
+  explicit FollowerServer(std::shared_ptr<Open> open) : open_(std::move(open)) {}
 
   kj::Promise<void> told(ToldContext context) override {
     const auto params = context.getParams();
-    if (const auto batch = followed_->find(params.getTicket())) {
+    if (const auto batch = open_->find(params.getTicket())) {
       std::vector<host::Completed> ended;
       for (const auto one : params.getEnded())
         ended.push_back(decode(one));
@@ -71,20 +75,24 @@ class FollowerServer final : public wire::BatchFollower::Server {
   }
 
  private:
-  const std::shared_ptr<Followed> followed_;
+  const std::shared_ptr<Open> open_;
 };
 
 }  // namespace
 
-BatchClient::BatchClient(std::shared_ptr<Link> link)
-    : link_(std::move(link)), followed_(std::make_shared<Followed>()) {}
+BatchClient::BatchClient(std::shared_ptr<RpcChannel> channel)
+    : channel_(std::move(channel)), open_(std::make_shared<Open>()) {}
+
+BatchClient::~BatchClient() {
+  channel_->run([this] { open_->fail_all(fail(ErrorCode::Unavailable, "the connection is closed")); });
+}
 
 void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
   if (actions.empty()) return;
   const auto batch = std::make_shared<Batch>(std::move(actions), std::move(completed));
   const Duration left = time_left(deadline);
-  auto send = [batch, left, followed = followed_,
-               who = link_->who()](Link::Connection& connection) -> kj::Promise<void> {
+  auto send = [batch, left, open = open_,
+               who = channel_->who()](RpcChannel::Connection& connection) -> kj::Promise<void> {
     auto process = connection.as<Process>();
     auto request = process.performRequest();
     encode_list(batch->actions, request.initActions(count_of(batch->actions)), kEncode);
@@ -93,18 +101,18 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
       batch->fail_rest(fits.error());
       return kj::READY_NOW;
     }
+    request.setTicket(open->add(batch));
     kj::Promise<void> following = kj::READY_NOW;
-    if (batch->actions.size() > 1) {  // of a single one there is nothing to tell early
-      if (followed->follow()) {
+    if (batch->actions.size() > 1) {  // nothing of a single one can be reported early
+      if (open->follow()) {
         auto follow = process.followRequest();
-        follow.setFollower(kj::heap<FollowerServer<Followed>>(followed));
+        follow.setFollower(kj::heap<FollowerServer<Open>>(open));
         following = follow.send().ignoreResult();
       }
-      request.setTicket(followed->add(batch));
     }
     return request.send()
-        .then([batch, followed, who](auto&& response) {
-          followed->remove(batch);
+        .then([batch, open, who](auto&& response) {
+          open->remove(batch);
           if (response.hasError()) return batch->fail_rest(decode(response.getError()));
           std::vector<host::Completed> ended;
           for (const auto one : response.getEnded()) {
@@ -113,12 +121,12 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
             ended.back().index = place;
           }
           if (ended.size() == batch->actions.size()) batch->outcomes.add(std::move(ended));
-          batch->fail_rest(fail(ErrorCode::Internal, who + " did not answer for everything asked"));
+          batch->fail_rest(fail(ErrorCode::Internal, who + " did not answer for every action"));
         })
         .then([following = kj::mv(following)]() mutable { return kj::mv(following); });
   };
-  const bool begun = link_->start(left + kGrace, std::move(send), [batch, followed = followed_](Error error) {
-    followed->remove(batch);
+  const bool begun = channel_->start(left + kGrace, std::move(send), [batch, open = open_](Error error) {
+    open->remove(batch);
     batch->fail_rest(error);
   });
   if (!begun) batch->fail_rest(fail(ErrorCode::Unavailable, "the connection is closed"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/link.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/host/task_host.hpp>
 
 #include <memory>
@@ -9,20 +9,25 @@
 
 namespace segue::control::detail {
 
-/// The batches of one connection to a deployment process that are on their way. Thread safe.
+/// The batches of actions that were sent through one connection to a deployment process and have not ended.
+/// What comes back is not trusted: each action is reported once, whatever the process answers. Thread safe.
 class BatchClient {
  public:
-  explicit BatchClient(std::shared_ptr<Link> link);
+  explicit BatchClient(std::shared_ptr<RpcChannel> channel);
+  /// Reports what has not ended as Unavailable.
+  ~BatchClient();
+  BatchClient(const BatchClient&) = delete;
+  BatchClient& operator=(const BatchClient&) = delete;
 
-  /// Sends a batch and returns at once. `completed` is told each action once, from the link's loop; what the
-  /// process does not answer is an error of each.
+  /// Sends a batch and returns at once. `completed` gets each action once, in the loop of the channel; where
+  /// the process does not answer, with an error.
   void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
 
  private:
-  class Followed;
+  class Open;
   struct Batch;
-  const std::shared_ptr<Link> link_;
-  const std::shared_ptr<Followed> followed_;
+  const std::shared_ptr<RpcChannel> channel_;
+  const std::shared_ptr<Open> open_;
 };
 
 }  // namespace segue::control::detail

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
-#include <segue/host/batch_outcomes.hpp>
 
-#include <atomic>
 #include <utility>
 
 namespace segue::control::detail {
@@ -12,7 +10,8 @@ namespace {
 
 using Outcomes = std::vector<host::Completed>;
 
-/// A batch on its way; lives in the loop's thread, and lets go of all that belongs there when it has ended.
+/// A batch in progress; used in the loop's thread only, and lets go of all that belongs there when it has
+/// ended.
 class Batch final : private kj::TaskSet::ErrorHandler {
  public:
   Batch(Caller caller, Follower follower, std::uint64_t ticket, std::size_t count)
@@ -29,44 +28,46 @@ class Batch final : private kj::TaskSet::ErrorHandler {
     return kj::mv(pair.promise);
   }
 
-  /// Each action comes once.
   void take(std::vector<host::Completed> ended) {
+    if (sending_ == nullptr) return;
     open_ -= ended.size();
     for (auto& one : ended) {
-      untold_.push_back(one.index);
+      unreported_.push_back(one.index);
       outcomes_[one.index] = std::move(one);
     }
-    open_ == 0 ? finish() : tell();
+    open_ == 0 ? finish(std::move(outcomes_)) : report();
   }
 
- private:
-  void finish() {
+  /// The service broke down: all of it failed, whatever ended before.
+  void finish(Result<Outcomes> outcomes) {
     sending_.reset();
     follower_.reset();
     caller_.end();
-    (*std::exchange(done_, nullptr)).fulfill(std::move(outcomes_));
+    caller_.core().batches.remove();
+    (*std::exchange(done_, nullptr)).fulfill(std::move(outcomes));
   }
 
-  /// One message at a time is on its way; the answer has all, so what waits then is dropped.
-  void tell() {
+ private:
+  /// One message at a time is on its way. The answer has all outcomes, so what waits then is dropped.
+  void report() {
     KJ_IF_MAYBE (follower, *follower_) {
-      if (busy_ || untold_.empty()) return;
+      if (busy_ || unreported_.empty()) return;
       busy_ = true;
       auto request = follower->toldRequest();
       request.setTicket(ticket_);
-      auto list = request.initEnded(count_of(untold_));
+      auto list = request.initEnded(count_of(unreported_));
       for (unsigned i = 0; i < list.size(); ++i) {
-        encode(outcomes_[untold_[i]], list[i]);
+        encode(outcomes_[unreported_[i]], list[i]);
       }
-      untold_.clear();
+      unreported_.clear();
       sending_->add(request.send().ignoreResult().then([this] {
         busy_ = false;
-        tell();
+        report();
       }));
     }
   }
 
-  /// The client is gone or does not want to be told: it stays busy for good.
+  /// The client is gone or refuses reports: it stays busy, so none is sent any more.
   void taskFailed(kj::Exception&&) override {}
 
   Caller caller_;
@@ -74,7 +75,7 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   const std::uint64_t ticket_;
   Outcomes outcomes_;
   std::size_t open_;
-  std::vector<std::size_t> untold_;
+  std::vector<std::size_t> unreported_;
   bool busy_ = false;
   std::unique_ptr<kj::TaskSet> sending_;
   kj::Own<kj::PromiseFulfiller<Result<Outcomes>>> done_;
@@ -94,21 +95,14 @@ kj::Promise<Result<Outcomes>> perform_batch(Caller caller, Follower follower, st
   const auto batch = std::make_shared<Batch>(caller, std::move(follower), ticket, count);
   auto answer = batch->answer();
   core.batches.add();
-  const auto told = std::make_shared<host::BatchOutcomes>(
-      count, [&core, batch, open = count](std::vector<host::Completed> ended) mutable {
-        open -= ended.size();
-        core.loop.post([batch, ended = std::move(ended)](kj::AsyncIoContext&) mutable {
-          batch->take(std::move(ended));
-        });
-        if (open == 0) core.batches.remove();
-      });
+  auto completed = [&core, batch](std::vector<host::Completed> ended) {
+    core.loop.post(
+        [batch, ended = std::move(ended)](kj::AsyncIoContext&) mutable { batch->take(std::move(ended)); });
+  };
   try {
-    core.service<deploy::DeploymentService>().begin_all(
-        std::move(actions), deadline,
-        [told](std::vector<host::Completed> ended) { told->add(std::move(ended)); });
+    core.service<deploy::DeploymentService>().begin_all(std::move(actions), deadline, std::move(completed));
   } catch (...) {
-    const Error error = thrown_by_service(core.noun());
-    told->fail_rest([&](std::size_t) { return error; });
+    batch->finish(thrown_by_service(core.noun()));
   }
   return answer;
 }

@@ -9,11 +9,11 @@
 
 namespace segue::control::detail {
 
-/// Whoever wants to know early how batches of a client go; may be nobody yet.
+/// Who gets early reports of a client's batches; nobody until the client says who.
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
-/// Carries out a batch by the caller's deployment service, without a thread of the pool: quick ones are
-/// answered at once, and of slow ones the follower is told what has ended meanwhile. Only in the event loop.
+/// Has the caller's deployment service carry out a batch, on threads of the service: a quick batch is
+/// answered at once, and of a slow one the follower gets what has ended meanwhile. Only in the event loop.
 kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller, Follower follower,
                                                                 std::uint64_t ticket,
                                                                 std::vector<model::Action> actions,

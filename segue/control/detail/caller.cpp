@@ -66,8 +66,8 @@ kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
   auto pair = kj::newPromiseAndFulfiller<Result<void>>();
   // Copyable, as std::function wants it; in truth it only ever moves, and ends in the loop's thread.
   auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
-  const bool begun =
-      core_.pool.submit([&loop = core_.loop, job = std::move(job), fulfiller, client = client_]() mutable {
+  const bool begun = core_.pool.try_submit(
+      [&loop = core_.loop, job = std::move(job), fulfiller, client = client_]() mutable {
         job();
         job = nullptr;
         loop.post([fulfiller = std::move(fulfiller), client = std::move(client)](kj::AsyncIoContext&) {

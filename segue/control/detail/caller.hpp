@@ -3,11 +3,11 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/concurrent/thread_pool.hpp>
 #include <segue/control/detail/broadcast.hpp>
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/tally.hpp>
 #include <segue/control/detail/wire.hpp>
-#include <segue/control/detail/worker_pool.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process/process_service.hpp>
@@ -46,8 +46,9 @@ struct ServerCore {
   Broadcast<host::TaskEvent> task_events;
   Broadcast<process::ProcessInfo> process_events;
   EventLoop loop;
-  Tally batches;               ///< in progress, on threads of the service
-  WorkerPool pool{kMaxCalls};  ///< goes before the loop, to which its jobs post
+  Tally batches;  ///< in progress, on threads of the service
+  /// Destroyed before the loop, to which its jobs post.
+  concurrent::ThreadPool pool{"segue-calls", {kMaxCalls, 8}};
 };
 
 inline constexpr std::size_t kMaxListenersPerClient = 4;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
-#include <segue/control/detail/link.hpp>
 #include <segue/control/detail/memory_wire.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/services.hpp>
 #include <segue/control/detail/stream_server.hpp>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/concurrent/thread.hpp>
 #include <segue/control/detail/event_loop.hpp>
 
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,15 +16,6 @@
 namespace segue::control::detail {
 
 namespace {
-
-/// Signals are for the main thread.
-void block_signals() {
-  sigset_t all;
-  sigfillset(&all);
-  for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-    sigdelset(&all, fault);
-  pthread_sigmask(SIG_BLOCK, &all, nullptr);
-}
 
 void run_guarded(const EventLoop::Work& work, kj::AsyncIoContext& io) {
   try {
@@ -56,7 +47,7 @@ EventLoop::EventLoop() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   const auto ready = std::make_shared<std::promise<void>>();
   auto started = ready->get_future();
   try {
-    thread_ = std::thread([this, ready] { main(*ready); });
+    thread_ = concurrent::start_thread("segue-loop", [this, ready] { main(*ready); });
     started.get();
   } catch (...) {
     if (thread_.joinable()) thread_.join();
@@ -108,7 +99,6 @@ void EventLoop::wake() const {
 }
 
 void EventLoop::main(std::promise<void>& ready) {
-  block_signals();
   std::optional<kj::AsyncIoContext> io;
   try {
     io.emplace(set_up());

@@ -13,35 +13,36 @@ using type::Value;
 
 class ClientStream final : public SampleStream {
  public:
-  ClientStream(std::shared_ptr<Link> link, Link::StreamId id, std::string type)
-      : link_(std::move(link)), id_(id), type_(std::move(type)) {}
-  ~ClientStream() override { link_->close_stream(id_); }
+  ClientStream(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id, std::string type)
+      : channel_(std::move(channel)), id_(id), type_(std::move(type)) {}
+  ~ClientStream() override { channel_->close_stream(id_); }
 
   Result<std::vector<Value>> read(std::size_t limit) override {
-    auto answer = link_->ask(kLookTimeout, [id = id_, limit](Link::Connection& connection) {
+    auto answer = channel_->ask(kLookTimeout, [id = id_, limit](RpcChannel::Connection& connection) {
       auto request = connection.stream(id).readRequest();
       request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
-      return Link::send(request);
+      return RpcChannel::send(request);
     });
     if (!answer) return answer.error();
-    if (!answer->is_list()) return fail(ErrorCode::Internal, link_->who() + " sent samples that are no list");
+    if (!answer->is_list())
+      return fail(ErrorCode::Internal, channel_->who() + " sent samples that are no list");
     return std::move(answer->as_list());
   }
 
   [[nodiscard]] std::string type_name() const override { return type_; }
 
  private:
-  std::shared_ptr<Link> link_;
-  Link::StreamId id_;
+  std::shared_ptr<RpcChannel> channel_;
+  RpcChannel::StreamId id_;
   std::string type_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<Link> link, Link::StreamId id,
-                                                    const Result<Value>& type_name) {
+Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<RpcChannel> channel,
+                                                    RpcChannel::StreamId id, const Result<Value>& type_name) {
   if (!type_name) return type_name.error();
-  return std::make_unique<ClientStream>(std::move(link), id,
+  return std::make_unique<ClientStream>(std::move(channel), id,
                                         type_name->is_string() ? type_name->as_string() : std::string());
 }
 

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/detail/link.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/robot_service.hpp>
 
 #include <memory>
 
 namespace segue::control::detail {
 
-/// The samples of a port, read through the link: what Connection::open() of that id answered. It keeps the
-/// link alive, and closes on the other side when it is destroyed.
-Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<Link> link, Link::StreamId id,
+/// The samples of a port, read through a channel: what Connection::open() of that id answered. It keeps the
+/// channel alive, and closes on the other side when it is destroyed.
+Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<RpcChannel> channel,
+                                                    RpcChannel::StreamId id,
                                                     const Result<type::Value>& type_name);
 
 }  // namespace segue::control::detail

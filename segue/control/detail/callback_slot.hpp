@@ -7,24 +7,24 @@
 
 namespace segue::control::detail {
 
-/// A client's listener. Thread safe.
+/// The listener of a client, which may be replaced while events arrive. Thread safe.
 template <class Event>
-class Told {
+class CallbackSlot {
  public:
   using Listener = std::function<void(const Event&)>;
 
-  /// No call of the last one is under way when this returns.
+  /// No call of the previous listener is in progress when this returns.
   void set(Listener listener) {
     const std::lock_guard lock(mutex_);
     listener_ = std::move(listener);
   }
-  void tell(const Event& event) {
+  void call(const Event& event) {
     const std::lock_guard lock(mutex_);
     if (listener_) listener_(event);
   }
 
  private:
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects the listener; held while it is called
   Listener listener_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/alarm.hpp>
+#include <segue/concurrent/alarm.hpp>
 
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -8,11 +8,11 @@
 #include <cerrno>
 #include <cstdint>
 
-namespace segue::host::detail {
+namespace segue::concurrent {
 
 namespace {
 
-/// 0 would be "not at all".
+/// A time of 0 would disarm the timer.
 constexpr Duration kAtOnce = std::chrono::nanoseconds(1);
 
 itimerspec spec_of(Duration since_boot) {
@@ -50,4 +50,4 @@ void Alarm::stop() {
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &spec, nullptr);
 }
 
-}  // namespace segue::host::detail
+}  // namespace segue::concurrent

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/control/detail/link.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/socket.hpp>
 
 #include <kj/debug.h>
@@ -58,12 +58,12 @@ Result<void> check_request(std::uint64_t words) {
                   std::to_string(kServerMessageWords * 8 / 2 >> 20) + " MiB are");
 }
 
-struct Link::Failures final : kj::TaskSet::ErrorHandler {
+struct RpcChannel::Failures final : kj::TaskSet::ErrorHandler {
   /// start() handles all failures itself.
   void taskFailed(kj::Exception&&) override {}
 };
 
-Link::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors)
+RpcChannel::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors)
     : stream_(io.lowLevelProvider->wrapUnixSocketFd(descriptor,
                                                     kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP |
                                                         kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
@@ -72,13 +72,13 @@ Link::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsigned de
       rpc_(capnp::makeRpcClient(network_)),
       service_(kj::Exception(not_connected())) {}
 
-wire::SampleStream::Client Link::Connection::stream(StreamId id) {
+wire::SampleStream::Client RpcChannel::Connection::stream(StreamId id) {
   const auto found = streams_.find(id);
   if (found == streams_.end()) return not_connected();
   return found->second;
 }
 
-Link::Answer Link::Connection::hello(std::string_view kind) {
+RpcChannel::Answer RpcChannel::Connection::hello(std::string_view kind) {
   auto request = gate_of(rpc_).helloRequest();
   request.setVersion(kProtocolVersion);
   request.setSoftware(SEGUE_VERSION);
@@ -98,14 +98,14 @@ Link::Answer Link::Connection::hello(std::string_view kind) {
   });
 }
 
-void Link::Connection::watch(std::function<void()> gone) {
+void RpcChannel::Connection::watch(std::function<void()> gone) {
   watch_ = nullptr;
   if (gone) watch_ = network_.onDisconnect().then(std::move(gone)).eagerlyEvaluate(nullptr);
 }
 
-Link::Link(std::string who) : who_(std::move(who)) {}
+RpcChannel::RpcChannel(std::string who) : who_(std::move(who)) {}
 
-Link::~Link() {
+RpcChannel::~RpcChannel() {
   loop_.run([this](kj::AsyncIoContext&) {
     calls_.reset();
     failures_.reset();
@@ -113,29 +113,30 @@ Link::~Link() {
   });
 }
 
-Result<std::shared_ptr<Link>> Link::open(const std::filesystem::path& socket, std::string_view kind,
-                                         std::string who, Duration timeout) {
+Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const std::filesystem::path& socket,
+                                                     std::string_view kind, std::string who,
+                                                     Duration timeout) {
   const TimePoint deadline = RealClock::instance().now() + timeout;
   auto connected = connect_socket(socket, timeout);
   if (!connected) return connected.error();
   try {
-    const std::shared_ptr<Link> link(new Link(std::move(who)));
-    link->loop_.run([&](kj::AsyncIoContext& io) {
-      link->failures_ = std::make_unique<Failures>();
-      link->calls_ = std::make_unique<kj::TaskSet>(*link->failures_);
-      link->connection_ = std::make_unique<Connection>(io, connected->release(),
-                                                       kind == kDeploymentKind ? kMaxDescriptors : 0);
+    const std::shared_ptr<RpcChannel> channel(new RpcChannel(std::move(who)));
+    channel->loop_.run([&](kj::AsyncIoContext& io) {
+      channel->failures_ = std::make_unique<Failures>();
+      channel->calls_ = std::make_unique<kj::TaskSet>(*channel->failures_);
+      channel->connection_ = std::make_unique<Connection>(io, connected->release(),
+                                                          kind == kDeploymentKind ? kMaxDescriptors : 0);
     });
     const auto greeted =
-        link->ask(time_left(deadline), [kind](Connection& connection) { return connection.hello(kind); });
+        channel->ask(time_left(deadline), [kind](Connection& connection) { return connection.hello(kind); });
     if (!greeted) return greeted.error();
-    return link;
+    return channel;
   } catch (const std::exception& exception) {
     return fail(ErrorCode::ResourceExhausted, std::string("cannot connect: ") + exception.what());
   }
 }
 
-bool Link::start(Duration timeout, Begin begin, Failed failed) {
+bool RpcChannel::start(Duration timeout, Begin begin, Failed failed) {
   return loop_.post(
       [this, begin = std::move(begin), failed = std::move(failed), timeout](kj::AsyncIoContext&) {
         auto late = loop_.timer().afterDelay(to_kj(timeout)).then([] { return false; });
@@ -160,21 +161,25 @@ bool Link::start(Duration timeout, Begin begin, Failed failed) {
       });
 }
 
-void Link::watch(std::function<void()> gone) {
+void RpcChannel::run(const std::function<void()>& work) {
+  loop_.run([&](kj::AsyncIoContext&) { work(); });
+}
+
+void RpcChannel::watch(std::function<void()> gone) {
   loop_.run([&](kj::AsyncIoContext&) { connection_->watch(std::move(gone)); });
 }
 
-void Link::unwatch() {
+void RpcChannel::unwatch() {
   loop_.run([&](kj::AsyncIoContext&) { connection_->watch(nullptr); });
 }
 
-void Link::close_stream(StreamId id) {
+void RpcChannel::close_stream(StreamId id) {
   loop_.post([this, id](kj::AsyncIoContext&) {
     if (connection_) connection_->close(id);
   });
 }
 
-Error Link::translate(const kj::Exception& exception) const {
+Error RpcChannel::translate(const kj::Exception& exception) const {
   switch (exception.getType()) {
     case kj::Exception::Type::DISCONNECTED:
       return fail(ErrorCode::Unavailable, who_ + " is gone");

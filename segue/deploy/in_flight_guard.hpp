@@ -9,26 +9,26 @@
 
 namespace segue::deploy::detail {
 
-/// Lets work through until it is closed. Thread safe.
-class Gate {
+/// Counts work in flight, and lets none begin once it is closed. Thread safe.
+class InFlightGuard {
  public:
-  /// One piece of work, from its begin to its end; false where the gate was closed before.
+  /// One piece of work, from its begin to its end; false where the guard was closed before.
   class Pass {
    public:
-    explicit Pass(Gate& gate) : gate_(gate), inside_(gate.enter()) {}
+    explicit Pass(InFlightGuard& guard) : guard_(guard), inside_(guard.enter()) {}
     Pass(const Pass&) = delete;
     Pass& operator=(const Pass&) = delete;
     ~Pass() {
-      if (inside_) gate_.leave();
+      if (inside_) guard_.leave();
     }
     explicit operator bool() const { return inside_; }
 
    private:
-    Gate& gate_;
+    InFlightGuard& guard_;
     const bool inside_;
   };
 
-  /// Lets nothing more in, and waits for what is inside. False: some of it still is at `deadline`.
+  /// Lets nothing more begin, and waits for what is in flight; false where some of it still is at `deadline`.
   bool close(TimePoint deadline) {
     std::unique_lock lock(mutex_);
     closed_ = true;
@@ -46,7 +46,7 @@ class Gate {
     if (--inside_ == 0) left_.notify_all();
   }
 
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects both below
   std::condition_variable left_;
   std::size_t inside_ = 0;
   bool closed_ = false;

@@ -33,7 +33,7 @@ Result<void> check_request(std::uint64_t words);
 
 /// A client's connection: an event loop of its own, and calls into it that block until their answer or their
 /// timeout. Thread safe.
-class Link {
+class RpcChannel {
  public:
   using StreamId = std::uint64_t;
   template <class T>
@@ -73,11 +73,11 @@ class Link {
   };
 
   /// Connects and says hello. `who` is the other side in messages: "robot 'spot'".
-  static Result<std::shared_ptr<Link>> open(const std::filesystem::path& socket, std::string_view kind,
-                                            std::string who, Duration timeout);
-  ~Link();
-  Link(const Link&) = delete;
-  Link& operator=(const Link&) = delete;
+  static Result<std::shared_ptr<RpcChannel>> open(const std::filesystem::path& socket, std::string_view kind,
+                                                  std::string who, Duration timeout);
+  ~RpcChannel();
+  RpcChannel(const RpcChannel&) = delete;
+  RpcChannel& operator=(const RpcChannel&) = delete;
 
   /// Runs `build`, a Reply<T>(Connection&), in the loop and waits for its answer. What it refers to stays
   /// alive until then. Not from the loop's own thread.
@@ -89,6 +89,9 @@ class Link {
   /// Runs `begin` in the loop and returns at once; where what it promised does not come, `failed` is called
   /// in the loop. False after the end of the loop. Neither is called any more when this is destroyed.
   bool start(Duration timeout, Begin begin, Failed failed);
+
+  /// Runs `work` in the loop and waits for its end. Not from the loop's own thread.
+  void run(const std::function<void()>& work);
 
   /// Sends a request whose results are an `answer`.
   template <class Request>
@@ -108,7 +111,7 @@ class Link {
   [[nodiscard]] const std::string& who() const { return who_; }
 
  private:
-  explicit Link(std::string who);
+  explicit RpcChannel(std::string who);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
   struct Failures;
@@ -121,7 +124,7 @@ class Link {
 };
 
 template <class T, class Build>
-Result<T> Link::ask(Duration timeout, const Build& build) {
+Result<T> RpcChannel::ask(Duration timeout, const Build& build) {
   // Shared, since the waiter may be gone before set_value() returns.
   const auto done = std::make_shared<std::promise<Result<T>>>();
   auto answer = done->get_future();
@@ -136,7 +139,7 @@ Result<T> Link::ask(Duration timeout, const Build& build) {
 }
 
 template <class Request>
-Link::Answer Link::send(Request& request) {
+RpcChannel::Answer RpcChannel::send(Request& request) {
   if (auto fits = check_request(request.totalSize().wordCount); !fits) {
     return Result<type::Value>(fits.error());
   }
@@ -145,7 +148,7 @@ Link::Answer Link::send(Request& request) {
 }
 
 template <class T, class Request, class Read>
-Link::Reply<T> Link::send(Request& request, Read read) {
+RpcChannel::Reply<T> RpcChannel::send(Request& request, Read read) {
   if (auto fits = check_request(request.totalSize().wordCount); !fits) return Result<T>(fits.error());
   return request.send().then([read](auto&& response) -> Result<T> {
     if (response.hasError()) return decode(response.getError());
@@ -154,7 +157,7 @@ Link::Reply<T> Link::send(Request& request, Read read) {
 }
 
 template <class Request>
-Link::Answer Link::Connection::open(StreamId id, Request& request) {
+RpcChannel::Answer RpcChannel::Connection::open(StreamId id, Request& request) {
   return request.send().then([this, id](auto&& response) -> Result<type::Value> {
     auto type = decode(response.getAnswer(), kMaxNodes);
     if (type) streams_.emplace(id, response.getStream());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/deploy/routing.hpp>
+#include <segue/deploy/action_dispatcher.hpp>
 
 #include <segue/base/text.hpp>
 #include <segue/host/full_id.hpp>
@@ -92,74 +92,85 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
   return {};
 }
 
-void Router::perform(std::span<const model::Action> actions, TimePoint deadline,
-                     const host::Completion& completed) {
-  // Shared with calls under way: the last of them may still be on its way out when all are told.
-  const auto outcomes = std::make_shared<host::BatchOutcomes>(
-      actions.size(), [actions, &completed](std::vector<host::Completed> ended) {
-        for (auto& one : ended) {
-          if (!one.outcome) {
-            one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
-          }
-        }
-        completed(std::move(ended));
-      });
-  const Plan plan = this->plan(actions, outcomes);
-  Services services;
-  for (const auto& [record, indices] : plan.at_process) {
-    services.push_back(begin_at(record, indices, actions, deadline, outcomes));
+void ActionDispatcher::Batch::report(std::vector<host::Completed> ended) const {
+  for (auto& one : ended) {
+    if (!one.outcome) {
+      one.outcome = with_subject(std::move(one.outcome.error()), actions[one.index].label());
+    }
   }
-  fleet_.pool().run_all(blocking(plan, actions, deadline, outcomes));
-  outcomes->tell();
-  outcomes->wait();
+  completed(std::move(ended));
 }
 
-std::vector<WorkerPool::Job> Router::blocking(const Plan& plan, std::span<const model::Action> actions,
-                                              TimePoint deadline, const Outcomes& outcomes) {
-  std::vector<WorkerPool::Job> jobs;
-  for (const std::size_t index : plan.processes) {
-    jobs.emplace_back([this, actions, deadline, outcomes, index] {
-      outcomes->add({measured(index, [&] { return perform_on_process(actions[index], deadline); })});
+void ActionDispatcher::begin(std::vector<model::Action> actions, TimePoint deadline,
+                             host::Completion completed) {
+  Plan placed = plan(actions);
+  const auto batch = std::make_shared<const Batch>(
+      Batch{std::move(actions), deadline, std::move(completed), std::move(placed)});
+  for (const auto& [record, indices] : batch->plan.at_process) {
+    begin_at(record, indices, batch);
+  }
+  begin_blocking(batch);
+  if (!batch->plan.refused.empty()) {
+    batch->report(batch->plan.refused);
+  }
+}
+
+void ActionDispatcher::begin_blocking(const BatchPtr& batch) {
+  for (const std::size_t index : batch->plan.processes) {
+    run([this, batch, index] {
+      const auto& action = batch->actions[index];
+      batch->report({measured(index, [&] { return perform_on_process(action, batch->deadline); })});
     });
   }
-  for (const auto& what : plan.hand_overs) {
-    jobs.emplace_back([&what, deadline, outcomes] {
-      outcomes->add({measured(what.index, [&] { return hand_over(what, deadline); })});
+  for (const auto& what : batch->plan.hand_overs) {
+    run([batch, &what] {
+      batch->report({measured(what.index, [&] { return hand_over(what, batch->deadline); })});
     });
   }
-  // All are laid together: of one that is quick, its share is its time.
-  const auto spread = [](host::BatchOutcomes& to, const Indices& indices, const auto& work) {
+  if (!batch->plan.disconnect.empty() || !batch->plan.connect.empty()) {
+    run([this, batch] { begin_connections(batch); });
+  }
+}
+
+void ActionDispatcher::begin_connections(const BatchPtr& batch) {
+  // All are made together. How long each took is its share, unless together they were slow.
+  const auto measure_all = [&](const Indices& indices, const auto& work) {
+    if (indices.empty()) {
+      return;
+    }
     const TimePoint begin = RealClock::instance().now();
     std::vector<Result<void>> answers = work();
     const Duration all = RealClock::instance().now() - begin;
-    const Duration share = all / static_cast<std::int64_t>(std::max<std::size_t>(indices.size(), 1));
+    const Duration share = all / static_cast<std::int64_t>(indices.size());
     std::vector<host::Completed> ended;
     for (std::size_t i = 0; i < indices.size(); ++i) {
       ended.push_back({indices[i], std::move(answers[i]), share < model::kQuickAction ? share : all});
     }
-    to.add(std::move(ended));
+    batch->report(std::move(ended));
   };
-  if (!plan.disconnect.empty() || !plan.connect.empty()) {
-    jobs.emplace_back([this, &plan, deadline, outcomes, spread] {
-      spread(*outcomes, plan.disconnect_indices,
-             [&] { return connector_.disconnect(plan.disconnect, deadline); });
-      spread(*outcomes, plan.connect_indices, [&] { return connector_.connect(plan.connect, deadline); });
-    });
-  }
-  return jobs;
+  const Plan& plan = batch->plan;
+  measure_all(plan.disconnect_indices,
+              [&] { return connector_.disconnect(plan.disconnect, batch->deadline); });
+  measure_all(plan.connect_indices, [&] { return connector_.connect(plan.connect, batch->deadline); });
 }
 
-Router::Plan Router::plan(std::span<const model::Action> actions, const Outcomes& outcomes) const {
+void ActionDispatcher::run(concurrent::ThreadPool::Job job) {
+  if (!fleet_.pool().submit(job)) {
+    job();  // without another thread it holds up this one
+  }
+}
+
+ActionDispatcher::Plan ActionDispatcher::plan(const std::vector<model::Action>& actions) const {
   Plan plan;
   for (std::size_t i = 0; i < actions.size(); ++i) {
     if (auto placed = place(i, actions[i], plan); !placed) {
-      outcomes->note({i, std::move(placed)});
+      plan.refused.push_back({i, std::move(placed)});
     }
   }
   return plan;
 }
 
-Result<void> Router::place(std::size_t index, const model::Action& action, Plan& plan) const {
+Result<void> ActionDispatcher::place(std::size_t index, const model::Action& action, Plan& plan) const {
   if (std::holds_alternative<model::DeploymentAction>(action.what)) {
     plan.processes.push_back(index);
     return {};
@@ -181,7 +192,8 @@ Result<void> Router::place(std::size_t index, const model::Action& action, Plan&
   return {};
 }
 
-Result<void> Router::place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const {
+Result<void> ActionDispatcher::place_hand_over(std::size_t index, const model::HandOverAction& what,
+                                               Plan& plan) const {
   auto from = fleet_.locate(what.from, Which::Current);
   if (!from) {
     return std::move(from.error());
@@ -201,7 +213,7 @@ Result<void> Router::place_hand_over(std::size_t index, const model::HandOverAct
   return {};
 }
 
-Result<void> Router::hand_over(const HandOver& what, TimePoint deadline) {
+Result<void> ActionDispatcher::hand_over(const HandOver& what, TimePoint deadline) {
   const auto giver = what.from.record->service();
   const auto taker = what.to.record->service();
   if (giver == nullptr || taker == nullptr) {
@@ -214,7 +226,8 @@ Result<void> Router::hand_over(const HandOver& what, TimePoint deadline) {
   return state->has_value() ? taker->restore_state(what.to.task, **state, deadline) : Result<void>();
 }
 
-Result<void> Router::place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const {
+Result<void> ActionDispatcher::place_config(std::size_t index, const model::ConfigAction& what,
+                                            Plan& plan) const {
   auto record = fleet_.find(what.process);
   if (record == nullptr) {
     return fail(ErrorCode::InvalidState,
@@ -227,7 +240,8 @@ Result<void> Router::place_config(std::size_t index, const model::ConfigAction& 
   return {};
 }
 
-Result<void> Router::place_connection(std::size_t index, const model::Action& action, Plan& plan) const {
+Result<void> ActionDispatcher::place_connection(std::size_t index, const model::Action& action,
+                                                Plan& plan) const {
   const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
   auto from = fleet_.locate(connection.from.task, which_of(action.kind));
   auto to = fleet_.locate(connection.to.task, which_of(action.kind));
@@ -259,7 +273,7 @@ Result<void> Router::place_connection(std::size_t index, const model::Action& ac
   return {};
 }
 
-Result<void> Router::perform_on_process(const model::Action& action, TimePoint deadline) {
+Result<void> ActionDispatcher::perform_on_process(const model::Action& action, TimePoint deadline) {
   const auto& [deployment, kill] = std::get<model::DeploymentAction>(action.what);
   if (action.kind == ActionKind::Deploy) {
     return fleet_.deploy(deployment, deadline);
@@ -267,35 +281,32 @@ Result<void> Router::perform_on_process(const model::Action& action, TimePoint d
   return kill ? fleet_.kill(deployment.key(), deadline) : fleet_.undeploy(deployment.key(), deadline);
 }
 
-std::shared_ptr<DeploymentService> Router::begin_at(const RecordPtr& record, const Indices& indices,
-                                                    std::span<const model::Action> actions,
-                                                    TimePoint deadline, const Outcomes& outcomes) {
-  auto service = record->service();
-  Indices asked;
-  std::vector<model::Action> batch;
-  for (const std::size_t index : indices) {
-    if (service == nullptr) {
-      outcomes->note({index, record->unreachable()});
-      continue;
+void ActionDispatcher::begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch) {
+  const auto service = record->service();
+  if (service == nullptr) {
+    std::vector<host::Completed> failed;
+    for (const std::size_t index : indices) {
+      failed.push_back({index, record->unreachable()});
     }
-    asked.push_back(index);
-    batch.push_back(plain(actions[index]));
+    return batch->report(std::move(failed));
   }
-  if (!batch.empty()) {
-    service->begin_all(std::move(batch), deadline,
-                       [this, record, actions, asked, outcomes](std::vector<host::Completed> ended) {
-                         for (auto& one : ended) {
-                           one.index = asked[one.index];
-                           note_placement(actions[one.index], record, one.outcome);
-                         }
-                         outcomes->add(std::move(ended));
-                       });
+  std::vector<model::Action> actions;
+  for (const std::size_t index : indices) {
+    actions.push_back(plain(batch->actions[index]));
   }
-  return service;
+  // The batch owns its plan, and with it the indices.
+  service->begin_all(std::move(actions), batch->deadline,
+                     [this, record, batch, &indices](std::vector<host::Completed> ended) {
+                       for (auto& one : ended) {
+                         one.index = indices[one.index];
+                         note_placement(batch->actions[one.index], record, one.outcome);
+                       }
+                       batch->report(std::move(ended));
+                     });
 }
 
-void Router::note_placement(const model::Action& action, const RecordPtr& record,
-                            const Result<void>& outcome) {
+void ActionDispatcher::note_placement(const model::Action& action, const RecordPtr& record,
+                                      const Result<void>& outcome) {
   const auto* config = std::get_if<model::ConfigAction>(&action.what);
   if (config == nullptr) {
     return;
@@ -310,11 +321,11 @@ void Router::note_placement(const model::Action& action, const RecordPtr& record
   }
 }
 
-void Router::withdraw() {
+void ActionDispatcher::withdraw() {
   fleet_.placements().withdraw();
 }
 
-void Router::conclude(const model::Transition& transition) {
+void ActionDispatcher::conclude(const model::Transition& transition) {
   std::map<RecordPtr, model::Transition> parts;
   for (const auto& [task, process] : fleet_.placements().conclude()) {
     if (const auto record = fleet_.find(process)) {
@@ -333,7 +344,7 @@ void Router::conclude(const model::Transition& transition) {
     }
   }
   const TimePoint deadline = RealClock::instance().now() + kConcluding;
-  std::vector<WorkerPool::Job> jobs;
+  std::vector<concurrent::ThreadPool::Job> jobs;
   for (const auto& [record, part] : parts) {
     jobs.emplace_back([this, deadline, record = record, &part = part] {
       const auto service = record->service();

@@ -3,11 +3,10 @@
 
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
-#include <segue/host/batch_outcomes.hpp>
 #include <segue/model/transition.hpp>
 
 #include <map>
-#include <span>
+#include <memory>
 #include <vector>
 
 namespace segue::deploy::detail {
@@ -19,19 +18,17 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
 /// Sends every action to where it has to be carried out, by plain ids: of a task that a transition moves,
 /// Recover, Stop, Cleanup and Disconnect mean the incarnation that stands, all others the new one where there
 /// is one. Thread safe.
-class Router {
+class ActionDispatcher {
  public:
-  Router(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
+  ActionDispatcher(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
 
-  /// Actions that do not depend on each other: what goes to one process goes as one message, all processes
-  /// side by side; each tells what has ended as TaskHost::perform_all says. Returns when all are told.
-  void perform(std::span<const model::Action> actions, TimePoint deadline, const host::Completion& completed);
+  /// Begins actions that do not depend on each other: one message for each process, all processes at the same
+  /// time; `completed` as TaskHost::begin_all says.
+  void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
   void conclude(const model::Transition& transition);
   void withdraw();
 
  private:
-  using Outcomes = std::shared_ptr<host::BatchOutcomes>;
-  using Services = std::vector<std::shared_ptr<DeploymentService>>;
   using Indices = std::vector<std::size_t>;
 
   /// From a task of one process to one of another.
@@ -41,7 +38,7 @@ class Router {
     Fleet::Located to;
   };
 
-  /// Who has to do what.
+  /// Which part of a batch is carried out where.
   struct Plan {
     std::map<RecordPtr, Indices> at_process;
     Indices processes;  ///< deploy, undeploy
@@ -50,22 +47,32 @@ class Router {
     std::vector<RemoteConnection> disconnect;
     Indices disconnect_indices;
     std::vector<HandOver> hand_overs;
+    std::vector<host::Completed> refused;
   };
+  /// Kept by all that works on it.
+  struct Batch {
+    std::vector<model::Action> actions;
+    TimePoint deadline;
+    host::Completion completed;
+    Plan plan{};
 
-  Plan plan(std::span<const model::Action> actions, const Outcomes& outcomes) const;
+    void report(std::vector<host::Completed> ended) const;
+  };
+  using BatchPtr = std::shared_ptr<const Batch>;
+
+  Plan plan(const std::vector<model::Action>& actions) const;
   Result<void> place(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_connection(std::size_t index, const model::Action& action, Plan& plan) const;
   Result<void> place_hand_over(std::size_t index, const model::HandOverAction& what, Plan& plan) const;
   static Result<void> hand_over(const HandOver& what, TimePoint deadline);
   Result<void> place_config(std::size_t index, const model::ConfigAction& what, Plan& plan) const;
-  /// What blocks: processes that begin or end, and connections between processes.
-  std::vector<WorkerPool::Job> blocking(const Plan& plan, std::span<const model::Action> actions,
-                                        TimePoint deadline, const Outcomes& outcomes);
+  void begin_at(const RecordPtr& record, const Indices& indices, const BatchPtr& batch);
+  /// What blocks, on threads of the fleet: processes that begin or end, hand-overs and connections between
+  /// processes.
+  void begin_blocking(const BatchPtr& batch);
+  void begin_connections(const BatchPtr& batch);
+  void run(concurrent::ThreadPool::Job job);
   Result<void> perform_on_process(const model::Action& action, TimePoint deadline);
-  /// Gives the service, which must live until all of it are told.
-  std::shared_ptr<DeploymentService> begin_at(const RecordPtr& record, const Indices& indices,
-                                              std::span<const model::Action> actions, TimePoint deadline,
-                                              const Outcomes& outcomes);
   void note_placement(const model::Action& action, const RecordPtr& record, const Result<void>& outcome);
 
   Fleet& fleet_;

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <thread>
+
+/// Threads and what passes work between them. Built on base only.
+namespace segue::concurrent {
+
+/// Blocks all signals in the calling thread but those that report its own faults: signals are handled by the
+/// main thread, or by whoever waits for them.
+void block_signals();
+
+/// Starts a thread with that name (15 characters at most) and all signals blocked. Throws std::system_error
+/// where the system has no thread left.
+std::thread start_thread(const char* name, std::function<void()> work);
+
+}  // namespace segue::concurrent
