@@ -34,7 +34,7 @@ constexpr auto kEncode = [](const auto& item, auto builder) { encode(item, build
 constexpr auto kDecode = [](const auto& part) { return decode(part); };
 constexpr auto kOutcomes = [](auto& results) { return results.getOutcomes(); };
 
-/// Takes what the deployment process tells.
+/// Receives events from the deployment process.
 class ListenerServer final : public wire::TaskListener::Server {
  public:
   ListenerServer(std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener, std::string who)
@@ -290,8 +290,8 @@ class DeploymentClient final : public deploy::DeploymentService {
         timeout, [&](RpcChannel::Connection& connection) { return build(connection.as<Process>()); });
   }
 
-  /// One call for all `items`: `build(process, items)` is the request, `list(results)` the outcomes. What
-  /// fails as a whole fails for each.
+  /// One call for all `items`: `build(process, items)` is the request, `list(results)` the outcomes. An error
+  /// of the call is the outcome of each.
   template <class T, class Item, class List, class Build>
   std::vector<Result<T>> ask_each(std::span<const Item> items, TimePoint deadline, List list, Build build) {
     using Outcomes = std::vector<Result<T>>;

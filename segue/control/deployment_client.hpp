@@ -18,9 +18,9 @@ namespace segue::control {
 /// DeadlineExceeded: 2 s after their deadline, 10 s after their begin where they have none.
 ///
 /// `gone` (may be null) and the service's listener are called from the connection's own thread. `gone` is
-/// called at most once and not because the service is destroyed, which waits for it: it must neither destroy
-/// the service, call it, nor wait for whoever does. Events that come faster than the listener takes them are
-/// dropped, and the log tells how many.
+/// called at most once, and not where the service is destroyed, which waits for it: it must neither destroy
+/// the service, call it, nor wait for another thread that does. Events that arrive faster than the listener
+/// handles them are dropped, and their number is logged.
 Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
                                                                       TimePoint deadline,
                                                                       std::function<void()> gone);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kExtension = ".sock";
 
-/// The process server of the computer; no robot can have its name.
+/// The socket of the computer's process server; no robot may have this name.
 constexpr std::string_view kProcessServer = "host";
 
 }  // namespace

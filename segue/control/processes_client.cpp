@@ -22,7 +22,7 @@ using detail::RpcChannel;
 using detail::time_left;
 using process::ProcessInfo;
 
-/// Takes what the process server tells.
+/// Receives events from the process server.
 class ListenerServer final : public wire::ProcessListener::Server {
  public:
   explicit ListenerServer(std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener)

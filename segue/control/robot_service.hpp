@@ -22,12 +22,12 @@ class SampleStream {
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 
-/// How a controller is asked for.
+/// Options of a request for a controller.
 struct SwitchOptions {
-  bool dry_run = false;  ///< only tell the transition
-  bool force = false;    ///< processes that go are killed, nothing is done in them before
+  bool dry_run = false;  ///< only return the transition
+  bool force = false;    ///< removed processes are killed, without any action in them before
   std::string order;     ///< "seamless" or "paper"; empty: the robot's default
-  std::string who;       ///< asks, for the journal
+  std::string who;       ///< who requests it, for the journal
 };
 
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
@@ -45,8 +45,8 @@ class RobotService {
   /// Requests a controller; answers the JSON of `switch` when it is done. dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
                                         TimePoint deadline) = 0;
-  /// Which controllers are to be kept ready, the likeliest first; replaces what was asked for before. Answers
-  /// when it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
+  /// Sets which controllers are kept ready, the likeliest first, in place of those set before. Returns when
+  /// it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
   /// Applies a given transition (the text of a transition file, `file` for messages).
   virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,

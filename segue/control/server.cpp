@@ -15,7 +15,7 @@ namespace segue::control {
 
 namespace {
 
-/// How long the end of a predecessor that was killed may take.
+/// How long a predecessor that was killed may take to end.
 constexpr auto kSuccession = std::chrono::seconds(10);
 constexpr auto kFlushPoll = std::chrono::milliseconds(5);
 constexpr auto kFlushLimit = std::chrono::milliseconds(500);

@@ -26,10 +26,11 @@ namespace segue::control {
 Result<std::filesystem::path> socket_folder();
 /// The socket of the robot of that name.
 Result<std::filesystem::path> socket_path(std::string_view robot);
-/// Names of robots whose sockets answer, sorted. Sockets that nobody serves any more are removed.
+/// Names of robots whose sockets answer, sorted. Removes sockets without a server.
 std::vector<std::string> running_robots();
 
-/// What a server offers; never null. The server takes the one listener of a deployment or process service.
+/// The service that a server offers; never null. The server sets the one listener of a deployment or process
+/// service.
 using Served = std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*>;
 
 /// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
@@ -41,7 +42,7 @@ class Server {
  public:
   /// AlreadyExists where a living server holds the socket; a stale one is replaced.
   static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
-  /// On a socket that somebody else has bound and listens already; it stays in the file system at the end.
+  /// Serves on a socket that is bound and listens already; its file is not removed at the end.
   /// InvalidArgument where it is no such socket.
   static Result<std::unique_ptr<Server>> serve(Descriptor listening, Served service);
   /// Refuses new calls, waits for those in progress (until their deadlines at most) and sends their answers,

@@ -26,7 +26,7 @@ void require(bool holds, const char* what) {
   std::abort();
 }
 
-/// What was read can be sent on, and arrives as it was.
+/// Whatever was decoded can be encoded again and is then decoded as the same.
 void check_round_trip(const type::Value& value) {
   if (!check_size(value, kServerMessageWords)) return;
   capnp::MallocMessageBuilder message;
@@ -46,7 +46,7 @@ void read_answer(wire::Answer::Reader reader) {
   }
 }
 
-/// What can be read is sent on, and is the same message when it is read and sent once more.
+/// Whatever can be decoded is encoded, and is the same message after it was decoded and encoded once more.
 template <class Wire>
 void pass_on(typename Wire::Reader reader) {
   const auto read = decode(reader);

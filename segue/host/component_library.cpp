@@ -76,7 +76,7 @@ bool same_file(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, error) && !error;
 }
 
-/// Whether the component's code lies in that file: true even where the program links the library itself.
+/// Whether the component's code is in that file, also where the program links the library itself.
 bool lies_in(const task::ComponentEntry& entry, const fs::path& file) {
   Dl_info info{};
   return ::dladdr(reinterpret_cast<const void*>(entry.make), &info) != 0 && info.dli_fname != nullptr &&
@@ -115,7 +115,7 @@ Error not_found(std::string_view name, const std::vector<fs::path>& folders) {
 
 Result<void> open_library(const std::string& name, const fs::path& file) {
   const task::LibraryScope scope(name);
-  // Local: two libraries may use the same names inside; what they share comes from libsegue_*.so.
+  // RTLD_LOCAL, since two libraries may use the same symbols; what they share is in libsegue_*.so.
   void* handle = nullptr;
   try {
     handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

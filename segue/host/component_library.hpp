@@ -15,8 +15,8 @@
 
 namespace segue::host {
 
-/// Where component libraries are looked for, first match first: $SEGUE_LIBRARY_PATH (colon separated), then
-/// `<folder of the program>/../lib/segue`, then the install prefix.
+/// The search path of component libraries: $SEGUE_LIBRARY_PATH (colon separated), then `<folder of the
+/// program>/../lib/segue`, then the install prefix.
 std::vector<std::filesystem::path> library_folders();
 
 /// The library's file ("lib<name>.so" in one of the folders). `name` must be an identifier, never a path.
@@ -31,10 +31,11 @@ Result<void> read_library_models(std::string_view name, model::ComponentCatalog&
 /// Loaded component libraries and the components they offer. Libraries stay loaded until the process ends.
 class LibrarySet {
  public:
-  /// Loads a library by name with dlopen; again is free. Fails with the loader's words, or where the library
-  /// was built against another version of Segue, or where it offers a component that another library has.
+  /// Loads a library by name with dlopen; loading it again does nothing. Fails with the loader's message,
+  /// where the library was built against another version of Segue, or where it provides a component that
+  /// another library has.
   Result<void> load(std::string_view name);
-  /// The same for a file anywhere ("build/lib/libdemo.so"); answers the library's name. For build tools:
+  /// The same for a file anywhere ("build/lib/libdemo.so"); returns the library's name. For build tools:
   /// robots name libraries, never paths.
   Result<std::string> load_path(const std::filesystem::path& file);
 
@@ -43,8 +44,8 @@ class LibrarySet {
   Result<std::unique_ptr<task::Component>> create(const model::ComponentName& component) const;
   /// Sorted.
   [[nodiscard]] std::vector<model::ComponentName> components() const;
-  /// Makes one of each component of `library` ("": of this program) and reads its interface. Fails with the
-  /// first that cannot be made.
+  /// Creates one instance of each component of `library` ("": of this program) and reads its interface. Fails
+  /// with the first that cannot be created.
   Result<std::vector<model::ComponentModel>> export_models(std::string_view library,
                                                            type::TypeRegistry& types) const;
 

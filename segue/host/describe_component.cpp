@@ -102,7 +102,8 @@ std::vector<const type::Type*> parts_of(const type::Type& type) {
   return parts;
 }
 
-/// Parts before wholes, each once. A described C++ type holds itself only through containers.
+/// Visits the parts of a type before the type, each once. A described C++ type contains itself only through
+/// containers.
 void collect(const type::Type& type, std::set<const type::Type*>& seen,
              std::vector<const type::Type*>& order) {
   if (!seen.insert(&type).second) {
@@ -116,7 +117,7 @@ void collect(const type::Type& type, std::set<const type::Type*>& seen,
   order.push_back(&type);
 }
 
-/// A type that is made of the registry's own types, where `type` is made of others of the same names.
+/// The same type composed of the registry's types, where `type` refers to other types with the same names.
 Result<type::Type> copy_into(const type::Type& type, type::TypeRegistry& types) {
   type::Type copy = type;
   std::vector<const type::Type**> parts{&copy.element};

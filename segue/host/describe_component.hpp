@@ -7,11 +7,11 @@
 
 namespace segue::host::detail {
 
-/// Adds the types of a component's ports, properties and operations to `types`, with all that they are made
-/// of.
+/// Adds the types of a component's ports, properties and operations to `types`, and all types that these
+/// consist of.
 Result<void> add_types(const task::Component& component, type::TypeRegistry& types);
 
-/// Adds one type with all that it is made of; types that are there already stay.
+/// Adds a type and all types that it consists of; existing types stay.
 Result<void> add_type(const type::Type& type, type::TypeRegistry& types);
 
 }  // namespace segue::host::detail

@@ -7,15 +7,15 @@
 
 namespace segue::host {
 
-/// While a task moves from one process to another, two incarnations of it exist. The plain id means the one
-/// that stands; the other one is told by its full id, "b@HOST/PROCESS", which names exactly one incarnation.
-/// No file can name a task so, since ids there have no '@'.
+/// While a task moves from one process to another, it has two incarnations. The plain id denotes the current
+/// one; the full id "b@HOST/PROCESS" denotes exactly one of them. No file can contain a full id, since ids
+/// there have no '@'.
 model::TaskId full_id(const model::TaskId& task, const model::DeploymentKey& process);
 
-/// An id as it was given, apart.
+/// An id split into task and process.
 struct SplitId {
   model::TaskId task;                           ///< plain
-  std::optional<model::DeploymentKey> process;  ///< only of a full id; the runtime's own has no name
+  std::optional<model::DeploymentKey> process;  ///< only of a full id; the runtime's own process has no name
 };
 SplitId split_id(const model::TaskId& id);
 

@@ -18,10 +18,10 @@ namespace segue::host {
 
 namespace {
 
-/// How long a question about ports waits for a hook that makes or unmakes them.
+/// How long a query for ports waits for a hook that creates or removes them.
 constexpr Duration kPatience = std::chrono::milliseconds(200);
 
-/// Whether it runs code of a component, which may take as long as it likes.
+/// Whether it runs code of a component, whose duration is not bounded.
 bool runs_hooks(const model::Action& action) {
   return !std::holds_alternative<model::ConnectionAction>(action.what) &&
          !std::holds_alternative<model::DeploymentAction>(action.what);
@@ -35,7 +35,7 @@ std::vector<std::string> names_of(const std::vector<task::OutputPortBase*>& outp
   return names;
 }
 
-/// The entry's ports, held still; DeadlineExceeded while a hook is at them.
+/// Keeps the entry's ports from changing; DeadlineExceeded while a hook changes them.
 Result<std::shared_lock<detail::PortsMutex>> hold_ports(const detail::TaskEntry& entry) {
   std::shared_lock lock(*entry.ports, RealClock::instance().now() + kPatience);
   if (!lock) {

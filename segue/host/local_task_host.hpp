@@ -13,7 +13,7 @@
 namespace segue::host {
 
 struct LocalOptions {
-  /// Make a stand-in for every component that no loaded library has.
+  /// Create a stand-in for every component that no loaded library provides.
   bool stand_in = false;
   /// Stand-ins for all components, even installed ones.
   bool only_stand_ins = false;
@@ -21,24 +21,25 @@ struct LocalOptions {
   StandInTable stand_ins{};
 };
 
-/// The tasks of this process. Deployments are kept as names only: all of them live here ("--in-process").
+/// The tasks of this process. Deployments are only names here: the tasks of all of them live in this process
+/// ("--in-process").
 class LocalTaskHost final : public TaskHost {
  public:
-  /// `libraries` makes components; `catalog` tells stand-ins what their components look like. Both must
+  /// `libraries` creates components; `catalog` has the interfaces of those that stand-ins replace. Both must
   /// outlive this.
   LocalTaskHost(const LibrarySet& libraries, const model::ComponentCatalog& catalog,
                 LocalOptions options = {});
   /// Waits for hooks that have not returned.
   ~LocalTaskHost() override;
 
-  /// Structure where stand-ins may be made.
+  /// Structure where stand-ins may be created.
   [[nodiscard]] model::Depth validation_depth() const override;
   Result<void> can_make(const model::ComponentName& component) const override;
-  /// Stand-ins get the ports that connections of any expected network name where no model does.
+  /// A stand-in without a model gets the ports that connections of expected networks name.
   void expect(const model::Network& target) override;
   void conclude(const model::Transition& transition) override;
 
-  /// In the caller's thread, whose hooks it runs: one that hangs keeps it.
+  /// Hooks run in the caller's thread; one that hangs blocks it.
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
   /// Hooks run on threads of the host; one that hangs keeps its own. Actions without hooks are carried out in
   /// the caller's thread.
@@ -55,10 +56,10 @@ class LocalTaskHost final : public TaskHost {
   Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) override;
   void set_listener(Listener listener) override;
 
-  /// Calls `use` with a port of a task here that is to be connected with another process, and answers what it
-  /// answers. The port does not go meanwhile, and a stand-in gets one that it lacks, as for connections here.
-  /// `use` must be brief and must not call back. DeadlineExceeded while a hook that makes or unmakes ports
-  /// runs, NotFound with the ports that there are.
+  /// Calls `use` with a port that is to be connected with another process, and returns its result. The port
+  /// exists until `use` returns; a stand-in gets a port that it lacks. `use` must be brief and must not call
+  /// back. DeadlineExceeded while a hook that creates or removes ports runs, NotFound with the names of the
+  /// ports.
   Result<void> with_output(const model::PortRef& port, TimePoint deadline,
                            const std::function<Result<void>(task::OutputPortBase&)>& use);
   Result<void> with_input(const model::PortRef& port, TimePoint deadline,
@@ -69,7 +70,7 @@ class LocalTaskHost final : public TaskHost {
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
 
-  /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
+  /// Tasks with a hook that has not returned by the deadline of its action.
   [[nodiscard]] std::vector<model::TaskId> hanging() const;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace segue::host::detail {
 
-/// Taps an output port through a connection of its own, a circular buffer of `buffer` samples. Requires that
-/// the port does not go meanwhile; later it may.
+/// Reads an output port through a connection of its own, a circular buffer of `buffer` samples. The port must
+/// exist until this returns; it may be removed later.
 Result<std::unique_ptr<PortReader>> tap(task::OutputPortBase& port, std::size_t buffer);
 
 }  // namespace segue::host::detail

@@ -18,8 +18,8 @@ namespace segue::host {
 namespace {
 
 constexpr double kDefaultRate = 10.0;
-/// A stand-in that writes when it gets a sample would spin in a cycle of connections; it skips what comes
-/// sooner.
+/// A stand-in that writes whenever it gets a sample would never stop in a cycle of connections, so it ignores
+/// samples that come sooner than this.
 constexpr Duration kShortestInterval = std::chrono::microseconds(100);
 constexpr std::string_view kStatePort = "state";  // every component has it
 
@@ -32,7 +32,7 @@ bool has_port(const task::Component& component, const ExpectedPort& port) {
                                                    : component.find_output(port.name) != nullptr;
 }
 
-/// A model may say more about a type than this process knows, or less.
+/// The model may have more details of a type than this process, or fewer.
 const type::Type* type_named(std::string_view name, const type::TypeRegistry* types) {
   if (name.empty()) {
     return nullptr;
@@ -99,16 +99,16 @@ class StandIn final : public task::Component {
   void add_port(const model::PortModel& port);
   void add_properties(const StandInPlan& plan);
   void add_operation(const model::OperationModel& operation, const type::TypeRegistry* types);
-  /// How a port that a connection names comes to be; nullopt: not at all.
+  /// How to create a port that a connection names; nullopt where it must not be created.
   [[nodiscard]] std::optional<model::PortModel> model_for(const ExpectedPort& port) const;
-  /// The hook's time passes; an error where the hook is to fail.
+  /// Waits for the duration of the hook; an error where the hook is specified to fail.
   Result<void> pass(Duration StandInBehaviour::*time, std::string_view hook);
 
   const StandInBehaviour defaults_;
   StandInBehaviour now_;
   std::optional<model::ComponentModel> model_;
   const type::TypeRegistry* types_;
-  std::mutex ports_mutex_;  ///< guards the ports below: connections may ask for more at any time
+  std::mutex ports_mutex_;  ///< protects the ports below: connections may add more at any time
   std::vector<ExpectedPort> expected_;
   std::vector<std::unique_ptr<task::InputPortBase>> static_inputs_, dynamic_inputs_;
   std::vector<std::unique_ptr<task::OutputPortBase>> static_outputs_, dynamic_outputs_;
@@ -272,7 +272,7 @@ Result<void> StandIn::on_start() {
   if (auto passed = pass(&StandInBehaviour::start, "start"); !passed) {
     return passed;
   }
-  // A tenth of tolerance: a periodic task that is called at just this rate must write every time.
+  // Ten percent of tolerance, so that a periodic task that is called at exactly this rate writes every time.
   interval_ = now_.rate && *now_.rate > 0 ? period_of(*now_.rate) * 9 / 10 : kShortestInterval;
   last_write_ = {};
   return {};

@@ -23,7 +23,7 @@
 /// operations of the component's model; without a model it has the ports that connections name, and takes any
 /// property.
 ///
-/// How it behaves is said by a map, by default everything takes no time and succeeds:
+/// A map specifies its behaviour. By default everything takes no time and succeeds:
 ///
 ///     stand_in: {configure: 30ms, start: 5ms, stop: 1.3s, cleanup: 2ms, rate: 10, fail: [configure,
 ///     connect]}
@@ -40,7 +40,7 @@
 ///       velodyne: {rate: 20}
 namespace segue::host {
 
-/// The reserved property.
+/// Name of the reserved property.
 inline constexpr std::string_view kStandInProperty = "stand_in";
 
 struct StandInBehaviour {
@@ -88,7 +88,7 @@ struct ExpectedPort {
 /// The ports of each task that the network's connections name.
 std::map<model::TaskId, std::vector<ExpectedPort>> expected_ports(const model::Network& network);
 
-/// What a stand-in is made from.
+/// The inputs from which a stand-in is created.
 struct StandInPlan {
   model::ComponentName component;
   const model::ComponentModel* model = nullptr;  ///< nullptr: not known
@@ -98,27 +98,27 @@ struct StandInPlan {
   StandInBehaviour behaviour;                    ///< before the property `stand_in`
 };
 
-/// A component that stands in. Its types are the C++ types of this process where they are registered by name;
-/// other ports are blank and carry the name of their type.
+/// Creates a stand-in. Its types are the C++ types of this process where they are registered by name; other
+/// ports are untyped and carry the name of their type.
 std::unique_ptr<task::Component> make_stand_in(const StandInPlan& plan);
 
 [[nodiscard]] bool is_stand_in(const task::Component& component);
 
-/// Gives a stand-in a port that a connection names and that it lacks. A port that fits none of its model (or
-/// that is gone by cleanup) is an error, unless the model is incomplete or unknown. Any thread. Requires
-/// is_stand_in().
+/// Adds a port that a connection names to a stand-in that lacks it. A port that matches none of its model (or
+/// that cleanup has removed) is an error, unless the model is incomplete or unknown. May be called from any
+/// thread. Requires is_stand_in().
 Result<void> grow_port(task::Component& stand_in, const ExpectedPort& port, bool configured);
 
 /// The properties among `names` that a component lacks.
 std::vector<std::string> missing_properties(const task::Component& component,
                                             const std::vector<std::string>& names);
 
-/// Gives a stand-in more properties, which take any value and are null. Requires is_stand_in(), that it lacks
-/// them, and that nobody looks at its properties meanwhile.
+/// Adds properties to a stand-in, which accept any value and are null at first. Requires is_stand_in(), that
+/// it lacks them, and that no other thread reads its properties at the same time.
 void add_properties(task::Component& stand_in, const std::vector<std::string>& names);
 
-/// The activity of a stand-in whose network gives none: of its model where a stand-in can follow it, at the
-/// rate of its behaviour.
+/// The activity of a stand-in where the network specifies none: that of its model where a stand-in supports
+/// it, at the rate of its behaviour.
 Activity stand_in_activity(const model::ComponentModel* model, const StandInBehaviour& behaviour);
 
 /// The default value of a type: zero, the first symbol, empty text, no items. Null where the type is not

@@ -12,7 +12,7 @@ namespace segue::host {
 namespace {
 
 constexpr double kFastestRate = 10000.0;
-/// Long enough for every experiment; short enough that no sum of durations overflows.
+/// Long enough for any experiment, and short enough that no sum of durations overflows.
 constexpr Duration kLongestHook = std::chrono::hours(1);
 
 Error at(const type::Value& value, std::string_view path, const std::string& message) {
@@ -157,7 +157,7 @@ StandInBehaviour StandInTable::of(const model::ComponentName& component, const m
     if (entry == entries_.end()) {
       continue;
     }
-    // Entries were checked when they were read; one set by a program that is wrong counts as absent.
+    // Entries were validated when they were read; an invalid one that a program has set counts as absent.
     if (auto over = read_behaviour(entry->second, behaviour, name)) {
       behaviour = std::move(*over);
     }

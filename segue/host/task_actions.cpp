@@ -12,7 +12,7 @@ namespace {
 
 using model::ActionKind;
 
-/// The task whose life-cycle verb this thread carries out: changes of its state are no news.
+/// The task on which this thread carries out an action: changes of its state are not reported as events.
 thread_local const task::Task* acting_on = nullptr;
 
 class Acting {
@@ -30,7 +30,7 @@ std::string state_text(const TaskEntry& entry) {
   return quote(to_string(entry.state()));
 }
 
-/// A new value over the present one: a compound's fields one by one, everything else as a whole.
+/// Assigns a new value: the fields of a compound one by one, other values as a whole.
 void change(type::Value& present, const type::Value& value, const task::PropertyBase* property) {
   if (property != nullptr && property->takes_parts()) {
     type::merge(present, value);
@@ -39,9 +39,8 @@ void change(type::Value& present, const type::Value& value, const task::Property
   }
 }
 
-/// The values that turn properties from what `before` says into what `wanted` says; a property that is not
-/// named has its default. What stays is left out, since most properties cannot be set away from
-/// PreOperational.
+/// The values to set so that properties change from `before` to `wanted`; a property that is not named has
+/// its default. Unchanged ones are left out, since most properties can only be set in PreOperational.
 type::Value values_for(const task::Component& component, const type::Value& wanted,
                        const type::Value& before) {
   type::ValueMap values;
@@ -58,7 +57,7 @@ type::Value values_for(const task::Component& component, const type::Value& want
     }
     values.set(property->name(), std::move(value));
   }
-  // What the component does not have: the task says so, with the names it has.
+  // Unknown properties too: the task reports them, with the names that exist.
   for (const auto& [name, value] : wanted.as_map()) {
     if (component.find_property(name) == nullptr) {
       values.set(name, value);
@@ -90,7 +89,7 @@ type::Value nested(const task::Task& task, std::string_view path, type::Value va
   return type::Value::map({{std::string(rest), std::move(value)}});
 }
 
-/// What the network says of properties, after `values` were set.
+/// Updates the properties of the task's definition after `values` were set.
 void note(type::Value& properties, const type::Value& values, const task::Component& component) {
   for (const auto& [name, value] : values.as_map()) {
     const type::Value* known = properties.find(name);
@@ -174,7 +173,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   if (kind == ActionKind::Stop) {
     return task.stop(deadline);
   }
-  // The others make and unmake ports.
+  // The other verbs create and remove ports.
   const std::unique_lock ports(*entry.ports, deadline);
   if (!ports) {
     return busy(entry);
@@ -203,7 +202,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
   }
   const VerbWatch::Verb restoring(verbs_, id, deadline);
   const Acting acting(*entry->task);
-  // A component that breaks is cleaned up, with its ports.
+  // A component in which restoring fails is cleaned up, which removes its ports.
   const std::unique_lock ports(*entry->ports, deadline);
   if (!ports) {
     return busy(*entry);

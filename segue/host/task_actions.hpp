@@ -27,7 +27,7 @@ class TaskActions {
   Result<void> restore_state(const model::TaskId& id, const task::SavedState& state, TimePoint deadline);
   Result<void> set_property(const model::TaskId& id, std::string_view path, const type::Value& value,
                             TimePoint deadline);
-  /// Tasks one of whose hooks has not returned although the deadline of an action on it has passed.
+  /// Tasks with a hook that has not returned by the deadline of its action.
   [[nodiscard]] std::vector<model::TaskId> hanging() { return verbs_.overdue(); }
 
  private:
@@ -35,13 +35,13 @@ class TaskActions {
   Result<void> hand_over(const model::HandOverAction& what, TimePoint deadline);
   Result<void> run_verb(model::ActionKind kind, const TaskEntry& entry, TimePoint deadline);
   Result<void> deploy(const model::Deployment& deployment);
-  /// `kill`: whatever its tasks do, which are destroyed.
+  /// `kill`: whatever the state of its tasks, which are destroyed.
   Result<void> undeploy(const model::DeploymentKey& key, bool kill);
   Result<void> apply_config(const model::ConfigAction& action, TimePoint deadline);
   Result<void> create(const model::ConfigAction& action, const ProcessEntry* process, TimePoint deadline);
   Result<void> reapply(TaskEntry entry, const model::ConfigAction& action, const ProcessEntry* process,
                        TimePoint deadline);
-  /// Puts a renewed task into the table and the entry.
+  /// Replaces the task in the table and in the entry.
   Result<void> renew(TaskEntry& entry, const Activity& activity, const ProcessEntry* process,
                      TimePoint deadline);
   Result<void> check_devices(const TaskEntry& entry) const;

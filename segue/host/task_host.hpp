@@ -20,10 +20,10 @@
 #include <variant>
 #include <vector>
 
-/// Where tasks live, and how they are made, moved through their life cycle and looked at.
+/// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::host {
 
-/// A task as it is seen from outside.
+/// The observed state of a task.
 struct TaskReport {
   model::TaskId id;
   model::ComponentName component;
@@ -37,7 +37,7 @@ struct TaskReport {
   task::Timing timing;
 };
 
-/// Samples through one connection since it was made.
+/// Counts of samples since the connection was made.
 struct ConnectionReport {
   model::Connection connection;
   std::uint64_t written = 0;
@@ -45,18 +45,18 @@ struct ConnectionReport {
   std::uint64_t dropped = 0;
 };
 
-/// Something happened to a task by itself.
+/// A task changed its state other than by an action.
 struct TaskEvent {
   model::TaskId task;
   TaskState state = TaskState::Exception;
   std::string message;
 };
 
-/// Something happened to a deployment process.
+/// A change in a deployment process that no action caused.
 struct ProcessEvent {
   model::DeploymentKey process;
   std::string message;
-  bool gone = false;  ///< it and its tasks are not there any more
+  bool gone = false;  ///< it has ended, and its tasks with it
 };
 
 using HostEvent = std::variant<TaskEvent, ProcessEvent>;
@@ -65,7 +65,7 @@ using HostEvent = std::variant<TaskEvent, ProcessEvent>;
 struct Completed {
   std::size_t index = 0;  ///< its place in the batch
   Result<void> outcome;
-  std::optional<Duration> took{};  ///< from its own begin to its end, where that was measured
+  std::optional<Duration> took{};  ///< from its own begin to its end; only where it was measured
 };
 
 /// Gets the actions of a batch that have ended since the last call, at least one. Called from any thread,
@@ -81,37 +81,38 @@ std::vector<Result<void>> wait_for_outcomes(std::size_t count, const std::functi
 class PortReader {
  public:
   virtual ~PortReader() = default;
-  /// What came since the last call, oldest first, at most `limit`. Does not block.
+  /// The samples since the last call, oldest first, at most `limit`. Does not block.
   virtual std::vector<type::Value> read(std::size_t limit) = 0;
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 
-/// Carries out actions on tasks and tells what they do. All functions may be called from any thread.
+/// Carries out actions on tasks and reports their states. All functions may be called from any thread.
 class TaskHost {
  public:
   virtual ~TaskHost() = default;
 
-  /// How closely a network must be validated before it may run here: stand-ins take any component and port.
+  /// How strictly a network must be validated before it may run here. Stand-ins accept any component and
+  /// port.
   [[nodiscard]] virtual model::Depth validation_depth() const { return model::Depth::Full; }
   /// Whether tasks of this component can be made here; NotFound with what to install where not.
   virtual Result<void> can_make(const model::ComponentName& component) const;
-  /// What else keeps a network from running here: tasks on computers that cannot be reached, links that
-  /// cannot carry a connection.
+  /// Other reasons why a network cannot run here, such as tasks on computers that cannot be reached or links
+  /// that cannot carry a connection.
   [[nodiscard]] virtual Diagnostics check(const model::Network& network) const;
-  /// Which network is about to be made. Told once before the first action of a transition; may prepare, does
-  /// not change what runs.
+  /// Announces the target of a transition before its first action. May prepare for it, but does not change
+  /// what runs.
   virtual void expect(const model::Network& target);
-  /// Everything that can be made before `target` is committed has been made. Does what later actions would
-  /// have to do besides, as far as it does not change what runs; what fails here is found by those actions.
+  /// Called when all actions before the commit to `target` are done. Does ahead of time what later actions
+  /// would otherwise have to do, without changing what runs. Failures are found again by those actions.
   virtual void get_ready(const model::Network& target);
-  /// Whether a task that moves to another process can be made there beside the incarnation that still runs.
+  /// Whether a task that moves to another process can be created there while its old incarnation still runs.
   [[nodiscard]] virtual bool side_by_side() const { return false; }
-  /// All actions of the transition are done: new incarnations become the ones that plain ids mean; tasks that
-  /// it removes, and incarnations that were replaced, are forgotten (destroyed, their processes stay), kept
-  /// tasks that it redefines get their new definitions.
+  /// All actions of the transition are done. From now on plain ids denote the new incarnations. Removed tasks
+  /// and replaced incarnations are destroyed (their processes stay); tasks that the transition redefines get
+  /// their new definitions.
   virtual void conclude(const model::Transition& transition);
-  /// The transition is given up: plain ids mean the incarnations that stood before again. New ones remain,
-  /// under their full ids, until they are removed.
+  /// The transition is given up. Plain ids denote the previous incarnations again; new ones remain, under
+  /// their full ids, until they are removed.
   virtual void withdraw();
 
   /// Carries out one action in the caller's thread. The result of CallOperation is dropped; call() returns
@@ -127,13 +128,13 @@ class TaskHost {
   /// The same, and waits; outcomes in the order of `actions`.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
 
-  /// What truly runs, as a network: every configured or named task with its true state, properties and
+  /// The network that actually runs: every configured or named task with its actual state, properties and
   /// placement, every connection, every deployment.
   [[nodiscard]] virtual model::Network observe() const = 0;
 
   [[nodiscard]] virtual std::vector<TaskReport> tasks() const = 0;
   [[nodiscard]] virtual std::vector<ConnectionReport> connections() const = 0;
-  /// The interface of a task as it is now, dynamic ports included.
+  /// The current interface of a task, including its dynamic ports.
   virtual Result<model::ComponentModel> describe(const model::TaskId& task) const = 0;
   virtual Result<type::Value> properties(const model::TaskId& task) const = 0;
   virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
@@ -142,8 +143,8 @@ class TaskHost {
                                    const type::Value& arguments, TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
 
-  /// Called from any thread when a task changes its state, or a process goes, other than by an action; must
-  /// not block. No call is under way any more when set_listener returns.
+  /// Called from any thread when a task changes its state or a process ends other than by an action; must not
+  /// block. When set_listener returns, no call of the previous listener is in progress.
   using Listener = std::function<void(const HostEvent&)>;
   virtual void set_listener(Listener listener) = 0;
 };

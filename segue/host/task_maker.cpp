@@ -7,7 +7,7 @@ namespace segue::host::detail {
 
 namespace {
 
-/// Where neither the network nor the component asks for more, the process decides.
+/// Used where neither the network nor the component specifies an activity.
 void take_defaults(Activity& activity, const model::Deployment& deployment) {
   if (activity.scheduler == Scheduler::Normal && activity.priority == 0) {
     activity.scheduler = deployment.scheduler;

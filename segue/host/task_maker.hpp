@@ -12,7 +12,7 @@
 
 namespace segue::host::detail {
 
-/// Makes tasks from their definitions: components of libraries, or stand-ins, on the threads of their
+/// Creates tasks from their definitions: components of libraries, or stand-ins, on the threads of their
 /// process. Thread safe.
 class TaskMaker {
  public:
@@ -27,15 +27,14 @@ class TaskMaker {
   /// A task in PreOperational without its properties. `process` is nullptr for the runtime's own.
   Result<TaskEntry> make(const model::Task& definition, const ProcessEntry* process) const;
 
-  /// The task of `entry` on another thread: its component stays, with its ports and their connections.
+  /// Moves the task of `entry` to another thread; its component stays, with its ports and their connections.
   [[nodiscard]] Result<std::shared_ptr<task::Task>> renew(const TaskEntry& entry, const Activity& activity,
                                                           const ProcessEntry* process,
                                                           TimePoint deadline) const;
   /// Gives a stand-in the properties that `definition` names and that it lacks.
   static Result<void> complete(const TaskEntry& entry, const model::Task& definition, TimePoint deadline);
 
-  /// What the task's thread is to be: of the network, else of the component; what neither says, of the
-  /// process.
+  /// The activity of the task: as the network specifies it, else the component, else the process.
   [[nodiscard]] Activity activity_for(const model::Task& definition, const ProcessEntry* process,
                                       const task::Component& component, bool stand_in) const;
   /// How a task's stand-in behaves now.
@@ -52,7 +51,7 @@ class TaskMaker {
   const LibrarySet& libraries_;
   const model::ComponentCatalog& catalog_;
   const LocalOptions options_;
-  mutable std::mutex mutex_;  ///< guards expected_
+  mutable std::mutex mutex_;  ///< protects expected_
   std::map<model::TaskId, std::vector<ExpectedPort>> expected_;
 };
 

@@ -18,12 +18,12 @@
 
 namespace segue::host::detail {
 
-/// Ports come and go with configure and cleanup (and a stand-in gets properties): whoever walks over them
-/// holds this shared, those verbs hold it alone. With a deadline, since a hook may hang.
+/// Protects the ports of a task, which configure and cleanup create and remove (and the properties of a
+/// stand-in): readers hold it shared, those verbs exclusively. Locked with a deadline, since a hook may hang.
 using PortsMutex = std::shared_timed_mutex;
 
-/// A task with what the network says of it. A value: the table hands out copies, so that nothing is locked
-/// while a hook runs.
+/// A task with its definition. A value: the table returns copies, so that nothing is locked while a hook
+/// runs.
 struct TaskEntry {
   std::shared_ptr<task::Task> task;
   std::shared_ptr<PortsMutex> ports;
@@ -36,15 +36,15 @@ struct TaskEntry {
   [[nodiscard]] bool configured() const { return is_configured(task->state()); }
 };
 
-/// A process of which only the name is real, and the threads that its tasks share.
+/// A process of which only the name exists, and the threads that its tasks share.
 struct ProcessEntry {
   model::Deployment deployment;
   std::shared_ptr<task::ExecutorSet> executors;
 };
 
-/// What the verbs of others answer while a hook has an entry's ports.
+/// The error of other verbs while a hook holds the entry's ports.
 Error busy(const TaskEntry& entry);
-/// Holds the entry's ports still, shared; DeadlineExceeded.
+/// Locks the entry's ports for reading; DeadlineExceeded where a hook holds them too long.
 Result<std::shared_lock<PortsMutex>> hold_ports(const TaskEntry& entry, TimePoint deadline);
 
 struct ByIdentity {
@@ -58,13 +58,14 @@ struct WireEntry {
   Wire wire;
 };
 
-/// What this process holds. Thread safe; every function is short and calls no hook.
+/// The tasks, processes and connections of this process. Thread safe; every function is short and calls no
+/// hook.
 class TaskTable {
  public:
   [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
   [[nodiscard]] std::vector<TaskEntry> all() const;
   [[nodiscard]] std::vector<TaskEntry> in_process(const model::DeploymentKey& process) const;
-  /// Adds or replaces. What it replaces is given back, to be destroyed outside.
+  /// Adds or replaces a task. Returns the replaced one, so that it is destroyed without the lock.
   std::shared_ptr<task::Task> put(TaskEntry entry);
   std::shared_ptr<task::Task> take(const model::TaskId& id);
   /// Changes the definition of a task that is still there.

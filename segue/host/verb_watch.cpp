@@ -7,8 +7,7 @@ namespace segue::host::detail {
 
 namespace {
 
-/// How long all blocked tasks together have to show that they are not any more: an update in progress is not
-/// a hook that hangs.
+/// How long blocked tasks get, together, to become free: an update in progress is not a hook that hangs.
 constexpr Duration kPatience = std::chrono::milliseconds(20);
 
 }  // namespace

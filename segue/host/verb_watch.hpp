@@ -13,8 +13,8 @@
 
 namespace segue::host::detail {
 
-/// Which verbs are under way and since when they should be done: a hook that does not return holds the
-/// thread of its caller, so others must tell. Thread safe.
+/// Keeps the deadlines of verbs in progress. A hook that does not return blocks the thread that called it, so
+/// another thread has to find it here. Thread safe.
 class VerbWatch {
  public:
   /// A verb, from its begin to its end.
@@ -33,7 +33,7 @@ class VerbWatch {
     std::list<const Verb*>::iterator place_;
   };
 
-  /// A verb could not begin, since another hook of the task has not returned by its deadline.
+  /// Notes that a verb could not begin because another hook of the task had not returned by its deadline.
   void blocked(const model::TaskId& id, const std::shared_ptr<task::Task>& task);
 
   /// Tasks with a verb that is overdue, or still blocked; each once, in order.

@@ -17,8 +17,8 @@
 
 namespace segue::control::detail {
 
-/// What a service tells, on its way to the clients that listen. Nobody waits for a client: one that does not
-/// keep up loses the oldest events and is told how many.
+/// Passes events of a service to the clients that listen. Never waits for a client: one that does not keep up
+/// loses the oldest events and gets their number.
 template <class Event>
 class Broadcast {
  public:
@@ -63,7 +63,7 @@ class Broadcast {
       }));
     }
 
-    /// The client is gone or does not want to be told: it stays busy for good.
+    /// The client is gone or refuses events: it stays busy, so none is sent any more.
     void taskFailed(kj::Exception&&) override { waiting_.clear(); }
 
     Broadcast& source_;

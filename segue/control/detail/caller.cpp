@@ -64,7 +64,7 @@ kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
     return begun;
   }
   auto pair = kj::newPromiseAndFulfiller<Result<void>>();
-  // Copyable, as std::function wants it; in truth it only ever moves, and ends in the loop's thread.
+  // Shared because std::function must be copyable; it is only moved, and destroyed in the loop's thread.
   auto fulfiller = std::make_shared<Fulfiller>(kj::mv(pair.fulfiller));
   const bool begun = core_.pool.try_submit(
       [&loop = core_.loop, job = std::move(job), fulfiller, client = client_]() mutable {

@@ -22,11 +22,11 @@
 #include <type_traits>
 #include <utility>
 
-/// How calls of clients become calls of a service: on the pool's threads, under limits. Everything here lives
-/// in the server's event loop, but the jobs.
+/// Turns calls of clients into calls of a service, on the threads of a pool and under limits. All of this is
+/// used in the server's event loop, except for the jobs.
 namespace segue::control::detail {
 
-/// What all clients of a server share.
+/// The state that all clients of a server share.
 struct ServerCore {
   static constexpr std::size_t kMaxCalls = 64;
 
@@ -38,7 +38,7 @@ struct ServerCore {
   }
   /// "the robot", "the deployment process", "the process server".
   [[nodiscard]] std::string_view noun() const;
-  /// As the door calls it: "robot", "deployment", "processes".
+  /// The name of the service in the protocol: "robot", "deployment", "processes".
   [[nodiscard]] std::string_view kind() const;
 
   const Served served;
@@ -53,7 +53,7 @@ struct ServerCore {
 
 inline constexpr std::size_t kMaxListenersPerClient = 4;
 
-/// What all capabilities of a client share; outlives the connection while calls are in progress.
+/// The state that all capabilities of a client share; outlives the connection while calls are in progress.
 struct ClientState {
   bool greeted = false;
   std::size_t calls = 0;
@@ -64,7 +64,7 @@ struct ClientState {
 /// When a call with this timeout, in nanoseconds, must be answered.
 TimePoint deadline_after(std::int64_t timeout);
 
-/// Runs service calls of one client. Not for use outside the event loop.
+/// Runs service calls of one client. Only for use in the event loop.
 class Caller {
  public:
   Caller(ServerCore& core, std::shared_ptr<ClientState> client) : core_(core), client_(std::move(client)) {}
@@ -85,7 +85,7 @@ class Caller {
   /// The same for a Result<void> without more to say.
   template <class Context, class Job>
   kj::Promise<void> answer(Context context, Job job);
-  /// The same for a Result<Value> that is the `answer` of the results; `done(results)` where it is none of an
+  /// The same for a Result<Value> that is the `answer` of the results; calls `done(results)` unless it is an
   /// error.
   template <class Context, class Job, class Done>
   kj::Promise<void> answer_value(Context context, Job job, Done done);
@@ -105,7 +105,7 @@ class Caller {
   std::shared_ptr<ClientState> client_;
 };
 
-/// What the service threw, as an error. Inside a catch block.
+/// The current exception, thrown by the service, as an error. Only inside a catch block.
 Error thrown_by_service(std::string_view noun);
 
 template <class Job>

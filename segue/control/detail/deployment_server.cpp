@@ -18,15 +18,15 @@ namespace {
 using deploy::DeploymentService;
 using type::Value;
 
-/// A client that says where its descriptors are only later is not waited for any longer.
+/// How long to wait for the descriptors of an offer, which a client may resolve later.
 constexpr auto kOfferTimeout = 5 * kj::SECONDS;
 
-/// For what the client gives no time: it keeps its own.
+/// The deadline of calls for which the client sends none.
 TimePoint soon() {
   return RealClock::instance().now() + kLookTimeout;
 }
 
-/// The samples of a port, as the stream that all services offer.
+/// Offers the samples of a port as a stream, as all services do.
 class ReaderStream final : public SampleStream {
  public:
   explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}

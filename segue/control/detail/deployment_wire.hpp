@@ -7,8 +7,8 @@
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process/process_service.hpp>
 
-/// What deployment processes and process servers say, to and from messages. As in model_wire.hpp: what comes
-/// from a message is untrusted, and what is not known throws WireError.
+/// Encodes and decodes the messages of deployment processes and process servers. As in model_wire.hpp,
+/// messages are not trusted, and unknown words in them throw WireError.
 namespace segue::control::detail {
 
 void encode(const deploy::DeploymentInfo& info, wire::Info::Builder builder);

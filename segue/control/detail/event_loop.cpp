@@ -27,13 +27,13 @@ void run_guarded(const EventLoop::Work& work, kj::AsyncIoContext& io) {
   }
 }
 
-/// What a piece of work set going, such as an answer, is on its way before the next looks at it or takes it
-/// down.
+/// Lets the events that a piece of work has caused, such as sending an answer, happen before the next piece,
+/// which may look for them or destroy what they use.
 void settle(kj::AsyncIoContext& io) {
   run_guarded([](kj::AsyncIoContext& context) { kj::evalLast([] {}).wait(context.waitScope); }, io);
 }
 
-/// One at a time: with its first use in a program kj fills tables that all use.
+/// One thread at a time: at its first use in a program, kj fills global tables.
 kj::AsyncIoContext set_up() {
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
@@ -73,7 +73,7 @@ bool EventLoop::post(Work work) {
 }
 
 bool EventLoop::run(const Work& work) {
-  // Shared, since the waiter may be gone before set_value() returns.
+  // Shared, since the waiting thread may return before set_value() does.
   const auto done = std::make_shared<std::promise<void>>();
   auto future = done->get_future();
   const bool posted = post([&work, done](kj::AsyncIoContext& io) {
@@ -94,7 +94,7 @@ void EventLoop::stop() {
 
 void EventLoop::wake() const {
   const std::uint64_t one = 1;
-  // Fails only if the counter is about to overflow, and then the loop is awake anyway.
+  // Fails only where the counter would overflow, and then the loop is awake anyway.
   [[maybe_unused]] const auto written = ::write(event_, &one, sizeof one);
 }
 
@@ -124,7 +124,7 @@ void EventLoop::serve(kj::AsyncIoContext& io) {
   }
 }
 
-/// False when it is time to go.
+/// Runs the queued work; false after stop().
 bool EventLoop::drain(kj::AsyncIoContext& io) {
   for (;;) {
     std::vector<Work> batch;
@@ -134,7 +134,7 @@ bool EventLoop::drain(kj::AsyncIoContext& io) {
       batch.swap(queue_);
     }
     for (Work& work : batch) {
-      run_guarded(std::exchange(work, nullptr), io);  // what it holds goes before the next begins
+      run_guarded(std::exchange(work, nullptr), io);  // what it holds is destroyed before the next begins
       settle(io);
     }
   }

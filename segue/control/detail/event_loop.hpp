@@ -11,9 +11,9 @@
 
 namespace segue::control::detail {
 
-/// A thread with a KJ event loop. Everything of KJ and Cap'n Proto is made, used and destroyed in it; other
-/// threads only post() work. (Our own queue instead of KJ's cross-thread promises keeps every hand-over
-/// between threads in std::mutex, where the thread sanitizer can follow it.)
+/// A thread with a KJ event loop. All objects of KJ and Cap'n Proto are created, used and destroyed in it;
+/// other threads only post() work. (A queue of our own instead of KJ's cross-thread promises, so that every
+/// hand-over between threads uses a std::mutex, which the thread sanitizer understands.)
 class EventLoop {
  public:
   using Work = std::function<void(kj::AsyncIoContext& io)>;
@@ -30,7 +30,7 @@ class EventLoop {
   bool post(Work work);
   /// post() and wait for the end of `work`. False after stop(). Not from the loop's own thread.
   bool run(const Work& work);
-  /// What was posted before is still done. Returns at once.
+  /// Ends the loop once all work posted before is done. Returns at once.
   void stop();
   /// Only in the loop's thread.
   [[nodiscard]] kj::Timer& timer() const { return *timer_; }

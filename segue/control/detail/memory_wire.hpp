@@ -10,11 +10,11 @@
 /// File descriptors as capabilities. To be used in an event loop.
 namespace segue::control::detail {
 
-/// The descriptors of `offer` go with the message, and are closed when the other side has released them.
+/// The descriptors of `offer` are sent with the message, and closed when the other side has released them.
 void encode(link::MemoryOffer offer, wire::Offer::Builder builder);
 
-/// Descriptors of our own; ParseError where a capability carries none, ResourceExhausted where the system has
-/// none left. `reader` is read before this returns.
+/// The descriptors are duplicated. ParseError where a capability carries none, ResourceExhausted where the
+/// system has none left. `reader` is only used until this returns.
 kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader);
 
 }  // namespace segue::control::detail

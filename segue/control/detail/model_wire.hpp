@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-/// Networks, transitions and component models to and from messages, exact but for where they stood in a file.
-/// What comes from a message is untrusted: words that are not known and values beyond the limits throw
-/// WireError, malformed messages kj::Exception. Whether it makes sense (names, sizes) is for whom it is for.
+/// Encodes and decodes networks, transitions and component models, exactly but for their positions in files.
+/// Messages are not trusted: unknown words and values beyond the limits throw WireError, malformed messages
+/// kj::Exception. The receiver checks what they mean (names, sizes).
 namespace segue::control::detail {
 
 using Texts = std::vector<std::string>;
@@ -39,7 +39,7 @@ void encode(const model::Network& network, wire::Network::Builder builder);
 model::Network decode(wire::Network::Reader reader);
 
 void encode(const model::Action& action, wire::Action::Builder builder);
-/// The subject is what the kind of action demands.
+/// The kind of an action determines the type of its subject.
 model::Action decode(wire::Action::Reader reader);
 
 void encode(const model::Transition& transition, wire::Transition::Builder builder);

@@ -17,13 +17,13 @@ using type::Value;
 constexpr Duration kEventSlice = std::chrono::milliseconds(100);
 constexpr std::uint64_t kMaxNodes = kServerMessageWords;
 
-/// A call without a result as one with the result null.
+/// Turns a call without a result into one whose result is null.
 Result<Value> as_value(const Result<void>& outcome) {
   if (!outcome) return outcome.error();
   return Value();
 }
 
-/// Waits in slices, so that a server that stops need not wait for its most patient client.
+/// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
 Result<Value> wait_for_events(ServerCore& core, std::uint64_t after, TimePoint deadline) {
   auto& service = core.service<RobotService>();
   for (;;) {

@@ -40,7 +40,7 @@ wire::Gate::Client gate_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
   return rpc.bootstrap(id).castAs<wire::Gate>();
 }
 
-/// What a deployment offers as memory is two descriptors; nothing else carries any.
+/// An offer of memory has two descriptors; no other message has any.
 constexpr unsigned kMaxDescriptors = 2;
 
 }  // namespace
@@ -51,7 +51,7 @@ Duration time_left(TimePoint deadline) {
 }
 
 Result<void> check_request(std::uint64_t words) {
-  // Half: what reads a message counts some parts twice.
+  // Half, since the reader of a message counts some parts twice.
   if (words <= kServerMessageWords / 2) return {};
   return fail(ErrorCode::ResourceExhausted,
               "a message of " + std::to_string(words * 8 >> 20) + " MiB is too large to be sent; at most " +

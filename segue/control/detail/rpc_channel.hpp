@@ -21,17 +21,18 @@
 
 namespace segue::control::detail {
 
-/// For calls that only look; a service answers them in milliseconds.
+/// The timeout of calls that only read; a service answers them within milliseconds.
 inline constexpr Duration kLookTimeout = std::chrono::seconds(10);
-/// A service tells of a passed deadline itself, with more to say; only when it does not, the client does.
+/// A service reports a passed deadline itself, with more detail. Only where it does not within this time, the
+/// client does.
 inline constexpr Duration kGrace = std::chrono::seconds(2);
 
-/// Not negative.
+/// The time until `deadline`; 0 where it has passed.
 Duration time_left(TimePoint deadline);
 /// ResourceExhausted where a request of so many words is more than a server takes.
 Result<void> check_request(std::uint64_t words);
 
-/// A client's connection: an event loop of its own, and calls into it that block until their answer or their
+/// A client's connection to a service, with an event loop of its own; calls block until their answer or their
 /// timeout. Thread safe.
 class RpcChannel {
  public:
@@ -39,26 +40,26 @@ class RpcChannel {
   template <class T>
   using Reply = kj::Promise<Result<T>>;
   using Answer = Reply<type::Value>;
-  /// A client takes answers up to this many nodes.
+  /// The largest answer, in nodes, that a client accepts.
   static constexpr std::uint64_t kMaxNodes = kClientMessageWords;
 
-  /// What lives in the loop's thread.
+  /// The part that is only used in the loop's thread.
   class Connection {
    public:
-    /// Takes the descriptor; `descriptors`: as many a message may carry.
+    /// Takes ownership of the descriptor. `descriptors` is how many a message may carry.
     Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors);
 
-    /// What hello() got; before that every call answers with an exception.
+    /// The service that hello() returned; before that every call answers with an exception.
     template <class Interface>
     typename Interface::Client as() {
       return service_.castAs<Interface>();
     }
-    /// One that is not known answers every call with an exception.
+    /// An unknown stream answers every call with an exception.
     wire::SampleStream::Client stream(StreamId id);
     template <class Request>
     Answer open(StreamId id, Request& request);
     void close(StreamId id) { streams_.erase(id); }
-    /// Exchanges versions and asks for the service of that kind; the value is the other side's software.
+    /// Exchanges versions and requests the service of that kind; the answer is the version of the other side.
     Answer hello(std::string_view kind);
     /// Calls `gone`, in the loop's thread, when the connection breaks.
     void watch(std::function<void()> gone);
@@ -72,25 +73,25 @@ class RpcChannel {
     kj::Promise<void> watch_ = nullptr;
   };
 
-  /// Connects and says hello. `who` is the other side in messages: "robot 'spot'".
+  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'".
   static Result<std::shared_ptr<RpcChannel>> open(const std::filesystem::path& socket, std::string_view kind,
                                                   std::string who, Duration timeout);
   ~RpcChannel();
   RpcChannel(const RpcChannel&) = delete;
   RpcChannel& operator=(const RpcChannel&) = delete;
 
-  /// Runs `build`, a Reply<T>(Connection&), in the loop and waits for its answer. What it refers to stays
-  /// alive until then. Not from the loop's own thread.
+  /// Calls `build`, which returns a Reply<T>, in the loop and waits for its answer. `build` may refer to the
+  /// caller's variables. Must not be called from the loop's own thread.
   template <class T = type::Value, class Build>
   Result<T> ask(Duration timeout, const Build& build);
 
   using Begin = std::function<kj::Promise<void>(Connection&)>;
   using Failed = std::function<void(Error)>;
-  /// Runs `begin` in the loop and returns at once; where what it promised does not come, `failed` is called
-  /// in the loop. False after the end of the loop. Neither is called any more when this is destroyed.
+  /// Calls `begin` in the loop and returns at once. Where its promise fails or is not resolved in time, calls
+  /// `failed` in the loop. False after the end of the loop. Neither is called after this has been destroyed.
   bool start(Duration timeout, Begin begin, Failed failed);
 
-  /// Runs `work` in the loop and waits for its end. Not from the loop's own thread.
+  /// Runs `work` in the loop and waits for its end. Must not be called from the loop's own thread.
   void run(const std::function<void()>& work);
 
   /// Sends a request whose results are an `answer`.
@@ -100,8 +101,8 @@ class RpcChannel {
   template <class T, class Request, class Read>
   static Reply<T> send(Request& request, Read read);
 
-  /// Calls `gone` once, from the loop's thread, when the connection breaks; at once where it has. It must not
-  /// wait for whoever calls unwatch() or destroys this.
+  /// Calls `gone` once, from the loop's thread, when the connection breaks; at once where it is broken
+  /// already. `gone` must not wait for a thread that calls unwatch() or destroys this.
   void watch(std::function<void()> gone);
   /// `gone` is not called any more when this returns.
   void unwatch();
@@ -125,7 +126,7 @@ class RpcChannel {
 
 template <class T, class Build>
 Result<T> RpcChannel::ask(Duration timeout, const Build& build) {
-  // Shared, since the waiter may be gone before set_value() returns.
+  // Shared, since the waiting thread may return before set_value() does.
   const auto done = std::make_shared<std::promise<Result<T>>>();
   auto answer = done->get_future();
   const bool begun = start(

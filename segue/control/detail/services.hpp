@@ -3,7 +3,8 @@
 
 #include <segue/control/detail/caller.hpp>
 
-/// The server's halves of the schemas: a service offered to one client. To be used in the event loop only.
+/// The servers of the schemas' interfaces: each offers a service to one client. Only for use in the event
+/// loop.
 namespace segue::control::detail {
 
 capnp::Capability::Client make_robot_server(const Caller& caller);

@@ -19,8 +19,8 @@ namespace segue::control::detail {
 
 namespace {
 
-/// A client that leaves more than this unread is not heard until it has read some. Messages count too, since
-/// each that waits is a link in a chain that is taken down recursively.
+/// A client that leaves more than this unread is not read from until it has read some. The number of messages
+/// counts too, since those that wait form a chain of promises, which is destroyed recursively.
 constexpr std::size_t kMaxUnreadBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxUnreadMessages = 256;
 constexpr auto kUnreadPause = 10 * kj::MILLISECONDS;
@@ -34,10 +34,10 @@ capnp::ReaderOptions reader_options() {
   return options;
 }
 
-/// A deployment's memory is two descriptors; nothing else needs any.
+/// An offer of memory has two descriptors; no other message has any.
 constexpr unsigned kMaxDescriptors = 2;
 
-/// Passes everything on, but does not read from a client that does not read.
+/// Passes all calls on, but does not read from a client that does not read its answers.
 class GuardedStream final : public kj::AsyncCapabilityStream {
  public:
   GuardedStream(kj::Own<kj::AsyncCapabilityStream> inner, kj::Timer& timer)
@@ -102,7 +102,7 @@ capnp::Capability::Client make_service(const Caller& caller) {
   return make_robot_server(caller);
 }
 
-/// Lets in whoever speaks our version and wants what is here.
+/// Accepts clients of the same protocol version that request the service which is offered.
 class GateServer final : public wire::Gate::Server {
  public:
   GateServer(ServerCore& core, std::shared_ptr<ClientState> client, bool full)
@@ -173,7 +173,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Resolves when the client is gone, or late with its hello.
+  /// Resolves when the client is gone, or has not said hello in time.
   kj::Promise<void> end() {
     auto late = owner_.timer_.afterDelay(kHelloTimeout).then([this]() -> kj::Promise<void> {
       if (client_->greeted) return kj::NEVER_DONE;
@@ -214,7 +214,8 @@ bool Sessions::idle() const {
                      [](const Session* session) { return session->idle(); });
 }
 
-/// What ends a session with an error is the client's fault and no news: garbage, half a message, a reset.
+/// A session ends with an error through a fault of its client, such as garbage, half a message or a reset, so
+/// this is only logged for debugging.
 void Sessions::taskFailed(kj::Exception&& exception) {
   log(LogLevel::Debug, "control", exception.getDescription().cStr());
 }
@@ -225,7 +226,7 @@ kj::Promise<void> Sessions::accept() {
         admit(*stream);
         return accept();
       },
-      [this](kj::Exception&& exception) {  // out of descriptors: the next may be more lucky
+      [this](kj::Exception&& exception) {  // there are no descriptors left: try again later
         log(LogLevel::Warning, "control",
             std::string("cannot accept a client: ") + exception.getDescription().cStr());
         return timer_.afterDelay(kAcceptPause).then([this] { return accept(); });

@@ -13,20 +13,20 @@ namespace segue::control::detail {
 
 class Session;
 
-/// The connections of a server: accepts, checks who is there, limits how many there are, drops those that do
-/// not say hello in time, stops listening to those that do not read their answers. Made, used and destroyed
-/// in the event loop's thread.
+/// The connections of a server: accepts them, checks the peer, limits their number, drops those that do not
+/// say hello in time, and stops reading from those that do not read their answers. Created, used and
+/// destroyed in the event loop's thread.
 class Sessions final : private kj::TaskSet::ErrorHandler {
  public:
   static constexpr std::size_t kMaxClients = 64;
-  /// Connections beyond kMaxClients that are kept just long enough to be told why they are refused.
+  /// Connections beyond kMaxClients that are kept until they have got the reason for their refusal.
   static constexpr std::size_t kMaxRefused = 16;
 
   Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket);
   ~Sessions() noexcept;
 
   void stop_accepting();
-  /// No call in progress and no answer on its way.
+  /// Whether no call is in progress and no answer waits to be sent.
   [[nodiscard]] bool idle() const;
 
  private:

@@ -18,7 +18,7 @@ namespace segue::control::detail {
 
 namespace {
 
-/// Between two looks at a server that is ending or busy.
+/// Time between two attempts to reach a server that is ending or busy.
 constexpr auto kPause = std::chrono::milliseconds(5);
 
 Error already_served(const std::filesystem::path& path) {
@@ -35,7 +35,7 @@ Result<ucred> peer_of(int socket) {
   return peer;
 }
 
-/// Whose socket it is. 0 where that cannot be told; nothing where nobody listens.
+/// The process id of the server: 0 where it cannot be determined, nothing where no process listens.
 std::optional<int> listener_at(const sockaddr_un& address) {
   const auto socket = new_socket();
   if (!socket) return 0;
@@ -49,7 +49,8 @@ bool goes(int pid) {
   return is_ending(pid) || (::kill(pid, 0) != 0 && errno == ESRCH);
 }
 
-/// Without a lock, or still with its socket when its lock has gone. One that is ending is waited for.
+/// Whether a server without a lock has the socket, or one whose lock has been released already. Waits for one
+/// that is ending.
 bool somebody_listens(const sockaddr_un& address, TimePoint deadline) {
   while (const auto pid = listener_at(address)) {
     if (*pid == 0 || !goes(*pid) || RealClock::instance().now() >= deadline) return true;
@@ -69,7 +70,8 @@ Result<ListeningSocket> ListeningSocket::open(const std::filesystem::path& path,
   auto lock = lock_when_ended(lock_of(path), deadline);
   if (!lock) return lock.error();
   if (!lock->has_value() || somebody_listens(*address, deadline)) return already_served(path);
-  // Where the record cannot be written, a successor does not wait for our end; all else is as it should be.
+  // Where the process id cannot be written, a successor does not wait for our end; nothing else depends on
+  // it.
   static_cast<void>(write_record((*lock)->get(), {::getpid(), SEGUE_VERSION}));
   auto socket = listen_at(path);
   if (!socket) return socket.error();
@@ -104,7 +106,7 @@ bool remove_if_stale(const std::filesystem::path& path) {
   if (!address) return false;
   if (listener_at(*address)) return false;
   const auto lock = try_lock(lock_of(path));
-  if (!lock || !lock->has_value()) return false;  // somebody is about to listen
+  if (!lock || !lock->has_value()) return false;  // another server is about to listen
   if (listener_at(*address)) return false;
   ::unlink(path.c_str());
   ::unlink(lock_of(path).c_str());

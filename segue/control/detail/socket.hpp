@@ -7,17 +7,18 @@
 
 #include <filesystem>
 
-/// Unix sockets with an owner: the parts of server and client that know nothing of Cap'n Proto.
+/// Unix sockets with an owner: the parts of server and client that do not depend on Cap'n Proto.
 namespace segue::control::detail {
 
-/// A listening socket and the lock that says who owns its path. The lock dies with the process, so a socket
-/// whose lock can be had is stale.
+/// A listening socket and the lock on its path. The system releases the lock with the process, so a socket
+/// whose lock is free is stale.
 class ListeningSocket {
  public:
-  /// Binds with mode 0600 and listens. AlreadyExists where another server holds the path; one whose process
-  /// is ending is waited for until `deadline`.
+  /// Binds with mode 0600 and listens. AlreadyExists where another server owns the path; waits until
+  /// `deadline` for one whose process is ending.
   static Result<ListeningSocket> open(const std::filesystem::path& path, TimePoint deadline);
-  /// One that somebody else has bound and listens on; its file stays. InvalidArgument where it is none.
+  /// Takes a socket that is bound and listens already; its file stays. InvalidArgument where it is no such
+  /// socket.
   static Result<ListeningSocket> adopt(Descriptor socket);
   ListeningSocket(ListeningSocket&&) = default;
   ListeningSocket& operator=(ListeningSocket&&) = delete;
@@ -34,14 +35,14 @@ class ListeningSocket {
   Descriptor socket_;
 };
 
-/// Connects; Unavailable where nobody listens, PermissionDenied where the server runs as somebody else (not
-/// us, not root). Waits up to `timeout` for a server whose queue is full.
+/// Connects. Unavailable where no process listens, PermissionDenied where the server runs as another user
+/// than ours or root. Waits up to `timeout` for a server whose queue is full.
 Result<Descriptor> connect_socket(const std::filesystem::path& path, Duration timeout);
 
-/// Removes a socket that nobody serves any more; false where somebody does.
+/// Removes a socket without a server; false where there is one.
 bool remove_if_stale(const std::filesystem::path& path);
 
-/// PermissionDenied unless the process at the other end runs as us or as root.
+/// PermissionDenied unless the process at the other end runs as our user or as root.
 Result<void> check_peer(int socket);
 
 }  // namespace segue::control::detail

@@ -8,8 +8,8 @@
 
 namespace segue::control::detail {
 
-/// The samples of a port, read through a channel: what Connection::open() of that id answered. It keeps the
-/// channel alive, and closes on the other side when it is destroyed.
+/// The stream of samples that Connection::open() has opened under that id. Keeps the channel alive, and
+/// closes the stream on the other side when it is destroyed.
 Result<std::unique_ptr<SampleStream>> opened_stream(std::shared_ptr<RpcChannel> channel,
                                                     RpcChannel::StreamId id,
                                                     const Result<type::Value>& type_name);

@@ -14,7 +14,7 @@ class StreamServer final : public wire::SampleStream::Server {
     ++caller_.client()->streams;
   }
 
-  /// Closing may wait for the port, so it is a job; where none is to be had, the loop has to wait.
+  /// Closing may wait for the port, so it is a job of the pool; where there is no thread, the loop waits.
   ~StreamServer() noexcept {
     --caller_.client()->streams;
     caller_.core().pool.submit([held = std::move(held_)] {});

@@ -21,7 +21,7 @@ struct HeldStream {
   Result<type::Value> read(std::size_t limit);
 };
 
-/// Offers a stream to one client until that releases it.
+/// Offers a stream to one client until the client releases it.
 wire::SampleStream::Client make_stream_server(const Caller& caller, std::shared_ptr<HeldStream> held);
 
 /// Answers with the stream that `open` (a Result<std::unique_ptr<SampleStream>>) returns. The results have an

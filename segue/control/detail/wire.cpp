@@ -240,7 +240,7 @@ std::uint64_t encoded_words(const Value& value) {
 }
 
 Result<void> check_size(const Value& value, std::uint64_t words) {
-  // Half: what reads a message counts some parts twice.
+  // Half, since the reader of a message counts some parts twice.
   const std::uint64_t needed = encoded_words(value);
   if (needed <= words / 2) return {};
   return fail(ErrorCode::ResourceExhausted, "a value of " + std::to_string(needed * kWordBytes >> 20) +

@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-/// Values and errors to and from messages. What comes from a message is untrusted: depth and number of nodes
-/// are bounded. Reading malformed messages throws kj::Exception, which the RPC system turns into an error.
+/// Encodes and decodes values and errors. Messages are not trusted: depth and number of nodes are bounded.
+/// Reading malformed messages throws kj::Exception, which the RPC system turns into an error.
 namespace segue::control::detail {
 
 /// Raised when the meaning of a message changes; additions that old programs ignore do not count.
 inline constexpr std::uint32_t kProtocolVersion = 4;
 
-/// The kinds of service behind a door.
+/// The kinds of service that a server may offer.
 inline constexpr std::string_view kRobotKind = "robot";
 inline constexpr std::string_view kDeploymentKind = "deployment";
 inline constexpr std::string_view kProcessesKind = "processes";
@@ -35,7 +35,7 @@ inline constexpr std::uint64_t kClientMessageWords = std::uint64_t{32} << 20;  /
 /// A level of a Value is three levels of a message; RPC itself adds a few.
 inline constexpr int kMessageNesting = 3 * kMaxDepth + 32;
 
-/// How large a value is on its way, at most.
+/// An upper bound of the size of an encoded value.
 std::uint64_t encoded_words(const type::Value& value);
 /// ResourceExhausted where `value` does not fit into a message of `words` (with room for the rest).
 Result<void> check_size(const type::Value& value, std::uint64_t words);
@@ -49,14 +49,14 @@ Result<type::Value> decode(wire::Value::Reader reader, std::uint64_t max_nodes);
 void encode(const Error& error, wire::Error::Builder builder);
 Error decode(wire::Error::Reader reader);
 
-/// Values that cannot be encoded become the error that says so.
+/// A value that cannot be encoded is replaced by the error that describes why.
 void encode(const Result<type::Value>& answer, wire::Answer::Builder builder);
 Result<type::Value> decode(wire::Answer::Reader reader, std::uint64_t max_nodes);
 
 void encode(const Result<void>& outcome, wire::Outcome::Builder builder);
 Result<void> decode(wire::Outcome::Reader reader);
 
-/// What cannot be encoded or decoded, where functions that walk through whole structures return no Result.
+/// The error of encoding or decoding, where functions that walk through whole structures return no Result.
 class WireError final : public std::exception {
  public:
   explicit WireError(Error error) : error_(std::move(error)) {}
@@ -101,7 +101,7 @@ unsigned count_of(const Items& items) {
   return static_cast<unsigned>(std::size(items));
 }
 
-/// Text that C++ strings and messages share.
+/// Converts between C++ strings and the text of messages, without copying where possible.
 capnp::Text::Reader as_text(const std::string& value);
 capnp::Data::Reader as_data(std::string_view value);
 std::string as_string(capnp::Text::Reader value);
