@@ -115,8 +115,8 @@ model::Network LocalTaskHost::observe() const {
       found->second->tasks.push_back({entry.definition.id, entry.name});
     }
   }
-  implementation_->table.for_each_wire(
-      [&](const detail::WireEntry& wire) { network.connections.push_back(wire.connection); });
+  implementation_->table.for_each_connection(
+      [&](const detail::ConnectionEntry& entry) { network.connections.push_back(entry.connection); });
   return network;
 }
 
@@ -141,9 +141,9 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
 
 std::vector<ConnectionReport> LocalTaskHost::connections() const {
   std::vector<ConnectionReport> reports;
-  implementation_->table.for_each_wire([&](const detail::WireEntry& wire) {
-    const link::Counters counts = wire.wire.counters();
-    reports.push_back({wire.connection, counts.written, counts.read, counts.dropped});
+  implementation_->table.for_each_connection([&](const detail::ConnectionEntry& entry) {
+    const link::Counters counts = entry.handle.counters();
+    reports.push_back({entry.connection, counts.written, counts.read, counts.dropped});
   });
   return reports;
 }

@@ -181,7 +181,7 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   auto done = kind == ActionKind::Configure ? task.configure(deadline)
               : kind == ActionKind::Cleanup ? task.cleanup(deadline)
                                             : task.recover(deadline);
-  table_.drop_dead_wires();
+  table_.drop_ended_connections();
   return done;
 }
 
@@ -208,7 +208,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
     return busy(*entry);
   }
   auto done = entry->task->restore_state(state, deadline);
-  table_.drop_dead_wires();
+  table_.drop_ended_connections();
   return done;
 }
 
@@ -269,7 +269,7 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
   }
   table_.remove_process(key);
   for (const TaskEntry& entry : tasks) {
-    table_.take_wires_of(entry.definition.id);
+    table_.take_connections_of(entry.definition.id);
     table_.take(entry.definition.id);
   }
   return {};
@@ -304,7 +304,7 @@ Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePo
                                              quote(entry->definition.component.str()) + " in " +
                                              quote(to_string(entry->process)) + "; clean it up first");
   }
-  table_.take_wires_of(action.definition.id);
+  table_.take_connections_of(action.definition.id);
   return create(action, place, deadline);
 }
 
@@ -381,7 +381,7 @@ void TaskActions::conclude(const model::Transition& transition) {
   for (const auto& id : transition.removes) {
     const auto entry = table_.find(id);
     if (entry && !entry->configured()) {
-      table_.take_wires_of(id);
+      table_.take_connections_of(id);
       table_.take(id);
     }
   }

@@ -9,7 +9,7 @@ namespace {
 
 using PortsLock = std::shared_lock<PortsMutex>;
 
-WireEnd end_of(const TaskEntry& entry) {
+ConnectionEnd end_of(const TaskEntry& entry) {
   return {entry.task->component(), entry.stand_in, entry.configured()};
 }
 
@@ -24,7 +24,7 @@ Result<TaskEntry> TaskConnections::find(const model::TaskId& id) const {
 }
 
 Result<void> TaskConnections::connect(const model::Connection& connection, TimePoint deadline) {
-  if (table_.has_wire(connection)) {
+  if (table_.has_connection(connection)) {
     return fail(ErrorCode::AlreadyExists, "is already connected");
   }
   auto from = find(connection.from.task);
@@ -46,19 +46,19 @@ Result<void> TaskConnections::connect(const model::Connection& connection, TimeP
       return to_ports.error();
     }
   }
-  auto wire = lay_wire(end_of(*from), end_of(*to), connection);
-  if (!wire) {
-    return std::move(wire.error());
+  auto handle = connect_ports(end_of(*from), end_of(*to), connection);
+  if (!handle) {
+    return std::move(handle.error());
   }
-  return table_.add_wire({connection, std::move(*wire)});
+  return table_.add_connection({connection, std::move(*handle)});
 }
 
 Result<void> TaskConnections::disconnect(const model::Connection& connection) {
-  auto wire = table_.take_wire(connection);
-  if (!wire) {
-    return std::move(wire.error());
+  auto entry = table_.take_connection(connection);
+  if (!entry) {
+    return std::move(entry.error());
   }
-  wire->wire.disconnect();
+  entry->handle.disconnect();
   return {};
 }
 
@@ -73,8 +73,8 @@ Result<void> TaskConnections::with_port(const model::PortRef& port, model::Direc
   if (!lock) {
     return lock.error();
   }
-  const WireEnd end = end_of(*entry);
-  if (auto grown = grow(end, port, direction); !grown) {
+  const ConnectionEnd end = end_of(*entry);
+  if (auto grown = add_missing_port(end, port, direction); !grown) {
     return grown;
   }
   const task::HeldPorts ports(end.component);

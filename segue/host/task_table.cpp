@@ -116,70 +116,70 @@ std::vector<model::Deployment> TaskTable::processes() const {
   return deployments;
 }
 
-bool TaskTable::has_wire(const model::Connection& connection) const {
+bool TaskTable::has_connection(const model::Connection& connection) const {
   const std::shared_lock lock(mutex_);
-  const auto found = wires_.find(connection);
-  return found != wires_.end() && found->second.wire.stands();
+  const auto found = connections_.find(connection);
+  return found != connections_.end() && found->second.handle.is_connected();
 }
 
-Result<void> TaskTable::add_wire(WireEntry wire) {
+Result<void> TaskTable::add_connection(ConnectionEntry entry) {
   const std::unique_lock lock(mutex_);
-  const model::Connection connection = wire.connection;
-  const auto found = wires_.find(connection);
-  if (found != wires_.end() && found->second.wire.stands()) {
+  const model::Connection connection = entry.connection;
+  const auto found = connections_.find(connection);
+  if (found != connections_.end() && found->second.handle.is_connected()) {
     const std::string name = to_string(connection);
     return fail(ErrorCode::AlreadyExists, "is already connected", name);
   }
-  wires_.insert_or_assign(connection, std::move(wire));
+  connections_.insert_or_assign(connection, std::move(entry));
   return {};
 }
 
-Result<WireEntry> TaskTable::take_wire(const model::Connection& connection) {
+Result<ConnectionEntry> TaskTable::take_connection(const model::Connection& connection) {
   const std::unique_lock lock(mutex_);
-  const auto found = wires_.find(connection);
-  if (found == wires_.end() || !found->second.wire.stands()) {
+  const auto found = connections_.find(connection);
+  if (found == connections_.end() || !found->second.handle.is_connected()) {
     const std::string name = to_string(connection);
     return fail(ErrorCode::NotFound, "is not connected, so it cannot be disconnected", name);
   }
-  WireEntry wire = std::move(found->second);
-  wires_.erase(found);
-  return wire;
+  ConnectionEntry entry = std::move(found->second);
+  connections_.erase(found);
+  return entry;
 }
 
-void TaskTable::drop_dead_wires() {
+void TaskTable::drop_ended_connections() {
   const std::unique_lock lock(mutex_);
-  std::erase_if(wires_, [](const auto& item) { return !item.second.wire.stands(); });
+  std::erase_if(connections_, [](const auto& item) { return !item.second.handle.is_connected(); });
 }
 
-std::vector<WireEntry> TaskTable::take_wires_of(const model::TaskId& id) {
+std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId& id) {
   const std::unique_lock lock(mutex_);
-  std::vector<WireEntry> taken;
-  for (auto place = wires_.begin(); place != wires_.end();) {
+  std::vector<ConnectionEntry> taken;
+  for (auto place = connections_.begin(); place != connections_.end();) {
     if (!ends_at(place->first, id)) {
       ++place;
       continue;
     }
     taken.push_back(std::move(place->second));
-    place = wires_.erase(place);
+    place = connections_.erase(place);
   }
   return taken;
 }
 
-void TaskTable::for_each_wire(const std::function<void(const WireEntry&)>& see) const {
+void TaskTable::for_each_connection(const std::function<void(const ConnectionEntry&)>& see) const {
   const std::shared_lock lock(mutex_);
-  for (const auto& [connection, wire] : wires_) {
-    if (wire.wire.stands()) {
-      see(wire);
+  for (const auto& [connection, entry] : connections_) {
+    if (entry.handle.is_connected()) {
+      see(entry);
     }
   }
 }
 
 void TaskTable::clear() {
   std::map<model::TaskId, TaskEntry> tasks;
-  std::map<model::Connection, WireEntry, ByIdentity> wires;
+  std::map<model::Connection, ConnectionEntry, ByIdentity> connections;
   const std::unique_lock lock(mutex_);
   tasks.swap(tasks_);
-  wires.swap(wires_);
+  connections.swap(connections_);
   processes_.clear();
 }
 

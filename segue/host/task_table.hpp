@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/host/connection_handle.hpp>
 #include <segue/host/stand_in.hpp>
-#include <segue/host/wire.hpp>
 #include <segue/model/network.hpp>
 #include <segue/task/executor_set.hpp>
 #include <segue/task/task.hpp>
@@ -53,9 +53,9 @@ struct ByIdentity {
   }
 };
 
-struct WireEntry {
+struct ConnectionEntry {
   model::Connection connection;
-  Wire wire;
+  ConnectionHandle handle;
 };
 
 /// The tasks, processes and connections of this process. Thread safe; every function is short and calls no
@@ -76,24 +76,24 @@ class TaskTable {
   void remove_process(const model::DeploymentKey& key);
   [[nodiscard]] std::vector<model::Deployment> processes() const;
 
-  [[nodiscard]] bool has_wire(const model::Connection& connection) const;
-  Result<void> add_wire(WireEntry wire);
-  /// The wire, now the caller's.
-  Result<WireEntry> take_wire(const model::Connection& connection);
-  /// Forgets wires that ended by themselves: a port of theirs is gone.
-  void drop_dead_wires();
-  /// Wires at a task, out of the table.
-  std::vector<WireEntry> take_wires_of(const model::TaskId& id);
-  /// Calls `see` for each wire that stands, under the lock.
-  void for_each_wire(const std::function<void(const WireEntry&)>& see) const;
+  [[nodiscard]] bool has_connection(const model::Connection& connection) const;
+  Result<void> add_connection(ConnectionEntry entry);
+  /// Removes the connection from the table.
+  Result<ConnectionEntry> take_connection(const model::Connection& connection);
+  /// Removes connections that have ended because a port was removed.
+  void drop_ended_connections();
+  /// Removes all connections of a task from the table.
+  std::vector<ConnectionEntry> take_connections_of(const model::TaskId& id);
+  /// Calls `see` for each connection that has not ended, under the lock.
+  void for_each_connection(const std::function<void(const ConnectionEntry&)>& see) const;
 
   void clear();
 
  private:
-  mutable std::shared_mutex mutex_;
+  mutable std::shared_mutex mutex_;  ///< protects all below; no task is called while it is held
   std::map<model::TaskId, TaskEntry> tasks_;
   std::map<model::DeploymentKey, ProcessEntry> processes_;
-  std::map<model::Connection, WireEntry, ByIdentity> wires_;
+  std::map<model::Connection, ConnectionEntry, ByIdentity> connections_;
 };
 
 }  // namespace segue::host::detail

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/host/wire_end.hpp>
+#include <segue/host/connection_handle.hpp>
 
 #include <segue/base/text.hpp>
 #include <segue/host/stand_in.hpp>
+#include <segue/link/local.hpp>
 
 namespace segue::host::detail {
 
@@ -32,11 +33,12 @@ Error no_port(std::string_view direction, const model::PortRef& ref, const std::
 
 }  // namespace
 
-Result<void> grow(const WireEnd& end, const model::PortRef& ref, model::Direction direction) {
+Result<void> add_missing_port(const ConnectionEnd& end, const model::PortRef& ref,
+                              model::Direction direction) {
   return end.stand_in ? grow_port(end.component, {ref.port, direction}, end.configured) : Result<void>{};
 }
 
-Result<task::OutputPortBase*> find_output(const task::HeldPorts& ports, const WireEnd& end,
+Result<task::OutputPortBase*> find_output(const task::HeldPorts& ports, const ConnectionEnd& end,
                                           const model::PortRef& ref) {
   if (task::OutputPortBase* port = ports.find_output(end.component, ref.port)) {
     return port;
@@ -44,12 +46,42 @@ Result<task::OutputPortBase*> find_output(const task::HeldPorts& ports, const Wi
   return no_port("output", ref, names_of(ports.outputs(end.component)), end.configured);
 }
 
-Result<task::InputPortBase*> find_input(const task::HeldPorts& ports, const WireEnd& end,
+Result<task::InputPortBase*> find_input(const task::HeldPorts& ports, const ConnectionEnd& end,
                                         const model::PortRef& ref) {
   if (task::InputPortBase* port = ports.find_input(end.component, ref.port)) {
     return port;
   }
   return no_port("input", ref, names_of(ports.inputs(end.component)), end.configured);
+}
+
+Result<ConnectionHandle> connect_ports(const ConnectionEnd& from, const ConnectionEnd& to,
+                                       const model::Connection& connection) {
+  if (auto grown = add_missing_port(from, connection.from, model::Direction::Output); !grown) {
+    return std::move(grown.error());
+  }
+  if (auto grown = add_missing_port(to, connection.to, model::Direction::Input); !grown) {
+    return std::move(grown.error());
+  }
+  const task::HeldPorts ports(from.component, to.component);
+  const auto output = find_output(ports, from, connection.from);
+  if (!output) {
+    return output.error();
+  }
+  const auto input = find_input(ports, to, connection.to);
+  if (!input) {
+    return input.error();
+  }
+  const Transport wanted = connection.policy.transport;
+  if (wanted != Transport::Automatic && wanted != Transport::Local) {
+    return fail(ErrorCode::Unsupported,
+                "link " + quote(to_string(wanted)) +
+                    " cannot carry a connection inside one process; leave 'link' out");
+  }
+  auto made = link::connect(**output, **input, connection.policy);
+  if (!made) {
+    return std::move(made.error());
+  }
+  return ConnectionHandle(std::move(*made));
 }
 
 }  // namespace segue::host::detail
