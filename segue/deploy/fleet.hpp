@@ -67,7 +67,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   [[nodiscard]] concurrent::ThreadPool& pool() { return pool_; }
   using Events = concurrent::Notifier<host::HostEvent>;
   [[nodiscard]] Events& events() { return events_; }
-  /// Whom to call in a watch, beside the look: takes off what was left over.
+  /// Periodic work for the watching thread: it polls all processes and removes orphaned endpoints.
   void set_housekeeping(std::function<void()> work);
 
  private:
@@ -86,7 +86,7 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
                                                                 Duration patience);
   /// A service that is destroyed on a thread of the pool: its last user may be a thread of its own.
   std::shared_ptr<DeploymentService> shared(std::unique_ptr<DeploymentService> service);
-  /// Connects, and checks who answers.
+  /// Connects to the process and checks its identity.
   Result<void> open(const RecordPtr& record, TimePoint deadline);
   void listen_to(const RecordPtr& record, DeploymentService& service);
   Result<RecordPtr> deployed(const model::DeploymentKey& key) const;

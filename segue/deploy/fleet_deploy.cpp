@@ -167,16 +167,16 @@ std::shared_ptr<DeploymentService> Fleet::shared(std::unique_ptr<DeploymentServi
 }
 
 Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
-  auto made = connector_(record->process().socket, deadline,
-                         [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)] {
-                           if (const auto self = weak.lock()) {
-                             self->on_disconnected(which);
-                           }
-                         });
-  if (!made) {
-    return std::move(made.error());
+  auto connected = connector_(record->process().socket, deadline,
+                              [weak = weak_from_this(), which = std::weak_ptr<ProcessRecord>(record)] {
+                                if (const auto self = weak.lock()) {
+                                  self->on_disconnected(which);
+                                }
+                              });
+  if (!connected) {
+    return std::move(connected.error());
   }
-  const auto service = shared(std::move(*made));
+  const auto service = shared(std::move(*connected));
   auto info = service->info();
   if (!info) {
     return std::move(info.error());
@@ -297,7 +297,7 @@ void Fleet::adopt() {
   auto running = processes_.processes(launch_.robot);
   if (!running) {
     events_.post(host::ProcessEvent{
-        {}, "which processes run already cannot be told: " + to_string(running.error()), false});
+        {}, "cannot find out which processes run already: " + to_string(running.error()), false});
     return;
   }
   std::sort(running->begin(), running->end(), [](const auto& a, const auto& b) { return a.key < b.key; });

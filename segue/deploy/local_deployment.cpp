@@ -169,7 +169,7 @@ Result<void> LocalDeployment::conclude(const model::Transition& transition, Time
 }
 
 Result<std::optional<task::SavedState>> LocalDeployment::save_state(const model::TaskId& task,
-                                                               TimePoint deadline) {
+                                                                    TimePoint deadline) {
   return implementation_->run_hook<std::optional<task::SavedState>>(
       task, deadline,
       [&host = implementation_->host, task, deadline] { return host.save_state(task, deadline); });

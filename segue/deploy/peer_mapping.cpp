@@ -14,14 +14,14 @@ class PeerMapping {
  public:
   PeerMapping(concurrent::ThreadPool& pool, TimePoint deadline) : pool_(pool), deadline_(deadline) {}
 
-  std::vector<FailedPair> make(const std::vector<ProcessPair>& pairs) {
+  std::vector<FailedPair> run(const std::vector<ProcessPair>& pairs) {
     for (const auto& [one, other] : pairs) {
       add(one, other);
       add(other, one);
     }
     collect_offers();
     std::vector<concurrent::ThreadPool::Job> jobs;
-    for (const auto& [one, others] : unknown_) {
+    for (const auto& [one, others] : missing_) {
       jobs.emplace_back([this, one = one, &others = others] { admit_peers(one, others); });
     }
     pool_.run_all(std::move(jobs));
@@ -31,12 +31,12 @@ class PeerMapping {
  private:
   void add(const RecordPtr& one, const RecordPtr& other) {
     if (!one->has_mapped(other->incarnation())) {
-      unknown_[one].insert(other);
+      missing_[one].insert(other);
     }
   }
 
   void collect_offers() {
-    for (const auto& [one, others] : unknown_) {
+    for (const auto& [one, others] : missing_) {
       for (const auto& other : others) {
         offers_.try_emplace(other, other->unreachable());
       }
@@ -70,9 +70,9 @@ class PeerMapping {
 
   concurrent::ThreadPool& pool_;
   const TimePoint deadline_;
-  std::map<RecordPtr, std::set<RecordPtr>> unknown_;  ///< who has to be told of whom
+  std::map<RecordPtr, std::set<RecordPtr>> missing_;  ///< peers to be mapped, by process
   std::map<RecordPtr, Result<link::MemoryOffer>> offers_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< protects failed_
   std::vector<FailedPair> failed_;
 };
 
@@ -80,7 +80,7 @@ class PeerMapping {
 
 std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vector<ProcessPair>& pairs,
                                   TimePoint deadline) {
-  return PeerMapping(pool, deadline).make(pairs);
+  return PeerMapping(pool, deadline).run(pairs);
 }
 
 }  // namespace segue::deploy::detail

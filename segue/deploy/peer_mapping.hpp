@@ -9,16 +9,18 @@
 
 namespace segue::deploy::detail {
 
-/// Two processes, in any order.
+/// Two processes, in either order.
 using ProcessPair = std::pair<RecordPtr, RecordPtr>;
 
+/// Two processes that could not map each other's memory.
 struct FailedPair {
   ProcessPair pair;
   Error why;
 };
 
-/// Both processes of every pair map each other's memory, once for each pair, all side by side; where they
-/// know each other already, nothing is asked. Gives the pairs that could not. One call at a time for a fleet.
+/// Makes both processes of every pair map each other's memory, in parallel; nothing is sent where they have
+/// done so before. Returns the pairs for which it failed, a pair twice if both directions did. Blocks until
+/// `deadline` at most. Only one call at a time for each fleet.
 std::vector<FailedPair> map_peers(concurrent::ThreadPool& pool, const std::vector<ProcessPair>& pairs,
                                   TimePoint deadline);
 

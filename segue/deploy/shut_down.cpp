@@ -16,7 +16,7 @@ bool runs(TaskState state) {
   return state == TaskState::Running || state == TaskState::RunTimeError;
 }
 
-/// The verb for all tasks in such a state, in the order of producers first; what fails is logged.
+/// Carries out `verb` on all tasks in a state that is `wanted`, producers first, and logs failures.
 void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, model::ActionKind verb,
                     bool (*wanted)(TaskState), TimePoint deadline) {
   const model::Network network = host.observe();
@@ -40,7 +40,7 @@ void perform_on_all(const host::LocalTaskHost& host, host::ActionPool& pool, mod
 
 std::vector<model::TaskId> producers_first(const model::Network& network) {
   std::map<model::TaskId, std::set<model::TaskId>> consumers;
-  std::map<model::TaskId, std::size_t> producers;  // that do not stand yet
+  std::map<model::TaskId, std::size_t> producers;  // not in `ordered` yet
   for (const auto& connection : network.connections) {
     const auto& [from, to] = std::tie(connection.from.task, connection.to.task);
     if (from != to && consumers[from].insert(to).second) {
@@ -66,7 +66,7 @@ std::vector<model::TaskId> producers_first(const model::Network& network) {
         if (--producers[consumer] == 0) place(consumer);
       }
     }
-    // All that remains is behind a cycle: it is cut at the first of them.
+    // All others are part of a cycle or behind one: it is cut at the first of them.
     if (rest < network.tasks.size()) place(network.tasks[rest].id);
   }
   return ordered;
@@ -75,7 +75,7 @@ std::vector<model::TaskId> producers_first(const model::Network& network) {
 bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoint deadline) {
   const TimePoint now = RealClock::instance().now();
   perform_on_all(host, pool, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
-  // Also where a stop is under way: the verb waits for it.
+  // Includes tasks whose stop is still under way: the cleanup waits for it.
   perform_on_all(host, pool, model::ActionKind::Cleanup, &is_configured, deadline);
   bool at_rest = host.hanging().empty();
   for (const auto& task : host.observe().tasks) {
