@@ -32,7 +32,7 @@ class KilledProcessServer : public DisturbedTransition {
   }
   void start() {
     daemon_ = std::make_unique<Process>(std::vector<std::string>{SEGUE_PROGRAM, "host"}, folder_);
-    ASSERT_TRUE(daemon_->wait_for("the process server runs"));
+    ASSERT_TRUE(daemon_->wait_for("the process server is running"));
   }
   void kill_server() {
     daemon_->signal(SIGKILL);
