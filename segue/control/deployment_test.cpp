@@ -71,13 +71,13 @@ TEST_F(DeploymentTest, ABatchHasAnOutcomeForEachAction) {
   EXPECT_TRUE(client()->perform({}, soon()).empty());
 }
 
-/// What a batch that was begun tells.
-struct Told {
+/// Collects the ends that a batch reports.
+struct ReportedEnds {
   host::Completion listener() {
     return [this](const std::vector<host::Completed>& ended) {
       const std::lock_guard lock(mutex);
       for (const auto& one : ended) {
-        EXPECT_FALSE(outcomes.contains(one.index)) << "told twice";
+        EXPECT_FALSE(outcomes.contains(one.index)) << "reported twice";
         outcomes.insert_or_assign(one.index, one.outcome);
       }
     };
@@ -119,13 +119,13 @@ TEST_F(DeploymentTest, HowLongActionsTookTravels) {
 TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
   serve();
   const auto process = client();
-  const auto begin = [&](Told& told) {
+  const auto begin = [&](ReportedEnds& told) {
     process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait"),
                         action_of(ActionKind::Stop, "bad"), action_of(ActionKind::Stop, "c")},
                        soon(), told.listener());
   };
-  Told one;
-  Told other;
+  ReportedEnds one;
+  ReportedEnds other;
   begin(one);
   begin(other);
   EXPECT_TRUE(eventually([&] { return one.count() == 3 && other.count() == 3; }));
@@ -139,7 +139,7 @@ TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
 
 TEST_F(DeploymentTest, AServerThatGoesInTheMiddleOfABatchTellsItsEnd) {
   serve();
-  Told told;
+  ReportedEnds told;
   const auto process = client();
   process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait")}, soon(),
                      told.listener());

@@ -141,7 +141,7 @@ class Unroller {
   StateEnd add_subtree(const StateEntry& entry);
   BranchEdge meet(const std::vector<Arrival>& arrivals);
   Symbol copied(Symbol value, BranchEdge when);
-  cdtn::NodeSpec& blank();
+  cdtn::NodeSpec& new_spec();
   cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
   ValueSource connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);
   StateEnd ends_of(const StateEntry& entry, cdtn::NodeId node, const cdtn::NodeSpec& spec);

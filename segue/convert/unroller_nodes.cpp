@@ -121,7 +121,7 @@ OpaqueSubtreeReason Unroller::subtree_reason(StateIndex state, StateIndex opaque
 }
 
 /// An empty specification that reuses the memory of the last.
-NodeSpec& Unroller::blank() {
+NodeSpec& Unroller::new_spec() {
   NodeSpec fresh;
   const auto keep_room = [](auto& from, auto& to) {
     from.clear();
@@ -178,7 +178,7 @@ ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_
 /// A default of the mission. A global variable is read by a separate node, at its place in the program order.
 Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   if (supply.global.empty()) return {supply.fallback};
-  NodeSpec& spec = blank();
+  NodeSpec& spec = new_spec();
   spec.opaque = true;
   spec.cannot_fail = true;
   spec.conditions = paths_.conditions(at);
@@ -228,7 +228,7 @@ void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchE
 }
 
 Symbol Unroller::copied(Symbol value, BranchEdge when) {
-  NodeSpec& spec = blank();
+  NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
   spec.conditions = paths_.conditions(when);
@@ -251,7 +251,7 @@ BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   BranchEdge around = edges.front();
   for (const BranchEdge edge : edges)
     around = paths_.common(around, edge);
-  NodeSpec& spec = blank();
+  NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
   spec.branches = true;
@@ -430,7 +430,7 @@ std::vector<BranchSource> Unroller::connect_branches(NodeSpec& spec, const State
 
 StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEnd>* branches) {
   const Action& what = action(entry.state);
-  NodeSpec& spec = blank();
+  NodeSpec& spec = new_spec();
   PlannedNode planned;
   planned.path = entry.path;
   planned.state = entry.state;
@@ -463,7 +463,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
 
 StateEnd Unroller::add_subtree(const StateEntry& entry) {
   const mission::CompiledState& state = node(entry.state);
-  NodeSpec& spec = blank();
+  NodeSpec& spec = new_spec();
   PlannedNode planned;
   planned.role = Role::OpaqueSubtree;
   planned.path = entry.path;

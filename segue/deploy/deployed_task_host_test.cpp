@@ -66,7 +66,7 @@ connections:
 )";
 
 /// Records the events of the host and waits for them.
-class Told {
+class EventRecorder {
  public:
   void add(const host::HostEvent& event) {
     {
@@ -139,7 +139,7 @@ struct Robot {
   }
 
   FakeWorld& world;
-  Told told;
+  EventRecorder told;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
   host::LocalTaskHost local{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};

@@ -88,15 +88,15 @@ class DiagramMaker {
 
   /// One entry for two nodes; it is implied where each reason that the engine keeps is.
   void join_reasons(Diagram::Node& node) {
-    std::ranges::stable_sort(reasons_, {}, [](const Told& told) { return told.dependency->from; });
-    for (const Told& told : reasons_) {
-      const std::uint32_t from = index(told.dependency->from);
+    std::ranges::stable_sort(reasons_, {}, [](const NotedReason& noted) { return noted.dependency->from; });
+    for (const NotedReason& noted : reasons_) {
+      const std::uint32_t from = index(noted.dependency->from);
       if (node.before.empty() || node.before.back().from != from)
         node.before.push_back({from, {}, true, false});
       Diagram::Dependency& entry = node.before.back();
-      entry.implied = entry.implied && told.implied;
-      entry.holds_start = entry.holds_start || holds_start(network_, *told.dependency);
-      entry.causes.push_back(cause(*told.dependency));
+      entry.implied = entry.implied && noted.implied;
+      entry.holds_start = entry.holds_start || holds_start(network_, *noted.dependency);
+      entry.causes.push_back(cause(*noted.dependency));
     }
   }
 
@@ -161,11 +161,11 @@ class DiagramMaker {
   const cdtn::Order& order_;
   const std::vector<cdtn::Dependency>& further_;
   const std::vector<bool> implied_;
-  struct Told {
+  struct NotedReason {
     const cdtn::Dependency* dependency = nullptr;
     bool implied = false;
   };
-  std::vector<Told> reasons_;  ///< of the node at hand
+  std::vector<NotedReason> reasons_;  ///< of the node at hand
 };
 
 }  // namespace

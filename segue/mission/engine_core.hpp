@@ -115,7 +115,7 @@ class EngineCore {
   // engine_journal.cpp: recording and replaying
   Ending call_with_journal(Activation& leaf, bool& under_way);
   Ending begin_with_journal(Activation& leaf, bool& under_way);
-  bool recall(Activation& leaf);
+  bool replay_end(Activation& leaf);
   bool replay_next();
   bool begin_postponed();
   [[nodiscard]] std::optional<Ending> settled(const Activation& leaf) const;

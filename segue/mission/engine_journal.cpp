@@ -10,7 +10,7 @@ namespace segue::mission::detail {
 /// Ends that the journal has are replayed first; actions that it lacks begin only after that.
 Ending EngineCore::call_with_journal(Activation& leaf, bool& under_way) {
   under_way = true;
-  if (recall(leaf)) return {};
+  if (replay_end(leaf)) return {};
   if (replayed_count_ < options.journal->size()) {
     postponed_.emplace_back(&leaf, leaf.generation);
     return {};
@@ -37,7 +37,7 @@ bool EngineCore::begin_postponed() {
 }
 
 /// True if the journal has the end of this execution: replay_next() will deliver it in its turn.
-bool EngineCore::recall(Activation& leaf) {
+bool EngineCore::replay_end(Activation& leaf) {
   const auto place = options.journal->find(path(leaf), leaf.iteration);
   if (!place) return false;
   leaf.deferred = true;

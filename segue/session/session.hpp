@@ -66,7 +66,8 @@ struct RunRequest {
   std::uint32_t workers = 0;  ///< concurrent: how many nodes run at the same time; 0: any number
   NetworkRequest network;
 
-  /// Told what is odd but no failure. On the thread of run(), or on that of an opaque subtree.
+  /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
+  /// subtree.
   std::function<void(const std::string&)> note;
   /// Progress of a mission; see convert::RunOptions::observe.
   mission::ActionObserver on_action;
