@@ -98,6 +98,15 @@ function(segue_test NAME)
   set_tests_properties(${NAME} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
 
+# segue_long_tests(NAME...): these take more than daily work should wait for (ctest -LE long leaves them out).
+function(segue_long_tests)
+  foreach(name IN LISTS ARGV)
+    if(TEST ${name})
+      set_property(TEST ${name} APPEND PROPERTY LABELS long)
+    endif()
+  endforeach()
+endfunction()
+
 # segue_fuzzer(NAME SOURCES ... LINK targets... [CORPUS folder])
 # A libFuzzer program (SEGUE_FUZZ with clang). As a ctest entry it tries SEGUE_FUZZ_RUNS inputs made from its corpus, for
 # SEGUE_FUZZ_SECONDS at the most; with SEGUE_FUZZ_SEED the same ones each time, so that a change is judged by what it changes.
