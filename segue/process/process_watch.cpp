@@ -1,37 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/error.hpp>
+#include <segue/concurrent/thread.hpp>
 #include <segue/process/process_watch.hpp>
 
-#include <pthread.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 
 namespace segue::process::detail {
 
 namespace {
 
 constexpr std::uint64_t kWake = 0;
-
-/// Blocks all signals for the thread that is started meanwhile, so that it never runs the program's handlers.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t all;
-    ::sigfillset(&all);
-    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-
- private:
-  sigset_t before_{};
-};
 
 bool watch(int epoll, int descriptor, std::uint64_t id) {
   epoll_event event{};
@@ -53,9 +36,7 @@ Result<std::unique_ptr<ProcessWatch>> ProcessWatch::create(Ended ended) {
 
 ProcessWatch::ProcessWatch(Descriptor epoll, Descriptor wake, Ended ended)
     : epoll_(std::move(epoll)), wake_(std::move(wake)), ended_(std::move(ended)) {
-  const BlockedSignals blocked;
-  thread_ = std::thread([this] { run(); });
-  ::pthread_setname_np(thread_.native_handle(), "process watch");
+  thread_ = concurrent::start_thread("segue-processes", [this] { run(); });
 }
 
 ProcessWatch::~ProcessWatch() {
