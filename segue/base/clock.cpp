@@ -12,8 +12,8 @@ void RealClock::sleep_until(TimePoint when) {
 }
 
 RealClock& RealClock::instance() {
-  static RealClock clock;
-  return clock;
+  static auto* clock = new RealClock;  // never destroyed: a thread that hangs in a hook outlives main
+  return *clock;
 }
 
 TimePoint VirtualClock::now() const {

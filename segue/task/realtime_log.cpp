@@ -11,8 +11,8 @@
 namespace segue::task {
 
 RealtimeLog& RealtimeLog::instance() {
-  static RealtimeLog log;
-  return log;
+  static auto* log = new RealtimeLog;  // never destroyed: a thread that hangs in a hook outlives main
+  return *log;
 }
 
 RealtimeLog::RealtimeLog() : lines_(std::make_unique<std::array<Line, kLines>>()) {
