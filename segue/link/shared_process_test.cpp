@@ -83,6 +83,11 @@ InputPlace likeness(const std::string& port) {
   return place;
 }
 
+/// A copy whose number is none of the child's, so that no redirection overwrites the source of another.
+Descriptor aside(const Descriptor& descriptor) {
+  return Descriptor(fcntl(descriptor.get(), F_DUPFD_CLOEXEC, kControl + 1));
+}
+
 /// The other process.
 class Child {
  public:
@@ -90,14 +95,16 @@ class Child {
     int ends[2];
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
     channel_ = Descriptor(ends[0]);
-    const Descriptor theirs(ends[1]);
+    const Descriptor theirs = aside(Descriptor(ends[1]));
     const auto offer = memory.offer();
     EXPECT_TRUE(offer);
+    const Descriptor payload = aside(offer->payload);
+    const Descriptor control = aside(offer->control);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, theirs.get(), kChannel);
-    posix_spawn_file_actions_adddup2(&actions, offer->payload.get(), kPayload);
-    posix_spawn_file_actions_adddup2(&actions, offer->control.get(), kControl);
+    posix_spawn_file_actions_adddup2(&actions, payload.get(), kPayload);
+    posix_spawn_file_actions_adddup2(&actions, control.get(), kControl);
     std::string filter = "--gtest_filter=SharedChild.DISABLED_" + role;
     std::string disabled = "--gtest_also_run_disabled_tests";
     std::string brief = "--gtest_brief=1";
