@@ -57,6 +57,7 @@ class DeployedTaskHost final : public host::TaskHost {
   [[nodiscard]] Diagnostics check(const model::Network& network) const override;
   void expect(const model::Network& target) override;
   /// Makes processes that `target` connects map each other's memory.
+  void begin_transition(const model::Network& before, const model::Network& target) override;
   void get_ready(const model::Network& target) override;
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;

@@ -49,8 +49,11 @@ std::vector<ProcessView> Fleet::poll() {
 }
 
 MergedView Fleet::poll_merged() {
-  return merge(poll(), [this](const model::TaskId& task, const model::DeploymentKey& process) {
-    return placements_.name(task, process);
+  const auto views = poll();
+  // Tasks and their connections get the same names although incarnations come and go meanwhile.
+  const auto current = placements_.current();
+  return merge(views, [&](const model::TaskId& task, const model::DeploymentKey& process) {
+    return PlacementTable::name(current, task, process);
   });
 }
 
@@ -179,7 +182,10 @@ std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record)
     return std::nullopt;
   }
   const auto found = records_.find(record->key());
-  if (found != records_.end() && found->second == record) {
+  if (found != records_.end() && found->second != record) {
+    return std::vector<model::TaskId>();  // a successor has its name, and the tasks there are the successor's
+  }
+  if (found != records_.end()) {
     records_.erase(found);
   }
   return placements_.drop(record->key());

@@ -5,6 +5,7 @@
 #include <segue/host/full_id.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace segue::deploy::detail {
@@ -54,7 +55,8 @@ Result<PlacementTable::Place> PlacementTable::find(const model::TaskId& id, Whic
   const model::DeploymentKey meant = process                              ? normal(*process)
                                      : which == Which::Next && there.next ? *there.next
                                                                           : there.current;
-  if (!there.has(meant)) {
+  const bool ended = !process && which == Which::Current && ended_.contains(task);
+  if (ended || !there.has(meant)) {
     return unknown(id);
   }
   return Place{task, meant};
@@ -89,6 +91,22 @@ model::TaskId PlacementTable::name(const model::TaskId& task, const model::Deplo
   const std::lock_guard lock(mutex_);
   const auto found = table_.find(task);
   return found == table_.end() ? task : name_of(*found, normal(process));
+}
+
+std::map<model::TaskId, model::DeploymentKey> PlacementTable::current() const {
+  const std::lock_guard lock(mutex_);
+  std::map<model::TaskId, model::DeploymentKey> current;
+  for (const auto& [task, there] : table_) {
+    current.emplace_hint(current.end(), task, there.current);
+  }
+  return current;
+}
+
+model::TaskId PlacementTable::name(const std::map<model::TaskId, model::DeploymentKey>& current,
+                                   const model::TaskId& task, const model::DeploymentKey& process) {
+  const auto found = current.find(task);
+  const bool is_current = found == current.end() || found->second == normal(process);
+  return is_current ? task : host::full_id(task, normal(process));
 }
 
 void PlacementTable::put(const Place& place) {
@@ -170,6 +188,9 @@ PlacementTable::Table::iterator PlacementTable::remove(Table::iterator item,
                                                        const model::DeploymentKey& process) {
   Incarnations& there = item->second;
   std::erase(there.processes, process);
+  if (in_transition_ && there.current == process) {
+    ended_.insert(item->first);
+  }
   if (there.next == process) {
     there.next.reset();
   }
@@ -203,9 +224,30 @@ std::vector<model::TaskId> PlacementTable::drop(const model::DeploymentKey& proc
   return names;
 }
 
+void PlacementTable::begin_transition(const std::set<model::TaskId>& before,
+                                      const std::map<model::TaskId, model::DeploymentKey>& processes) {
+  const std::lock_guard lock(mutex_);
+  in_transition_ = true;
+  ended_.clear();
+  std::copy_if(before.begin(), before.end(), std::inserter(ended_, ended_.end()),
+               [&](const model::TaskId& task) { return !table_.contains(task); });
+  for (auto& [task, there] : table_) {
+    const auto wanted = processes.find(task);
+    if (wanted == processes.end()) {
+      continue;
+    }
+    const model::DeploymentKey key = normal(wanted->second);
+    if (there.current != key && there.has(key)) {
+      there.next = key;
+    }
+  }
+}
+
 std::vector<PlacementTable::Place> PlacementTable::conclude() {
   const std::lock_guard lock(mutex_);
   std::vector<Place> replaced;
+  in_transition_ = false;
+  ended_.clear();
   for (auto& [task, there] : table_) {
     if (!there.next) {
       continue;
@@ -220,6 +262,8 @@ std::vector<PlacementTable::Place> PlacementTable::conclude() {
 
 void PlacementTable::withdraw() {
   const std::lock_guard lock(mutex_);
+  in_transition_ = false;
+  ended_.clear();
   for (auto& [task, there] : table_) {
     there.next.reset();
     there.settle();

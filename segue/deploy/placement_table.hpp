@@ -41,6 +41,11 @@ class PlacementTable {
   [[nodiscard]] static Place place_of(const model::TaskId& id, const model::DeploymentKey& process);
   /// The name of an incarnation towards callers: its plain id if it is the current one, else its full id.
   [[nodiscard]] model::TaskId name(const model::TaskId& task, const model::DeploymentKey& process) const;
+  /// For every task the process of its current incarnation, all of one moment.
+  [[nodiscard]] std::map<model::TaskId, model::DeploymentKey> current() const;
+  /// name() by what current() gave.
+  [[nodiscard]] static model::TaskId name(const std::map<model::TaskId, model::DeploymentKey>& current,
+                                          const model::TaskId& task, const model::DeploymentKey& process);
 
   /// The incarnation has been created. It is the next one where there is a current one already.
   void put(const Place& place);
@@ -55,6 +60,11 @@ class PlacementTable {
   /// The process has ended. Gives the names of the tasks that it held.
   std::vector<model::TaskId> drop(const model::DeploymentKey& process);
 
+  /// A transition begins, from `before` to tasks in the given processes: a leftover incarnation that lives
+  /// where its task is to be becomes the next one. Until conclude() or withdraw(), Which::Current means no
+  /// other incarnation instead of one of `before` that has ended.
+  void begin_transition(const std::set<model::TaskId>& before,
+                        const std::map<model::TaskId, model::DeploymentKey>& processes);
   /// The transition is complete: every next incarnation becomes the current one. Gives those that were
   /// current.
   std::vector<Place> conclude();
@@ -96,6 +106,8 @@ class PlacementTable {
   Table table_;
   std::map<model::DeploymentKey, Process> by_process_;
   std::uint64_t changes_ = 0;  ///< counts puts and drops
+  bool in_transition_ = false;
+  std::set<model::TaskId> ended_;  ///< their current incarnations have ended since the transition was planned
 };
 
 }  // namespace segue::deploy::detail

@@ -95,6 +95,50 @@ TEST(PlacementTable, given_up_the_new_one_keeps_its_full_id) {
   EXPECT_TRUE(table.free_place(kTask, process("q")));
 }
 
+TEST(PlacementTable, a_leftover_is_the_next_one_of_a_transition_that_wants_it_where_it_is) {
+  PlacementTable table;
+  move(table);
+  table.withdraw();
+  table.begin_transition({kTask}, {{kTask, process("q")}});
+  EXPECT_EQ(where(table, kTask, Which::Current), "p");
+  EXPECT_EQ(where(table, kTask, Which::Next), "q");
+  EXPECT_TRUE(table.free_place(kTask, process("q"))) << "it may be configured again";
+  EXPECT_THAT(table.conclude(), ElementsAre(PlacementTable::Place{kTask, process("p")}));
+  EXPECT_EQ(where(table, kTask, Which::Current), "q");
+}
+
+TEST(PlacementTable, a_leftover_elsewhere_stays_one) {
+  PlacementTable table;
+  move(table);
+  table.withdraw();
+  table.begin_transition({kTask}, {{kTask, process("p")}});
+  EXPECT_EQ(where(table, kTask, Which::Next), "p");
+  EXPECT_THAT(table.conclude(), IsEmpty());
+}
+
+TEST(PlacementTable, what_was_to_be_taken_down_and_has_ended_is_not_what_comes_in_its_place) {
+  PlacementTable table;
+  table.put({kTask, process("p")});
+  table.drop(process("p"));  // after the transition was planned
+  table.begin_transition({kTask}, {{kTask, process("q")}});
+  table.put({kTask, process("q")});
+  EXPECT_EQ(where(table, kTask, Which::Current), "") << "a stop of the old one must not stop the new one";
+  EXPECT_EQ(where(table, kTask, Which::Next), "q");
+  table.conclude();
+  EXPECT_EQ(where(table, kTask, Which::Current), "q");
+}
+
+TEST(PlacementTable, a_leftover_is_not_taken_for_one_that_ends_in_a_transition) {
+  PlacementTable table;
+  move(table);
+  table.withdraw();
+  table.begin_transition({kTask}, {{kTask, process("r")}});
+  table.drop(process("p"));
+  EXPECT_EQ(where(table, kTask, Which::Current), "");
+  table.withdraw();
+  EXPECT_EQ(where(table, kTask, Which::Current), "q");
+}
+
 TEST(PlacementTable, nothing_takes_the_place_of_one_that_dies_while_it_moves) {
   PlacementTable table;
   move(table);

@@ -57,6 +57,10 @@ std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> a
 
 void TaskHost::expect(const model::Network& /*target*/) {}
 
+void TaskHost::begin_transition(const model::Network& /*before*/, const model::Network& target) {
+  expect(target);
+}
+
 void TaskHost::get_ready(const model::Network& /*target*/) {}
 
 void TaskHost::conclude(const model::Transition& /*transition*/) {}

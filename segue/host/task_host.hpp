@@ -102,6 +102,11 @@ class TaskHost {
   /// Announces the target of a transition before its first action. May prepare for it, but does not change
   /// what runs.
   virtual void expect(const model::Network& target);
+  /// A transition from `before`, as it was observed, to `target` begins; includes expect(). Until conclude()
+  /// or withdraw(), actions that take down mean the tasks of `before`: one that has ended since is not found,
+  /// whatever the transition creates under its id. Where `target` places a task in a process that holds a
+  /// leftover incarnation of it, actions that create and start mean that one.
+  virtual void begin_transition(const model::Network& before, const model::Network& target);
   /// Called when all actions before the commit to `target` are done. Does ahead of time what later actions
   /// would otherwise have to do, without changing what runs. Failures are found again by those actions.
   virtual void get_ready(const model::Network& target);

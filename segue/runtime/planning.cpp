@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/network_sets.hpp>
 
@@ -75,15 +76,22 @@ solve::Options solve_options(const host::TaskHost& host, model::Order order, boo
   return {order, host.side_by_side(), force};
 }
 
+Result<model::Transition> solve_from_observed(const model::Network& current, const model::Network& target,
+                                              const model::ComponentCatalog& catalog,
+                                              solve::Options options) {
+  options.prepared = prepared_incarnations(current, target);
+  return solve::diff(current, target, catalog, options);
+}
+
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
                                                const model::Network& keep, const host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
-                                               const solve::Options& options) {
+                                               solve::Options options) {
   if (auto refusal = refusal_for(controller, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
   model::Network target = unite(controller, already_present(keep, current));
-  auto transition = solve::diff(current, target, catalog, options);
+  auto transition = solve_from_observed(current, target, catalog, std::move(options));
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));
   }

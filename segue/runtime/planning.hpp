@@ -28,12 +28,17 @@ struct Refusal {
 /// Options of the solver for this host.
 solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force);
 
+/// solve::diff() from an observed network: incarnations that an earlier request left where `target` places
+/// their tasks are used.
+Result<model::Transition> solve_from_observed(const model::Network& current, const model::Network& target,
+                                              const model::ComponentCatalog& catalog, solve::Options options);
+
 /// Validates `controller` to the depth that the host requires and solves from `current`. Parts of `keep` that
 /// exist in `current` stay.
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
                                                const model::Network& keep, const host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
-                                               const solve::Options& options);
+                                               solve::Options options);
 
 /// Predicts the network that a given transition leads to, and validates it in the same way.
 tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,

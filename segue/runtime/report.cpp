@@ -207,7 +207,8 @@ Value status_of(Runtime& runtime) {
        {"connections",
         list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},
        {"differences",
-        list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })}});
+        list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })},
+       {"unresolved", list_of(runtime.unresolved(), [](const std::string& text) { return Value(text); })}});
 }
 
 Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {

@@ -119,6 +119,11 @@ std::vector<Readiness> Runtime::readiness() const {
   return implementation_->readiness;
 }
 
+std::vector<std::string> Runtime::unresolved() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->unresolved;
+}
+
 std::vector<SwitchResult> Runtime::history() const {
   const std::lock_guard lock(implementation_->mutex);
   return {implementation_->history.begin(), implementation_->history.end()};

@@ -164,6 +164,10 @@ class Runtime {
   /// transition. Blocks while the host takes a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
+  /// Faults and leftovers that lasted longer than the policies permit attempts, as sentences. From the last
+  /// supervision.
+  [[nodiscard]] std::vector<std::string> unresolved() const;
+
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.

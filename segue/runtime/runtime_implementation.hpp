@@ -83,10 +83,11 @@ struct Runtime::Implementation {
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
-  void handle_faults(const detail::Observation& seen);
+  /// Both return what could not be resolved in as many attempts as the policy permits, as sentences.
+  std::vector<std::string> handle_faults(const detail::Observation& seen);
+  std::vector<std::string> collect_leftovers(const detail::Observation& seen);
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
-  void collect_leftovers(const detail::Observation& seen);
   void look_ahead();
   /// Executes the part of the transition to the desired network that concerns `scope`.
   void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope);
@@ -105,7 +106,7 @@ struct Runtime::Implementation {
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};
 
-  /// Protects the members from here to `look_ahead_due`. Never held while the host is called, since the host
+  /// Protects the members from here to `unresolved`. Never held while the host is called, since the host
   /// may call on_event(), which takes it. The belief and the log have locks of their own.
   mutable std::mutex mutex;
   std::condition_variable wake;
@@ -123,10 +124,11 @@ struct Runtime::Implementation {
   std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
+  std::vector<std::string> unresolved;
 
   // Used by the worker thread only.
-  detail::RepairScheduler repairs{options.policies.restart};
-  detail::RepairScheduler leftover_repairs{options.policies.restart};
+  detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};
+  detail::RepairScheduler leftover_repairs{options.policies.restart, detail::AfterLimit::GoOn};
   std::set<std::string> reported_differences;  ///< differences that last and were reported
   model::Network standby;  ///< the part of `extra` that is kept on standby on purpose; the rest are leftovers
   TimePoint next_observation = RealClock::instance().now();

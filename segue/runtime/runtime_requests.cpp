@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
@@ -93,16 +94,18 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
     return detail::plan_transition(current, *transition, host, catalog);
   }
-  const auto how = detail::solve_options(host, request_options.order, request_options.force);
+  auto how = detail::solve_options(host, request_options.order, request_options.force);
+  how.idle = detail::idle_tasks(current, belief.controller());
   if (const auto* network = std::get_if<model::Network>(&request)) {
-    return detail::plan_network(current, *network, plan_ahead(*network).standby, host, catalog, how);
+    return detail::plan_network(current, *network, plan_ahead(*network).standby, host, catalog,
+                                std::move(how));
   }
   auto network = resolve(std::get<model::NetworkName>(request));
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
   }
   const model::Network keep = plan_ahead(*network).standby;
-  return detail::plan_network(current, std::move(*network), keep, host, catalog, how);
+  return detail::plan_network(current, std::move(*network), keep, host, catalog, std::move(how));
 }
 
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 namespace segue::runtime {
@@ -61,6 +63,17 @@ std::string names_of(const std::vector<DetectedFault>& faults) {
   return listed(names);
 }
 
+/// Those of the present faults whose attempts have been exhausted.
+std::vector<std::string> sentences(const std::vector<DetectedFault>& faults,
+                                   const detail::RepairScheduler& scheduler) {
+  std::vector<std::string> texts;
+  for (const auto& fault : scheduler.exhausted(faults)) {
+    texts.push_back(fault.name() + " " + fault.symptom + "; " + std::to_string(scheduler.attempts(fault)) +
+                    " attempts have not helped");
+  }
+  return texts;
+}
+
 /// The result of a transition that was not requested, before it is executed.
 SwitchResult unrequested_result(Cause cause, const model::NetworkName& from, const model::NetworkName& to) {
   SwitchResult result;
@@ -96,11 +109,14 @@ void Runtime::Implementation::supervise() {
     return;
   }
   note_differences(seen.network);
-  handle_faults(seen);
-  collect_leftovers(seen);
+  auto left = handle_faults(seen);
+  auto leftovers = collect_leftovers(seen);
+  left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
+              std::make_move_iterator(leftovers.end()));
   bool due = false;
   {
     const std::lock_guard lock(mutex);
+    unresolved = std::move(left);
     due = std::exchange(look_ahead_due, false) && !waiting;
   }
   if (due) {
@@ -108,10 +124,10 @@ void Runtime::Implementation::supervise() {
   }
 }
 
-void Runtime::Implementation::handle_faults(const Observation& seen) {
+std::vector<std::string> Runtime::Implementation::handle_faults(const Observation& seen) {
   const auto held = belief.held();
   if (!held.wanted) {
-    return;
+    return {};
   }
   const auto faults = detail::find_faults(*held.wanted, seen.network, options.policies.on_failure);
   const auto decision = repairs.decide(faults, RealClock::instance().now());
@@ -125,6 +141,7 @@ void Runtime::Implementation::handle_faults(const Observation& seen) {
     }
     repair(Cause::Repair, seen, scope_of(decision.repair));
   }
+  return sentences(faults, repairs);
 }
 
 void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& faults) {
@@ -160,7 +177,7 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
 }
 
 /// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
-void Runtime::Implementation::collect_leftovers(const Observation& seen) {
+std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observation& seen) {
   const model::Network left = detail::subtract(belief.held().extra, standby);
   std::vector<DetectedFault> faults;
   for (const auto& task : left.tasks) {
@@ -170,9 +187,15 @@ void Runtime::Implementation::collect_leftovers(const Observation& seen) {
     faults.push_back({deployment.key(), model::FailurePolicy::Restart, "was left over", true});
   }
   const auto decision = leftover_repairs.decide(faults, RealClock::instance().now());
+  for (const auto& fault : decision.given_up) {
+    log.add(EventKind::GivenUp, fault.name(),
+            fault.symptom + " and is there still, after " + std::to_string(leftover_repairs.attempts(fault)) +
+                " attempts to remove it; further attempts follow at longer intervals");
+  }
   if (!decision.repair.empty()) {
     repair(Cause::Collect, seen, scope_of(decision.repair));
   }
+  return sentences(faults, leftover_repairs);
 }
 
 void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope) {
@@ -223,8 +246,9 @@ void Runtime::Implementation::look_ahead() {
   auto ahead = plan_ahead(plan.controller);
   plan.target = detail::unite(plan.controller, ahead.standby);
   const Observation seen = belief.starting_point();
-  auto transition = solve::diff(seen.network, plan.target, catalog,
-                                detail::solve_options(host, model::Order::Seamless, false));
+  auto how = detail::solve_options(host, model::Order::Seamless, false);
+  how.idle = detail::idle_tasks(seen.network, held.controller);
+  auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));
   // Look-ahead must not touch the running controller: no action of the commit phase is allowed.
   const bool harmless = transition && std::none_of(transition->actions.begin(), transition->actions.end(),
                                                    [](const model::Action& action) {

@@ -141,6 +141,10 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
   } else {
     // Whatever was not retired, because a newer request came or an action failed, is still there.
     adopt(seen, plan.controller, plan.controller);
+    if (result.cause == Cause::Request) {
+      repairs.reset();
+      leftover_repairs.reset();
+    }
     standby = detail::subtract(plan.target, plan.controller);
     note_differences(seen.network);
     log.add(EventKind::TransitionDone, result.to.str(),

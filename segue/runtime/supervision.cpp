@@ -51,11 +51,22 @@ class FaultFinder {
       return;
     }
     const bool gone = found == processes_.end();
-    found_.push_back({deployment.key(), deployment.on_failure.value_or(otherwise_),
-                      gone ? "is gone" : "does not answer", true});
+    found_.push_back({deployment.key(), policy_of(deployment), gone ? "is gone" : "does not answer", true});
     for (const auto& placement : deployment.tasks) {
       covered_.insert(placement.task);
     }
+  }
+
+  /// The strongest of the policies of the process and of its tasks, which fail with it.
+  [[nodiscard]] FailurePolicy policy_of(const model::Deployment& deployment) const {
+    FailurePolicy strongest = deployment.on_failure.value_or(otherwise_);
+    for (const auto& placement : deployment.tasks) {
+      const model::Task* task = wanted_.find_task(placement.task);
+      if (task != nullptr && task->on_failure) {
+        strongest = std::max(strongest, *task->on_failure);
+      }
+    }
+    return strongest;
   }
 
   void check(const model::Task& task) {
@@ -143,14 +154,12 @@ void RepairScheduler::consider(const DetectedFault& fault, TimePoint now, Decisi
   if (is_new) {
     one.next = now + backoff(0);
   }
-  if (one.given_up) {
-    return;
-  }
   const bool hopeless = fault.policy == FailurePolicy::Recover && fault.needs_process;
-  if (hopeless || one.attempts >= restart_.max) {
+  if (!one.given_up && (hopeless || one.attempts >= restart_.max)) {
     one.given_up = true;
     decision.given_up.push_back(fault);
-  } else if (now >= one.next) {
+  }
+  if (now >= one.next && may_try(one)) {
     ++one.attempts;
     one.next = now + backoff(one.attempts);
     decision.repair.push_back(fault);
@@ -173,11 +182,22 @@ RepairScheduler::Decision RepairScheduler::decide(const std::vector<DetectedFaul
 std::optional<TimePoint> RepairScheduler::next() const {
   std::optional<TimePoint> first;
   for (const auto& [name, one] : cases_) {
-    if (!one.given_up && (!first || one.next < *first)) {
+    if (may_try(one) && (!first || one.next < *first)) {
       first = one.next;
     }
   }
   return first;
+}
+
+std::vector<DetectedFault> RepairScheduler::exhausted(const std::vector<DetectedFault>& faults) const {
+  std::vector<DetectedFault> list;
+  for (const auto& fault : faults) {
+    const auto found = cases_.find(fault.name());
+    if (found != cases_.end() && found->second.given_up) {
+      list.push_back(fault);
+    }
+  }
+  return list;
 }
 
 int RepairScheduler::attempts(const DetectedFault& fault) const {

@@ -31,14 +31,21 @@ struct DetectedFault {
 std::vector<DetectedFault> find_faults(const model::Network& wanted, const model::Network& observed,
                                        model::FailurePolicy otherwise);
 
+/// What happens when the limit on the number of attempts is reached.
+enum class AfterLimit {
+  GiveUp,  ///< it is reported, and nothing more is tried
+  GoOn     ///< it is reported, and tried on at the longest interval at last
+};
+
 /// Schedules repair attempts with exponential back-off and a limit on their number. Not thread safe.
 class RepairScheduler {
  public:
-  explicit RepairScheduler(model::RestartPolicy restart) : restart_(restart) {}
+  RepairScheduler(model::RestartPolicy restart, AfterLimit after_limit)
+      : restart_(restart), after_limit_(after_limit) {}
 
   struct Decision {
     std::vector<DetectedFault> repair;    ///< to be repaired now
-    std::vector<DetectedFault> given_up;  ///< first time that no attempt is left
+    std::vector<DetectedFault> given_up;  ///< first time that the limit is reached
     bool fallback = false;                ///< to be switched to now
     [[nodiscard]] bool empty() const { return repair.empty() && given_up.empty() && !fallback; }
   };
@@ -48,7 +55,9 @@ class RepairScheduler {
   [[nodiscard]] std::optional<TimePoint> next() const;
   /// The number of repair attempts for the fault's subject.
   [[nodiscard]] int attempts(const DetectedFault& fault) const;
-  /// Forgets all attempts, for another controller.
+  /// The present faults, as they were given to decide(), whose limit has been reached.
+  [[nodiscard]] std::vector<DetectedFault> exhausted(const std::vector<DetectedFault>& faults) const;
+  /// Forgets all attempts: a new request has changed what runs.
   void reset() { cases_.clear(); }
 
  private:
@@ -59,11 +68,15 @@ class RepairScheduler {
     bool given_up = false;
   };
 
+  [[nodiscard]] bool may_try(const Case& one) const {
+    return !one.given_up || after_limit_ == AfterLimit::GoOn;
+  }
   void forget_recovered(TimePoint now);
   void consider(const DetectedFault& fault, TimePoint now, Decision& decision);
   [[nodiscard]] Duration backoff(int attempts) const;
 
   const model::RestartPolicy restart_;
+  const AfterLimit after_limit_;
   std::map<std::string, Case> cases_;  ///< by name
 };
 

@@ -14,6 +14,7 @@ namespace segue::runtime {
 namespace {
 
 using namespace std::chrono_literals;
+using detail::AfterLimit;
 using detail::DetectedFault;
 using detail::RepairScheduler;
 using model::FailurePolicy;
@@ -25,7 +26,7 @@ DetectedFault fault(const char* task, FailurePolicy policy, bool needs_process =
 }
 
 TEST(RepairSchedulerTest, waits_longer_each_time_and_gives_up) {
-  RepairScheduler repairs({.max = 3, .backoff = 100ms});
+  RepairScheduler repairs({.max = 3, .backoff = 100ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   const std::vector faults{fault("a", FailurePolicy::Restart)};
   EXPECT_TRUE(repairs.decide(faults, start).empty()) << "the first attempt waits as well";
@@ -43,7 +44,7 @@ TEST(RepairSchedulerTest, waits_longer_each_time_and_gives_up) {
 }
 
 TEST(RepairSchedulerTest, forgets_attempts_after_a_long_time_without_fault) {
-  RepairScheduler repairs({.max = 1, .backoff = 1ms});
+  RepairScheduler repairs({.max = 1, .backoff = 1ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   const std::vector faults{fault("a", FailurePolicy::Restart)};
   repairs.decide(faults, start);
@@ -56,8 +57,26 @@ TEST(RepairSchedulerTest, forgets_attempts_after_a_long_time_without_fault) {
   EXPECT_EQ(repairs.decide(faults, start + 32s).repair.size(), 1U);
 }
 
+TEST(RepairSchedulerTest, may_go_on_for_ever) {
+  RepairScheduler repairs({.max = 2, .backoff = 1s}, AfterLimit::GoOn);
+  const std::vector faults{fault("a", FailurePolicy::Restart)};
+  TimePoint now = RealClock::instance().now();
+  int tried = 0;
+  int reported = 0;
+  for (int i = 0; i < 100'000; ++i, now += 1s) {
+    const auto decision = repairs.decide(faults, now);
+    tried += static_cast<int>(decision.repair.size());
+    reported += static_cast<int>(decision.given_up.size());
+  }
+  EXPECT_GT(tried, 300) << "every five minutes at last";
+  EXPECT_LT(tried, 360);
+  EXPECT_EQ(reported, 1);
+  EXPECT_EQ(repairs.exhausted(faults).size(), 1U);
+  EXPECT_THAT(repairs.exhausted({}), ::testing::IsEmpty());
+}
+
 TEST(RepairSchedulerTest, follows_the_failure_policy) {
-  RepairScheduler repairs({.max = 3, .backoff = 0ms});
+  RepairScheduler repairs({.max = 3, .backoff = 0ms}, AfterLimit::GiveUp);
   const TimePoint start = RealClock::instance().now();
   EXPECT_TRUE(repairs.decide({fault("a", FailurePolicy::Report)}, start).empty());
   EXPECT_TRUE(repairs.decide({fault("b", FailurePolicy::Fallback)}, start).fallback);
@@ -102,6 +121,20 @@ TEST(Faults, are_tasks_processes_and_lost_connections) {
   EXPECT_EQ(found[0].policy, FailurePolicy::Recover);
 }
 
+TEST(Faults, of_a_process_follow_the_strongest_policy_of_its_tasks) {
+  const auto wanted = network_of(
+      "network: watched\n"
+      "tasks: {a: {component: \"x::A\", on_failure: restart}, b: {component: \"x::B\"}}\n"
+      "deployments: {p: {tasks: [a, b]}, q: {tasks: []}}\n");
+  auto gone = wanted;
+  gone.deployments.clear();
+  gone.tasks.clear();
+  const auto found = detail::find_faults(wanted, gone, FailurePolicy::Report);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].policy, FailurePolicy::Restart);
+  EXPECT_EQ(found[1].policy, FailurePolicy::Report);
+}
+
 template <class Condition>
 bool eventually(const Condition& condition) {
   const TimePoint deadline = RealClock::instance().now() + 30s;
@@ -139,6 +172,33 @@ TEST(Supervision, repairs_a_task_as_often_as_its_policy_permits) {
   EXPECT_EQ(robot.runtime.history().size(), 4U);
   EXPECT_EQ(robot.runtime.history().back().cause, Cause::Repair);
   EXPECT_FALSE(robot.runtime.observed_differences().empty()) << "and the drift is reported";
+}
+
+/// A leftover that cannot be removed is an event, stands in the status, and is removed as soon as that works.
+TEST(Supervision, pursues_leftovers_for_ever) {
+  testing::StandInRobot robot(quick(2));
+  std::atomic<bool> stuck{true};
+  std::atomic<int> attempts{0};
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    const bool removal = action.kind == model::ActionKind::Cleanup && action.label() == "cleanup b";
+    attempts += removal ? 1 : 0;
+    return removal && stuck ? Result<void>(fail(ErrorCode::HookFailed, "is stuck")) : Result<void>();
+  });
+  const char* const kBoth = "network: both\ntasks: {a: {component: \"x::A\"}, b: {component: \"x::B\"}}\n";
+  const char* const kOne = "network: one\ntasks: {a: {component: \"x::A\"}}\n";
+  ASSERT_EQ(robot.runtime.switch_to(network_of(kBoth)).outcome, Outcome::Done);
+  const auto result = robot.runtime.switch_to(network_of(kOne));
+  ASSERT_EQ(result.outcome, Outcome::Done);
+  EXPECT_TRUE(result.leftover);
+  EXPECT_TRUE(eventually([&] { return !robot.runtime.unresolved().empty(); }));
+  EXPECT_EQ(count(robot.runtime, EventKind::GivenUp), 1U);
+  const int so_far = attempts;
+  EXPECT_TRUE(eventually([&] { return attempts > so_far + 2; })) << "it goes on";
+  EXPECT_EQ(count(robot.runtime, EventKind::GivenUp), 1U) << "reported once";
+  EXPECT_THAT(robot.runtime.unresolved().front(), ::testing::HasSubstr("task 'b' was left over"));
+  stuck = false;
+  EXPECT_TRUE(eventually([&] { return robot.host.observe().tasks.size() == 1; }));
+  EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
 }
 
 TEST(Supervision, only_reports_with_policy_report) {

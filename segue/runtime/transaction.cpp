@@ -2,8 +2,8 @@
 #include <segue/runtime/transaction.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/network_sets.hpp>
-#include <segue/solve/solve.hpp>
 
 #include <algorithm>
 #include <array>
@@ -105,7 +105,10 @@ bool takes_down(model::ActionKind kind) {
 
 Transaction::Transaction(const TransitionContext& context, const model::Network& before,
                          const SwitchPlan& plan, Options options)
-    : context_(context), before_(before), plan_(plan), options_(std::move(options)) {}
+    : context_(context),
+      before_(without_leftover_incarnations(before)),
+      plan_(plan),
+      options_(std::move(options)) {}
 
 void Transaction::supersede() {
   const std::lock_guard lock(mutex_);
@@ -146,7 +149,7 @@ std::shared_ptr<Execution> Transaction::begin(const model::Transition& transitio
 
 void Transaction::run(SwitchResult& result) {
   const TimePoint started = RealClock::instance().now();
-  context_.host.expect(plan_.target);
+  context_.host.begin_transition(before_, plan_.target);
   forward(result);
   {
     const std::lock_guard lock(mutex_);
@@ -263,12 +266,12 @@ Undo Transaction::undo(const ActionRecord& failed) {
 
 std::optional<Error> Transaction::bring_to(const model::Network& target, std::vector<ActionRecord>& actions) {
   const model::Network observed = context_.host.observe();
-  const auto way = solve::diff(observed, reachable(target, observed), context_.catalog,
-                               solve_options(context_.host, model::Order::Seamless, false));
+  const auto way = solve_from_observed(observed, reachable(target, observed), context_.catalog,
+                                       solve_options(context_.host, model::Order::Seamless, false));
   if (!way) {
     return way.error();
   }
-  context_.host.expect(target);
+  context_.host.begin_transition(observed, target);
   const auto execution = begin(*way);
   bool done = true;
   for (const auto phase : kPhases) {

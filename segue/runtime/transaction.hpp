@@ -65,7 +65,7 @@ class Transaction {
   void on_action(const ActionRecord& record);
 
   const TransitionContext& context_;
-  const model::Network& before_;
+  const model::Network before_;  ///< without leftover incarnations
   const SwitchPlan& plan_;
   const Options options_;
   std::mutex mutex_;  ///< protects all members below; actions run without it

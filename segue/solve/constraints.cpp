@@ -26,7 +26,7 @@ class Finder {
 
   Constraints find() {
     found_.edges = nodes_.start_and_stop;
-    found_.in_place.resize(index_.tasks.size());
+    found_.in_place.assign(index_.tasks.size(), kNone);
     takers_.assign(index_.tasks.size(), kNone);
     find_places();
     for (int task = 0; as_index(task) < index_.tasks.size(); ++task)
@@ -80,12 +80,12 @@ class Finder {
     if (index_.tasks_renamed) occupants.emplace(index_, kCurrent);
     for (const int task : index_.target_order) {
       if (!has_new(plan_.task(task).fate)) continue;
-      if (is_in_place(task)) found_.in_place[as_index(task)] = true;
+      if (is_in_place(task)) found_.in_place[as_index(task)] = task;
       const TaskIncarnation& target = index_.task(task).target();
       if (plan_.process(target.process) != ProcessFate::Kept) continue;
       const int occupant = occupants ? occupants->find(target.process, target.name) : kNone;
       if (occupant == kNone || occupant == task) continue;
-      found_.in_place[as_index(task)] = true;
+      found_.in_place[as_index(task)] = occupant;
       takers_[as_index(occupant)] = task;
     }
   }
@@ -100,6 +100,8 @@ class Finder {
   void add_task(int task) {
     const TaskPlan& plan = plan_.task(task);
     add_take_over(task);
+    const int replaced = index_.task(task).replaces;
+    if (replaced != kNone) add(halt(replaced), node(task, ActionKind::Start));
     if (plan.fate == TaskFate::Kept) {
       add_kept(task, plan.live);
       return;
@@ -112,7 +114,7 @@ class Finder {
   void add_kept(int task, bool live) {
     using enum ActionKind;
     if (live) {
-      chain(task, {ApplyConfig, Start});
+      chain(task, {ApplyConfig, HandOver, Start});
     } else {
       chain(task, {Recover, Stop, Cleanup, ApplyConfig, Configure, HandOver, Start});
     }

@@ -32,6 +32,11 @@ model::DeploymentAction deployment_action(const Index& index, const ChangeSet& p
   return {std::move(process), node.kind == ActionKind::Undeploy && plan.options.force};
 }
 
+/// Whether it is an action on the current incarnation of a task.
+bool takes_down(ActionKind kind) {
+  return kind == ActionKind::Recover || kind == ActionKind::Stop || kind == ActionKind::Cleanup;
+}
+
 /// Fills in the subject of the action.
 void fill(Action& action, const Index& index, const ChangeSet& plan, const ActionNode& node) {
   const auto connection = [&](Side side) -> const model::Connection& {
@@ -65,7 +70,8 @@ void fill(Action& action, const Index& index, const ChangeSet& plan, const Actio
     }
     default: {
       const IndexedTask& entry = index.task(node.subject);
-      const model::Task& task = *(entry.target().task ? entry.target() : entry.current()).task;
+      const bool old = takes_down(node.kind) || entry.target().task == nullptr;
+      const model::Task& task = *(old ? entry.current() : entry.target()).task;
       action.what.emplace<model::TaskAction>().task = task.id;
     }
   }
@@ -150,7 +156,7 @@ void order_as_paper(model::Transition& transition, const Index& index, const Cha
 
 void list_silent_changes(model::Transition& transition, const Index& index, const ChangeSet& plan) {
   for (std::size_t i = 0; i < index.current_tasks; ++i) {
-    if (plan.tasks[i].fate == TaskFate::Removed) {
+    if (plan.tasks[i].fate == TaskFate::Removed && !index.tasks[i].is_replaced) {
       transition.removes.push_back(index.tasks[i].current().task->id);
     }
   }
@@ -169,7 +175,7 @@ void list_silent_changes(model::Transition& transition, const Index& index, cons
 
 Result<model::Transition> diff(const model::Network& current, const model::Network& target,
                                const model::ComponentCatalog& catalog, const Options& options) {
-  auto index = build_index(current, target, catalog);
+  auto index = build_index(current, target, catalog, options);
   if (!index) return index.error();
   auto plan = make_plan(*index, options);
   if (!plan) return plan.error();

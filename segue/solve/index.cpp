@@ -31,8 +31,10 @@ bool same_ends(const IndexedConnection& a, const IndexedConnection& b) {
 
 class Builder {
  public:
-  Builder(const model::Network& current, const model::Network& target, const model::ComponentCatalog& catalog)
+  Builder(const model::Network& current, const model::Network& target, const model::ComponentCatalog& catalog,
+          const Options& options)
       : networks_{&current, &target},
+        options_(options),
         components_(catalog),
         ids_(current.tasks.size() + target.tasks.size()),
         processes_(current.deployments.size() + target.deployments.size()),
@@ -70,7 +72,7 @@ class Builder {
                       ", which is an error; ask for pre_operational, stopped or running",
                   task.id.str(), task.where);
     }
-    const int number = ids_.intern(task.id.str());
+    const int number = ids_.intern(id_of(side, task.id).str());
     if (as_index(number) == index_.tasks.size()) index_.tasks.emplace_back();
     TaskIncarnation& incarnation = index_.tasks[as_index(number)].on[side];
     if (incarnation.task != nullptr) {
@@ -80,16 +82,36 @@ class Builder {
                   task.id.str(), task.where);
     }
     incarnation = {&task, components_.of(task.component), kRuntime, task.id.str()};
-    if (side == kTarget) {
-      index_.target_order.push_back(number);
-      if (task.takes_over) index_.tasks[as_index(number)].takes_over = ids_.find(task.takes_over->str());
+    IndexedTask& entry = index_.tasks[as_index(number)];
+    if (side == kCurrent) {
+      entry.idle = options_.idle.contains(task.id);
+      return {};
     }
+    index_.target_order.push_back(number);
+    if (task.takes_over) entry.takes_over = ids_.find(task.takes_over->str());
+    if (options_.prepared.contains(task.id)) mark_prepared(entry, task);
     return {};
+  }
+
+  /// The id under which the current network knows the incarnation that `id` means.
+  [[nodiscard]] const model::TaskId& id_of(Side side, const model::TaskId& id) const {
+    if (side == kCurrent || options_.prepared.empty()) return id;
+    const auto found = options_.prepared.find(id);
+    return found == options_.prepared.end() ? id : found->second;
+  }
+  [[nodiscard]] int number_of(Side side, const model::TaskId& id) const {
+    return ids_.find(id_of(side, id).str());
+  }
+
+  void mark_prepared(IndexedTask& entry, const model::Task& task) {
+    entry.prepared = entry.current().task != nullptr;
+    entry.replaces = ids_.find(task.id.str());
+    if (entry.replaces != kNone) index_.tasks[as_index(entry.replaces)].is_replaced = true;
   }
 
   /// An error is allowed as target state if the task is in it already.
   [[nodiscard]] bool is_so_now(const model::Task& task) const {
-    const int number = ids_.find(task.id.str());
+    const int number = number_of(kTarget, task.id);
     if (number == kNone) return false;
     const model::Task* now = index_.task(number).current().task;
     return now != nullptr && now->state == task.state;
@@ -140,7 +162,7 @@ class Builder {
 
   /// Deployments may name tasks that the network lacks; these placements are empty.
   Result<> place(Side side, int process, const model::Placement& placement, const SourceLocation& where) {
-    const int number = ids_.find(placement.task.str());
+    const int number = number_of(side, placement.task);
     if (number == kNone) return {};
     TaskIncarnation& incarnation = index_.tasks[as_index(number)].on[side];
     if (incarnation.task == nullptr) return {};
@@ -197,7 +219,7 @@ class Builder {
   }
 
   [[nodiscard]] int end(Side side, const model::PortRef& ref) const {
-    const int number = ids_.find(ref.task.str());
+    const int number = number_of(side, ref.task);
     return number != kNone && index_.tasks[as_index(number)].on[side].task != nullptr ? number : kNone;
   }
 
@@ -249,6 +271,7 @@ class Builder {
   }
 
   std::array<const model::Network*, 2> networks_;
+  const Options& options_;
   KnownComponents components_;
   Interner ids_;
   HashIndex processes_;
@@ -282,8 +305,8 @@ std::size_t OccupantIndex::hash(int process, std::string_view name) {
 }
 
 Result<Index> build_index(const model::Network& current, const model::Network& target,
-                          const model::ComponentCatalog& catalog) {
-  return Builder(current, target, catalog).build();
+                          const model::ComponentCatalog& catalog, const Options& options) {
+  return Builder(current, target, catalog, options).build();
 }
 
 }  // namespace segue::solve::detail

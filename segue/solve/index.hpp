@@ -6,6 +6,7 @@
 #include <segue/model/network.hpp>
 #include <segue/solve/component_facts.hpp>
 #include <segue/solve/hash_index.hpp>
+#include <segue/solve/solve.hpp>
 
 #include <array>
 #include <string>
@@ -38,6 +39,12 @@ inline std::string device_key(const model::HostName& host, const std::string& de
 struct IndexedTask {
   std::array<TaskIncarnation, 2> on;
   int takes_over = kNone;  ///< the current task whose state the target's task continues
+  /// Of a prepared incarnation: the task of the current network that it replaces; kNone: none.
+  int replaces = kNone;
+  bool is_replaced = false;  ///< by a prepared incarnation
+  bool idle = false;         ///< see Options::idle
+  /// Whether the target's task is the current one, prepared where the target places it.
+  bool prepared = false;
   [[nodiscard]] const TaskIncarnation& current() const { return on[kCurrent]; }
   [[nodiscard]] const TaskIncarnation& target() const { return on[kTarget]; }
   [[nodiscard]] bool in_both() const { return current().task != nullptr && target().task != nullptr; }
@@ -92,7 +99,7 @@ class OccupantIndex {
 /// an error that the task is not in already, or if the target uses a dynamic port of a task that it does not
 /// configure.
 Result<Index> build_index(const model::Network& current, const model::Network& target,
-                          const model::ComponentCatalog& catalog);
+                          const model::ComponentCatalog& catalog, const Options& options);
 
 /// Whether the task is configured, so that its dynamic ports exist.
 bool is_configured(const TaskIncarnation& incarnation);

@@ -36,10 +36,10 @@ ActionNodes make_nodes(const Index& index, const ChangeSet& plan);
 
 /// Everything that breaks without an order, linear in number: edges from earlier to later nodes of the list,
 /// but for those of hand-overs, which may even form cycles.
-/// Where a new incarnation takes the place of an old one, `in_place` becomes true for its task.
+/// Where a new incarnation takes the place of an old one, `in_place` is the task of the old one, else kNone.
 struct Constraints {
   std::vector<OrderEdge> edges;
-  std::vector<bool> in_place;
+  std::vector<int> in_place;
 };
 Constraints find_constraints(const Index& index, const ChangeSet& plan, const ActionNodes& nodes);
 

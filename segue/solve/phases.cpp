@@ -12,13 +12,16 @@ using model::Phase;
 class PhaseRule {
  public:
   PhaseRule(const ChangeSet& plan, const Index& index, const Constraints& constraints)
-      : plan_(plan), index_(index), constraints_(constraints) {}
+      : plan_(plan), index_(index), constraints_(constraints) {
+    if (!plan.options.idle.empty()) find_idle_processes();
+  }
 
   [[nodiscard]] Phase of(const ActionNode& node) const {
     switch (node.kind) {
       case ActionKind::Recover:
       case ActionKind::Cleanup:
-        return has_old(plan_.task(node.subject).fate) ? Phase::Retire : Phase::Commit;
+        if (has_old(plan_.task(node.subject).fate)) return Phase::Retire;
+        return is_idle(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Undeploy:  // killing a process stops its running tasks
         return plan_.options.force ? Phase::Commit : Phase::Retire;
       case ActionKind::Deploy:
@@ -29,7 +32,8 @@ class PhaseRule {
       case ActionKind::Connect:
         return joins_new(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Disconnect:
-        return reader_goes(node.subject) ? Phase::Retire : Phase::Commit;
+        if (reader_goes(node.subject)) return Phase::Retire;
+        return joins_idle(node.subject) ? Phase::Prepare : Phase::Commit;
       case ActionKind::Stop:
       case ActionKind::HandOver:
       case ActionKind::Start:
@@ -39,10 +43,46 @@ class PhaseRule {
     return Phase::Commit;
   }
 
+  /// Whether the action concerns idle tasks only, so that it may be done in prepare if something there needs
+  /// it.
+  [[nodiscard]] bool is_harmless(const ActionNode& node) const {
+    switch (node.kind) {
+      case ActionKind::Recover:
+      case ActionKind::Cleanup:
+        return is_idle(node.subject);
+      case ActionKind::Disconnect:
+        return joins_idle(node.subject);
+      case ActionKind::Undeploy:
+        return idle_processes_[as_index(node.subject)];
+      default:
+        return false;
+    }
+  }
+
  private:
-  /// A new incarnation that can exist while the old network runs.
+  [[nodiscard]] bool is_idle(int task) const { return index_.task(task).idle; }
+
+  [[nodiscard]] bool joins_idle(int number) const {
+    const IndexedConnection& connection = index_.connections[kCurrent][as_index(number)];
+    return is_idle(connection.from) && is_idle(connection.to);
+  }
+
+  /// Those that hold idle tasks only. An empty process may belong to what runs.
+  void find_idle_processes() {
+    idle_processes_.resize(index_.processes.size());
+    for (const bool idle : {true, false}) {
+      for (std::size_t i = 0; i < index_.current_tasks; ++i) {
+        const IndexedTask& task = index_.tasks[i];
+        if (task.idle == idle) idle_processes_[as_index(task.current().process)] = idle;
+      }
+    }
+  }
+
+  /// A new incarnation, or an idle task, that can be what the target wants while the old network runs.
   [[nodiscard]] bool can_coexist(int task) const {
-    return has_new(plan_.task(task).fate) && !constraints_.in_place[as_index(task)];
+    if (is_idle(task)) return index_.task(task).target().task != nullptr;
+    const int occupant = constraints_.in_place[as_index(task)];
+    return has_new(plan_.task(task).fate) && (occupant == kNone || is_idle(occupant));
   }
 
   [[nodiscard]] bool joins_new(int number) const {
@@ -59,6 +99,7 @@ class PhaseRule {
   const ChangeSet& plan_;
   const Index& index_;
   const Constraints& constraints_;
+  std::vector<bool> idle_processes_;
 };
 
 }  // namespace
@@ -68,10 +109,18 @@ void assign_phases(ActionNodes& nodes, const ChangeSet& plan, const Index& index
                    const std::vector<int>& order) {
   const PhaseRule rule(plan, index, constraints);
   std::vector<ActionNode>& list = nodes.list;
+  for (ActionNode& node : list)
+    node.phase = rule.of(node);
+  // Idle tasks are in nobody's way: what Prepare needs of them is done there.
+  for (auto i = order.rbegin(); i != order.rend() && !plan.options.idle.empty(); ++i) {
+    if (list[as_index(*i)].phase != Phase::Prepare) continue;
+    for (const int* node = before.begin(*i); node != before.end(*i); ++node) {
+      if (rule.is_harmless(list[as_index(*node)])) list[as_index(*node)].phase = Phase::Prepare;
+    }
+  }
   // An action that waits for one outside of Prepare cannot be in Prepare.
   for (const int i : order) {
     Phase& phase = list[as_index(i)].phase;
-    phase = rule.of(list[as_index(i)]);
     if (phase != Phase::Prepare) continue;
     for (const int* node = before.begin(i); node != before.end(i); ++node) {
       if (list[as_index(*node)].phase != Phase::Prepare) phase = Phase::Commit;

@@ -184,7 +184,7 @@ class Planner {
     const TaskIncarnation& now = entry.current();
     const TaskIncarnation& then = entry.target();
     return now.process == then.process && !is_undeployed(plan_.process(now.process)) &&
-           now.name == then.name && now.task->component == then.task->component;
+           (entry.prepared || now.name == then.name) && now.task->component == then.task->component;
   }
 
   void plan_hand_overs() {

@@ -25,7 +25,7 @@ std::string state_of(const model::TaskId& id, TaskState state) {
 }  // namespace
 
 Result<Simulation> Simulation::create(const model::Network& current, const model::ComponentCatalog& catalog) {
-  auto index = build_index(current, {}, catalog);
+  auto index = build_index(current, {}, catalog, {});
   if (!index) return index.error();
   Simulation simulation(catalog, std::move(index->ids));
   for (const int process : index->process_order[kCurrent]) {

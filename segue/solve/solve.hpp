@@ -6,6 +6,9 @@
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 
+#include <map>
+#include <set>
+
 /// Transitions between networks (Wirkus et al. 2020, Algorithm 1, corrected). Pure functions: no threads, no
 /// I/O, no clock. Linear in the size of the networks.
 namespace segue::solve {
@@ -18,6 +21,13 @@ struct Options {
   /// Removed processes are killed (DeploymentAction::kill) before all other actions, without any action on
   /// their tasks and connections. Not graceful: their tasks cannot clean up. For processes that hang.
   bool force = false;
+  /// Tasks of `current` that are no part of what runs: standby tasks, and leftovers of earlier requests. What
+  /// concerns only them disturbs nobody, so prepare may do it.
+  std::set<model::TaskId> idle = {};
+  /// Tasks of `target` whose next incarnation exists already: the task of `target`, and the idle task of
+  /// `current` that lives where `target` places it. A task of `current` with the target's id is the
+  /// incarnation that it replaces.
+  std::map<model::TaskId, model::TaskId> prepared = {};
 };
 
 /// The minimal transition from `current`, whose tasks may be in any state, to `target`, whose tasks are

@@ -157,9 +157,28 @@ Result<void> FakeService::conclude(const model::Transition& transition, TimePoin
       const auto found = process_->tasks.find(id);
       if (found != process_->tasks.end() && !is_configured(found->second.state)) {
         process_->tasks.erase(found);
+        forget_connections_of(id);
+      }
+    }
+    for (const auto& definition : transition.redefines) {
+      const auto found = process_->tasks.find(definition.id);
+      if (found != process_->tasks.end()) {
+        const TaskState state = found->second.state;
+        found->second = definition;
+        found->second.state = state;
       }
     }
     return {};
+  });
+}
+
+void FakeService::forget_connections_of(const model::TaskId& task) {
+  std::erase_if(process_->connections, [&](const model::Connection& connection) {
+    return connection.from.task == task || connection.to.task == task;
+  });
+  std::erase_if(process_->endpoints, [&](const EndpointReport& endpoint) {
+    const auto& own = endpoint.side == Side::Output ? endpoint.connection.from : endpoint.connection.to;
+    return own.task == task;
   });
 }
 
@@ -253,6 +272,9 @@ std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const O
         if (!process_->admitted.contains(input.origin.writer)) {
           return fail(ErrorCode::InvalidState, "the writer has not been admitted");
         }
+        if (!process_->tasks.contains(input.connection.to.task)) {
+          return no_such("task");
+        }
         for (const auto& endpoint : process_->endpoints) {
           if (endpoint.side == Side::Input && endpoint.connection == input.connection &&
               endpoint.peer == input.origin.writer) {
@@ -273,6 +295,9 @@ std::vector<Result<void>> FakeService::attach_outputs(std::span<const AttachOutp
   return answer_all<void>("attach_outputs", outputs, [&](const AttachOutput& output) -> Result<void> {
     if (!process_->admitted.contains(output.place.reader)) {
       return fail(ErrorCode::InvalidState, "the reader has not been admitted");
+    }
+    if (!process_->tasks.contains(output.connection.from.task)) {
+      return no_such("task");
     }
     for (const auto& endpoint : process_->endpoints) {
       if (endpoint.side == Side::Output && endpoint.connection == output.connection &&

@@ -144,6 +144,7 @@ class FakeService final : public DeploymentService {
   Result<void> act(const model::Action& action);
   Result<void> act_on_task(const model::Action& action, model::Task& task);
   Result<void> act_on_connection(const model::Action& action);
+  void forget_connections_of(const model::TaskId& task);
 
   FakeWorld& world_;
   FakePtr process_;

@@ -33,6 +33,9 @@ class ForwardingHost : public host::TaskHost {
     return inner_.check(network);
   }
   void expect(const model::Network& target) override { inner_.expect(target); }
+  void begin_transition(const model::Network& before, const model::Network& target) override {
+    inner_.begin_transition(before, target);
+  }
   void get_ready(const model::Network& target) override { inner_.get_ready(target); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override { return inner_.observe(); }

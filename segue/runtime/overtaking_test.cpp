@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Requests of many clients that overtake each other, on networks that move tasks between processes, and
+// processes that die in between. Each request ends done or superseded, or fails because a process died; the
+// robot always gets to what is requested last, and nothing is left over.
+//
+// SEGUE_REQUESTS sets the number of requests of each test, SEGUE_SEED the seed.
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <support/fake_world.hpp>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace segue::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+using Random = std::mt19937_64;
+
+std::uint64_t setting(const char* name, std::uint64_t otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::uint64_t kRequests = 1000;
+#else
+constexpr std::uint64_t kRequests = 5000;
+#endif
+constexpr int kControllers = 12;
+constexpr std::uint64_t kMostClients = 4;
+constexpr int kRequestsARound = 25;  ///< of each client
+
+model::NetworkName controller_name(std::uint64_t number) {
+  return model::NetworkName("controller" + std::to_string(number));
+}
+
+/// Some of six tasks, each in any of three processes or in the runtime's, connected in a row.
+model::Network random_controller(Random& random, int number) {
+  model::Network network;
+  network.name = controller_name(static_cast<std::uint64_t>(number));
+  std::map<std::string, model::Deployment> processes;
+  for (const char* id : {"a", "b", "c", "d", "e", "f"}) {
+    if (random() % 6 == 0) {
+      continue;
+    }
+    model::Task task;
+    task.id = model::TaskId(id);
+    task.component = model::ComponentName(random() % 8 == 0 ? "test::Other" : "test::Usual");
+    task.properties = type::Value::map({{"gain", static_cast<std::int64_t>(random() % 2)}});
+    task.state = random() % 5 == 0 ? TaskState::Stopped : TaskState::Running;
+    if (random() % 3 == 0) {
+      task.takes_over = task.id;
+    }
+    const std::uint64_t place = random() % 4;
+    if (place > 0) {
+      const std::string name = "p" + std::to_string(place);
+      processes[name].process = model::ProcessName(name);
+      processes[name].tasks.push_back({task.id, id});
+    }
+    if (!network.tasks.empty()) {
+      model::Connection connection;
+      connection.from = {network.tasks.back().id, "out"};
+      connection.to = {task.id, "in"};
+      network.connections.push_back(connection);
+    }
+    network.tasks.push_back(std::move(task));
+  }
+  for (auto& [name, deployment] : processes) {
+    network.deployments.push_back(std::move(deployment));
+  }
+  return network;
+}
+
+/// A runtime over simulated processes, whose calls take a random time.
+class Robot {
+ public:
+  explicit Robot(std::uint64_t seed) : random_(seed) {
+    world.on_call([this](const std::string&, const deploy::testing::FakePtr&) {
+      std::this_thread::sleep_for(std::chrono::microseconds(random_below(4) == 0 ? random_below(300) : 0));
+    });
+    Random shapes(seed);
+    for (int i = 0; i < kControllers; ++i) {
+      const Diagnostics findings = runtime.add_controller(random_controller(shapes, i));
+      EXPECT_FALSE(findings.has_errors()) << to_string(findings);
+    }
+  }
+
+  std::uint64_t random_below(std::uint64_t limit) {
+    const std::lock_guard lock(mutex_);
+    return random_() % limit;
+  }
+
+  deploy::testing::FakeWorld world;
+  model::ComponentCatalog catalog;
+
+ private:
+  static process::Launch launch() {
+    process::Launch launch;
+    launch.robot = "robot";
+    launch.stand_in = true;
+    return launch;
+  }
+
+  static RuntimeOptions impatient() {
+    RuntimeOptions options;
+    options.policies.restart.backoff = 1ms;
+    options.policies.watch = 20ms;
+    return options;
+  }
+
+  std::mutex mutex_;  ///< protects random_
+  Random random_;
+  host::LibrarySet libraries_;
+  host::LocalTaskHost local_{
+      libraries_, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
+  deploy::testing::FakeProcesses processes_{world};
+  deploy::testing::FakeService own_{world, world.own()};
+  deploy::DeployedTaskHost host_{own_,     processes_, deploy::testing::connector(world),
+                                 launch(), local_,     {60s, 1h}};
+
+ public:
+  Runtime runtime{"robot", host_, catalog, impatient()};
+};
+
+std::string story(const SwitchResult& result) {
+  std::string text = result.from.str() + " -> " + result.to.str() + ": " +
+                     std::string(to_string(result.outcome)) +
+                     (result.error ? ", " + to_string(*result.error) : std::string());
+  for (const auto& action : result.actions) {
+    text += "\n  " + std::string(to_string(action.action.phase)) + ' ' + action.action.label();
+    if (action.error) {
+      text += ": " + to_string(*action.error);
+    }
+  }
+  return text;
+}
+
+class Overtaking : public ::testing::Test {
+ protected:
+  /// Sends requests, some of which it does not wait for, and checks how they end.
+  void be_a_client(std::uint64_t longest_pause_us) {
+    std::vector<std::pair<int, std::future<SwitchResult>>> sent;
+    for (int i = 0; i < kRequestsARound; ++i) {
+      const int deaths_before = deaths_;
+      auto answer = robot_.runtime.request(controller_name(robot_.random_below(kControllers)));
+      if (robot_.random_below(2) == 0) {
+        check(deaths_before, answer.get());
+      } else {
+        sent.emplace_back(deaths_before, std::move(answer));
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(robot_.random_below(longest_pause_us)));
+    }
+    for (auto& [deaths_before, answer] : sent) {
+      check(deaths_before, answer.get());
+    }
+  }
+
+  void check(int deaths_before, const SwitchResult& result) {
+    ++ended_.at(static_cast<std::size_t>(result.outcome));
+    const bool as_asked = result.outcome == Outcome::Done || result.outcome == Outcome::Superseded;
+    const bool disturbed = result.outcome == Outcome::Failed && deaths_ > deaths_before;
+    EXPECT_TRUE(as_asked || disturbed) << story(result);
+  }
+
+  void kill_some_process() {
+    const auto process = robot_.world.find("p" + std::to_string(1 + robot_.random_below(3)));
+    if (process != nullptr) {
+      ++deaths_;
+      robot_.world.kill(process);
+    }
+  }
+
+  /// One more request gets the robot where it wants, and the leftovers are collected.
+  void expect_in_order() {
+    const auto name = controller_name(robot_.random_below(kControllers));
+    SwitchResult result = robot_.runtime.switch_to(name);
+    for (int i = 0; i < 3 && deaths_ > 0 && result.outcome == Outcome::Failed; ++i) {
+      result = robot_.runtime.switch_to(name);  // a death may not have been noticed before
+    }
+    ASSERT_EQ(result.outcome, Outcome::Done) << story(result);
+    const model::Network wanted = *robot_.runtime.controller(name);
+    const TimePoint limit = RealClock::instance().now() + 60s;
+    while (!equivalent(wanted, robot_.world.truth()) && RealClock::instance().now() < limit) {
+      std::this_thread::sleep_for(1ms);
+    }
+    const auto wrong = model::differences(wanted, robot_.world.truth());
+    ASSERT_TRUE(wrong.empty()) << story(result) << "\n" << wrong.front();
+  }
+
+  void run(bool with_deaths) {
+    const std::uint64_t requests = setting("SEGUE_REQUESTS", kRequests);
+    std::uint64_t sent = 0;
+    while (sent < requests && !HasFailure()) {
+      const std::uint64_t many = 1 + robot_.random_below(kMostClients);
+      const std::uint64_t longest_pause_us = 100 + robot_.random_below(10'000);
+      sent += many * kRequestsARound;
+      std::vector<std::thread> clients;
+      std::atomic<std::uint64_t> busy{many};
+      for (std::uint64_t i = 0; i < many; ++i) {
+        clients.emplace_back([&] {
+          be_a_client(longest_pause_us);
+          --busy;
+        });
+      }
+      while (with_deaths && busy > 0) {
+        kill_some_process();
+        std::this_thread::sleep_for(std::chrono::microseconds(robot_.random_below(5000)));
+      }
+      for (auto& client : clients) {
+        client.join();
+      }
+      expect_in_order();
+    }
+    RecordProperty("done", ended_.at(static_cast<std::size_t>(Outcome::Done)));
+    RecordProperty("superseded", ended_.at(static_cast<std::size_t>(Outcome::Superseded)));
+    RecordProperty("failed", ended_.at(static_cast<std::size_t>(Outcome::Failed)));
+    RecordProperty("deaths", deaths_);
+  }
+
+  Robot robot_{setting("SEGUE_SEED", 20261122)};
+  std::atomic<int> deaths_{0};
+  std::array<std::atomic<int>, 4> ended_{};
+};
+
+TEST_F(Overtaking, requests_end_done_or_superseded) {
+  run(false);
+}
+
+TEST_F(Overtaking, processes_may_die_meanwhile) {
+  run(true);
+}
+
+}  // namespace
+}  // namespace segue::runtime
