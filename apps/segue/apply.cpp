@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/type/yaml.hpp>
@@ -13,30 +12,23 @@ namespace segue::cli {
 
 namespace {
 
-struct Options {
+struct ApplyOptions {
   std::string network;
   std::string transition;
   std::string output;
   ModelSources sources;
 };
 
-int show(const model::Network& network, const Options& options, const Context& context) {
+int show_network(const model::Network& network, const ApplyOptions& options, const Context& context) {
   const std::string text = model::write_network(network);
-  if (!options.output.empty()) {
-    const auto written = write_file(options.output, text);
-    return written ? kDone : failed(context, written.error());
-  }
-  if (!context.json()) {
-    print(text);
-    return kDone;
-  }
+  if (!options.output.empty() || !context.json()) return write_or_print(context, options.output, text);
   const auto value = type::parse_yaml(text);
   if (!value) return failed(context, value.error());
   print_json(*value);
   return kDone;
 }
 
-int apply(const Options& options, const Context& context) {
+int apply(const ApplyOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto catalog = load_catalog(options.sources, diagnostics);
   const auto network = load_valid_network(options.network, catalog, diagnostics);
@@ -44,13 +36,13 @@ int apply(const Options& options, const Context& context) {
   if (diagnostics.has_errors() || !network || !transition) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
   const auto result = solve::predict(*network, *transition, catalog);
-  return result ? show(*result, options, context) : failed(context, result.error());
+  return result ? show_network(*result, options, context) : failed(context, result.error());
 }
 
 }  // namespace
 
 void add_apply(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ApplyOptions>();
   Verb& verb = add_verb(app, context, "apply", "predict the network that results from a transition",
                         "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue apply explore.yaml t.yaml",
                         [options, &context] { return apply(*options, context); });

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 
@@ -24,22 +24,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct BenchOptions {
   std::string folder = "segue-bench";
   std::string order = std::string(to_string(model::Order::Seamless));
   std::size_t repeat = 5;
   bool quick = false;
 };
 
-struct Plan {
+struct BenchPlan {
   std::vector<std::size_t> in_process = {1, 5, 10, 25, 50, 100, 250};
   std::vector<std::size_t> in_processes = {1, 5, 10, 25, 50};
   std::size_t repeat = 5;
   model::Order order = model::Order::Seamless;
 };
 
-Plan plan_for(const Options& options) {
-  Plan plan;
+BenchPlan plan_for(const BenchOptions& options) {
+  BenchPlan plan;
   plan.repeat = options.repeat;
   if (options.order == to_string(model::Order::Paper)) plan.order = model::Order::Paper;
   if (!options.quick) return plan;
@@ -49,14 +49,14 @@ Plan plan_for(const Options& options) {
   return plan;
 }
 
-const std::vector<std::size_t>& sizes_of(const Plan& plan, Placement placement) {
+const std::vector<std::size_t>& sizes_of(const BenchPlan& plan, Placement placement) {
   return placement == Placement::OneProcess ? plan.in_process : plan.in_processes;
 }
 
 constexpr std::array kPlacements = {Placement::OneProcess, Placement::ProcessEach};
 
 /// All measurements, in the order in which they were made.
-class Results {
+class BenchResults {
  public:
   void add(const Measurement& measurement) {
     times_[{measurement.experiment, measurement.placement, measurement.relays}].push_back(
@@ -85,7 +85,7 @@ class Results {
   std::map<Key, std::vector<double>> times_;
 };
 
-draw::Chart chart_of(const Experiment& experiment, const Results& results) {
+draw::Chart chart_of(const Experiment& experiment, const BenchResults& results) {
   draw::Chart chart{experiment.name + ": " + experiment.title, "relays", {}};
   for (const Placement placement : kPlacements) {
     draw::Chart::Line line{to_string(placement), {}};
@@ -96,7 +96,7 @@ draw::Chart chart_of(const Experiment& experiment, const Results& results) {
   return chart;
 }
 
-std::string csv_of(const Experiment& experiment, const Results& results) {
+std::string csv_of(const Experiment& experiment, const BenchResults& results) {
   std::string text = "placement,relays,repetition,milliseconds\n";
   for (const Placement placement : kPlacements) {
     for (const std::size_t relays : results.sizes(experiment.name, placement)) {
@@ -109,24 +109,15 @@ std::string csv_of(const Experiment& experiment, const Results& results) {
 }
 
 /// "E2.3 worst" as "E2.3_worst".
-std::string file_name(const Experiment& experiment) {
+std::string file_stem(const Experiment& experiment) {
   std::string name = experiment.name;
   std::ranges::replace(name, ' ', '_');
   return name;
 }
 
-Result<void> write_file(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file);
-  stream << text;
-  stream.close();
-  if (stream) return {};
-  return fail(ErrorCode::IoError,
-              "cannot write " + quote(file.string()) + ": check the disk space and your permissions");
-}
-
-Result<void> write_results(const fs::path& folder, const Results& results) {
+Result<void> write_results(const fs::path& folder, const BenchResults& results) {
   for (const Experiment& experiment : experiments()) {
-    const fs::path stem = folder / file_name(experiment);
+    const fs::path stem = folder / file_stem(experiment);
     const auto csv = write_file(stem.string() + ".csv", csv_of(experiment, results));
     if (!csv) return csv;
     const auto svg = write_file(stem.string() + ".svg", to_svg(chart_of(experiment, results)));
@@ -136,7 +127,7 @@ Result<void> write_results(const fs::path& folder, const Results& results) {
 }
 
 /// The largest chain of each series.
-Table summary(const Results& results) {
+Table summary_of(const BenchResults& results) {
   using Align = Table::Align;
   Table table({{"experiment"},
                {"placement"},
@@ -157,7 +148,7 @@ Table summary(const Results& results) {
   return table;
 }
 
-type::Value json_of(const Results& results) {
+type::Value json_of(const BenchResults& results) {
   type::Value::List series;
   for (const Experiment& experiment : experiments()) {
     for (const Placement placement : kPlacements) {
@@ -179,7 +170,7 @@ type::Value json_of(const Results& results) {
 }
 
 /// Measures one placement, with a robot of its own.
-Result<void> measure(Placement placement, const Plan& plan, Results& results, StopSignal& stop) {
+Result<void> measure(Placement placement, const BenchPlan& plan, BenchResults& results, StopSignal& stop) {
   auto robot = make_bench_robot(placement, plan.order);
   if (!robot) return robot.error();
   Progress progress;
@@ -192,7 +183,7 @@ Result<void> measure(Placement placement, const Plan& plan, Results& results, St
   return run_experiments(**robot, placement, sizes_of(plan, placement), plan.repeat, report);
 }
 
-int run(const Options& options, const Context& context) {
+int run_bench(const BenchOptions& options, const Context& context) {
   StopSignal stop;
   std::error_code failed_to_make;
   fs::create_directories(options.folder, failed_to_make);
@@ -201,8 +192,8 @@ int run(const Options& options, const Context& context) {
                                                         ": " + failed_to_make.message()));
   }
   set_log_level(LogLevel::Error);
-  const Plan plan = plan_for(options);
-  Results results;
+  const BenchPlan plan = plan_for(options);
+  BenchResults results;
   Result<void> measured;
   for (const Placement placement : kPlacements) {
     if (measured && !stop.requested()) measured = measure(placement, plan, results, stop);
@@ -213,7 +204,7 @@ int run(const Options& options, const Context& context) {
   if (context.json()) {
     print_json(json_of(results));
   } else {
-    print(summary(results).text());
+    print(summary_of(results).text());
     print_line(fmt::format("all series as CSV and SVG: {}", (fs::path(options.folder) / "").string()));
   }
   if (!stop.requested()) return kDone;
@@ -224,7 +215,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 void add_bench(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BenchOptions>();
   Verb& verb = add_verb(
       app, context, "bench", "measure how fast this computer switches controllers, as CSV and SVG",
       "  segue bench --quick               # takes some seconds, to check that everything works\n"
@@ -236,7 +227,7 @@ void add_bench(Verb& app, Context& context) {
       "the worst; and the longest gap between samples) are exchanged. Everything is measured in one process\n"
       "and with one process per task. Close other programs first. Ctrl-C ends it cleanly: no process is "
       "left.",
-      [options, &context] { return run(*options, context); });
+      [options, &context] { return run_bench(*options, context); });
   verb.option("--out DIR", options->folder, "the output folder (default segue-bench)");
   verb.option("--repeat N", options->repeat, "number of repetitions (default 5)").between(1, 1000);
   add_order_option(verb, options->order);

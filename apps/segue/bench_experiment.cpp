@@ -51,11 +51,11 @@ model::Deployment own_process(const model::Task& task) {
 }
 
 /// One placement's measurements.
-class Run {
+class ChainRun {
  public:
   using Report = std::function<bool(const Measurement&)>;
 
-  Run(BenchRobot& robot, Placement placement, std::size_t repeat, const Report& report)
+  ChainRun(BenchRobot& robot, Placement placement, std::size_t repeat, const Report& report)
       : robot_(robot), placement_(placement), repeat_(repeat), report_(report) {}
 
   [[nodiscard]] bool stopped() const { return stopped_; }
@@ -113,7 +113,7 @@ class Run {
   bool stopped_ = false;
 };
 
-Result<void> run_size(Run& run, std::size_t relays) {
+Result<void> run_size(ChainRun& run, std::size_t relays) {
   if (auto done = run.bring_up(relays); !done) return done;
   if (auto done = run.exchange("E2.1", relays, Exchange::One); !done) return done;
   if (auto done = run.exchange("E2.2", relays, Exchange::All); !done) return done;
@@ -163,7 +163,7 @@ const std::vector<Experiment>& experiments() {
 
 Result<void> run_experiments(BenchRobot& robot, Placement placement, const std::vector<std::size_t>& sizes,
                              std::size_t repeat, const std::function<bool(const Measurement&)>& report) {
-  Run run(robot, placement, repeat, report);
+  ChainRun run(robot, placement, repeat, report);
   for (const std::size_t relays : sizes) {
     if (run.stopped()) break;
     if (auto done = run_size(run, relays); !done) return done;

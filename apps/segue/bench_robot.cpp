@@ -23,14 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kName = "segue-bench";
-constexpr auto kPatience = std::chrono::seconds(30);
+constexpr const char* kRobotName = "segue-bench";
+constexpr auto kBenchPatience = std::chrono::seconds(30);
 
 /// Held as long as the robot exists; the system releases it even if this process crashes.
 Result<Descriptor> take_lock() {
   const auto folder = runtime_folder();
   if (!folder) return folder.error();
-  const fs::path file = *folder / (std::string(kName) + ".lock");
+  const fs::path file = *folder / (std::string(kRobotName) + ".lock");
   Descriptor lock(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (!lock.valid()) return fail(ErrorCode::IoError, "cannot write " + file.string());
   if (::flock(lock.get(), LOCK_EX | LOCK_NB) == 0) return lock;
@@ -93,7 +93,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
   Result<void> wait_for_samples() override {
     const auto before = statistic("count");
     if (!before) return before.error();
-    const auto deadline = RealClock::instance().now() + kPatience;
+    const auto deadline = RealClock::instance().now() + kBenchPatience;
     // The first new sample may have been under way already; the second was sent after the call.
     for (auto now = before; RealClock::instance().now() < deadline; now = statistic("count")) {
       if (!now) return now.error();
@@ -116,7 +116,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
 
   Result<void> open(Placement placement) {
     std::ofstream(folder_.path() / "robot.yaml")
-        << "robot: " << kName << "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n";
+        << "robot: " << kRobotName << "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n";
     Diagnostics diagnostics;
     runtime::EmbeddedOptions options;
     options.placement = placement == Placement::OneProcess ? runtime::TaskPlacement::InProcess
@@ -129,7 +129,7 @@ class EmbeddedBenchRobot final : public BenchRobot {
 
   Result<type::Value> call(const char* operation) {
     return robot_->runtime().host().call(model::TaskId("consumer"), operation, type::Value(type::ValueMap{}),
-                                         RealClock::instance().now() + kPatience);
+                                         RealClock::instance().now() + kBenchPatience);
   }
 
   Result<double> statistic(const char* name) {

@@ -16,7 +16,7 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
-struct Options {
+struct CallOptions {
   std::string operation;
   std::vector<std::string> arguments;
   Duration timeout = std::chrono::seconds(10);
@@ -28,7 +28,7 @@ bool is_named(const std::string& text) {
   return equals != std::string::npos && is_identifier(text.substr(0, equals));
 }
 
-Result<Value> named(const std::vector<std::string>& arguments) {
+Result<Value> named_arguments(const std::vector<std::string>& arguments) {
   ValueMap map;
   for (const std::string& argument : arguments) {
     const auto equals = argument.find('=');
@@ -42,7 +42,7 @@ Result<Value> named(const std::vector<std::string>& arguments) {
 /// name=value pairs, one map or list in YAML, or values in the declared order of the operation's arguments.
 Result<Value> arguments_of(const std::vector<std::string>& arguments) {
   if (!arguments.empty() && std::all_of(arguments.begin(), arguments.end(), is_named))
-    return named(arguments);
+    return named_arguments(arguments);
   Value::List list;
   for (const std::string& argument : arguments) {
     auto value = type::parse_yaml(argument, "argument " + quote(argument));
@@ -52,7 +52,7 @@ Result<Value> arguments_of(const std::vector<std::string>& arguments) {
   return Value(std::move(list));
 }
 
-int call(control::RobotService& robot, const Options& options, const Context& context) {
+int call_operation(control::RobotService& robot, const CallOptions& options, const Context& context) {
   const auto arguments = arguments_of(options.arguments);
   if (!arguments) return failed(context, arguments.error());
   const auto address = resolve(robot, options.operation, "OPERATION");
@@ -72,13 +72,13 @@ int call(control::RobotService& robot, const Options& options, const Context& co
 }  // namespace
 
 void add_call(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CallOptions>();
   Verb& verb = add_verb(app, context, "call", "call an operation of a task",
                         "  segue call odometry.reset\n  segue call joystick.push forward=0.5 turn=0\n"
                         "  segue call seeker.set_goal '{x: 1.0, y: 2.0}'",
                         [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
-                            return call(robot, *options, context);
+                            return call_operation(robot, *options, context);
                           });
                         });
   verb.option("TASK.OPERATION", options->operation, "the operation").required();

@@ -20,7 +20,7 @@ namespace {
 using model::Depth;
 using model::FileKind;
 
-struct Options {
+struct CheckOptions {
   std::vector<std::string> files;
   bool structure = false;
   std::vector<std::string> libraries;
@@ -30,7 +30,7 @@ struct Options {
 /// Reads files of all kinds and collects their problems.
 class Checker {
  public:
-  explicit Checker(const Options& options) : options_(options) {
+  explicit Checker(const CheckOptions& options) : options_(options) {
     catalog_ = load_catalog(options.sources, diagnostics_);
   }
 
@@ -140,7 +140,7 @@ class Checker {
     return Depth::Structure;
   }
 
-  const Options& options_;
+  const CheckOptions& options_;
   Diagnostics diagnostics_;
   model::ComponentCatalog catalog_;
   std::vector<model::Network> networks_;
@@ -158,7 +158,7 @@ void print_summary(const Checker& checker) {
                          warnings == 1 ? "" : "s"));
 }
 
-int check(const Options& options, const Context& context) {
+int check_files(const CheckOptions& options, const Context& context) {
   Checker checker(options);
   checker.run();
   print_diagnostics(checker.diagnostics());
@@ -179,11 +179,11 @@ int check(const Options& options, const Context& context) {
 }  // namespace
 
 void add_check(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckOptions>();
   Verb& verb =
       add_verb(app, context, "check", "validate networks, robots, missions, transitions and component models",
                "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
-               [options, &context] { return check(*options, context); });
+               [options, &context] { return check_files(*options, context); });
   verb.option("FILE", options->files, "files of any kind; a robot file includes all files that it names")
       .required();
   verb.flag("--structure", options->structure,

@@ -13,12 +13,13 @@ namespace segue::cli {
 namespace {
 
 /// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kNames = {{{"switch", "controllers"},
-                                                                                  {"prepare", "controllers"},
-                                                                                  {"task", "tasks"},
-                                                                                  {"read", "ports"},
-                                                                                  {"set", "properties"},
-                                                                                  {"call", "operations"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kVerbsWithNames = {
+    {{"switch", "controllers"},
+     {"prepare", "controllers"},
+     {"task", "tasks"},
+     {"read", "ports"},
+     {"set", "properties"},
+     {"call", "operations"}}};
 
 std::string option_words(const Verb& verb) {
   return fmt::format("{}", fmt::join(verb.option_names(), " "));
@@ -31,8 +32,8 @@ std::string verb_words(const Verb& verb) {
   return words;
 }
 
-std::string names_of(std::string_view verb) {
-  for (const auto& [name, kind] : kNames) {
+std::string robot_names_for(std::string_view verb) {
+  for (const auto& [name, kind] : kVerbsWithNames) {
     if (name == verb) return fmt::format(" $(segue complete-names {} 2>/dev/null)", kind);
   }
   return {};
@@ -41,8 +42,9 @@ std::string names_of(std::string_view verb) {
 std::string bash_script(const Verb& app) {
   std::string cases;
   for (const Verb* verb : app.verbs()) {
-    cases += fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->name(), verb_words(*verb),
-                         verb->verbs().empty() ? "" : " ", option_words(*verb) + names_of(verb->name()));
+    cases +=
+        fmt::format("    {}) words=\"{}{}{}\" ;;\n", verb->name(), verb_words(*verb),
+                    verb->verbs().empty() ? "" : " ", option_words(*verb) + robot_names_for(verb->name()));
   }
   return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
 _segue() {{
@@ -74,7 +76,7 @@ std::string zsh_script(const Verb& app) {
   for (const Verb* verb : app.verbs()) {
     verbs += "    " + single_quoted(verb->name() + ':' + verb->description()) + '\n';
     cases += fmt::format("    {}) words_of_verb=({} {}{}) ;;\n", verb->name(), verb_words(*verb),
-                         option_words(*verb), names_of(verb->name()));
+                         option_words(*verb), robot_names_for(verb->name()));
   }
   return fmt::format(R"(#compdef segue
 # zsh completion for segue; load it with: source <(segue completion zsh)

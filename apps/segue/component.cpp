@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/model/files.hpp>
@@ -18,7 +17,7 @@ namespace {
 using model::ComponentModel;
 using type::Value;
 
-struct Options {
+struct ComponentOptions {
   std::string name;
   std::string output;
   ModelSources sources;
@@ -28,14 +27,14 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-std::vector<std::string> names_of(const model::ComponentCatalog& catalog) {
+std::vector<std::string> component_names(const model::ComponentCatalog& catalog) {
   std::vector<std::string> names;
   for (const ComponentModel* component : catalog.all())
     names.push_back(component->name.str());
   return names;
 }
 
-int list(const Options& options, const Context& context) {
+int list_components(const ComponentOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto catalog = load_catalog(options.sources, diagnostics);
   if (diagnostics.has_errors()) return report_failure(context, diagnostics);
@@ -62,7 +61,7 @@ int list(const Options& options, const Context& context) {
   return kDone;
 }
 
-std::string ports_text(const ComponentModel& component) {
+std::string model_ports_text(const ComponentModel& component) {
   Table table({{"PORT"}, {"DIRECTION"}, {"TYPE"}, {"DESCRIPTION"}});
   for (const auto& port : component.ports) {
     const std::string kind = port.pattern ? " (family)" : port.dynamic ? " (dynamic)" : "";
@@ -71,7 +70,7 @@ std::string ports_text(const ComponentModel& component) {
   return component.ports.empty() ? std::string() : '\n' + table.text();
 }
 
-std::string properties_text(const ComponentModel& component) {
+std::string model_properties_text(const ComponentModel& component) {
   Table table({{"PROPERTY"}, {"TYPE"}, {"DEFAULT"}, {"LIVE"}, {"DESCRIPTION"}});
   for (const auto& property : component.properties) {
     table.add({property.name, property.type, type::describe(property.default_value),
@@ -80,7 +79,7 @@ std::string properties_text(const ComponentModel& component) {
   return component.properties.empty() ? std::string() : '\n' + table.text();
 }
 
-std::string operations_text(const ComponentModel& component) {
+std::string model_operations_text(const ComponentModel& component) {
   Table table({{"OPERATION"}, {"RESULT"}, {"DESCRIPTION"}});
   for (const auto& operation : component.operations) {
     std::string arguments;
@@ -93,15 +92,16 @@ std::string operations_text(const ComponentModel& component) {
   return component.operations.empty() ? std::string() : '\n' + table.text();
 }
 
-int show(const Options& options, const Context& context) {
+int show_component(const ComponentOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto catalog = load_catalog(options.sources, diagnostics);
   if (diagnostics.has_errors()) return report_failure(context, diagnostics);
   const ComponentModel* component = catalog.find(model::ComponentName(options.name));
   if (component == nullptr) {
-    return failed(context, fail(ErrorCode::NotFound, "no component " + quote(options.name) + " is known" +
-                                                         did_you_mean(options.name, names_of(catalog)) +
-                                                         "; `segue component list` lists all components"));
+    return failed(context,
+                  fail(ErrorCode::NotFound, "no component " + quote(options.name) + " is known" +
+                                                did_you_mean(options.name, component_names(catalog)) +
+                                                "; `segue component list` lists all components"));
   }
   if (context.json()) {
     print_json(model::to_value(*component));
@@ -110,37 +110,32 @@ int show(const Options& options, const Context& context) {
   print(coloured(Colour::Bold, component->name.str()) + '\n');
   if (!component->doc.empty()) print(printable(component->doc) + '\n');
   if (!component->library.empty()) print("library: " + component->library + '\n');
-  print(ports_text(*component) + properties_text(*component) + operations_text(*component));
+  print(model_ports_text(*component) + model_properties_text(*component) + model_operations_text(*component));
   return kDone;
 }
 
-int export_models(const Options& options, const Context& context) {
+int export_models(const ComponentOptions& options, const Context& context) {
   host::LibrarySet libraries;
   const auto loaded = libraries.load(options.name);
   if (!loaded) return failed(context, loaded.error());
   const auto text = host::write_library_models(libraries, options.name);
   if (!text) return failed(context, text.error());
-  if (options.output.empty()) {
-    print(*text);
-    return kDone;
-  }
-  const auto written = write_file(options.output, *text);
-  return written ? kDone : failed(context, written.error());
+  return write_or_print(context, options.output, *text);
 }
 
 }  // namespace
 
 void add_component(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ComponentOptions>();
   Verb& verb = add_verb(app, context, "component", "component libraries and models",
                         "  segue component list\n  segue component show demo::Drive", nullptr);
   verb.require_verb();
   Verb& lister = add_verb(verb, context, "list", "list all known components", "  segue component list",
-                          [options, &context] { return list(*options, context); });
+                          [options, &context] { return list_components(*options, context); });
   add_model_options(lister, options->sources);
-  Verb& shower =
-      add_verb(verb, context, "show", "show the interface of a component",
-               "  segue component show demo::Drive", [options, &context] { return show(*options, context); });
+  Verb& shower = add_verb(verb, context, "show", "show the interface of a component",
+                          "  segue component show demo::Drive",
+                          [options, &context] { return show_component(*options, context); });
   shower.option("COMPONENT", options->name, "the component").required();
   add_model_options(shower, options->sources);
   Verb& exporter =

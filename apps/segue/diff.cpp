@@ -16,13 +16,13 @@
 #include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
-#include "transition_text.hpp"
+#include "report_text.hpp"
 
 namespace segue::cli {
 
 namespace {
 
-struct Options {
+struct DiffOptions {
   std::string current;
   std::string target;
   std::string order = "seamless";
@@ -36,9 +36,9 @@ struct Options {
 };
 
 /// Empty if no estimate is wanted.
-Result<std::optional<solve::Estimate>> estimate(const Options& options, const std::string& robot,
-                                                const model::Network& current,
-                                                const model::Transition& transition) {
+Result<std::optional<solve::Estimate>> estimate_of(const DiffOptions& options, const std::string& robot,
+                                                   const model::Network& current,
+                                                   const model::Transition& transition) {
   if (!options.estimate) return std::optional<solve::Estimate>();
   const auto path = find_journal(options.journal, robot);
   if (!path) return path.error();
@@ -49,8 +49,8 @@ Result<std::optional<solve::Estimate>> estimate(const Options& options, const st
   return std::optional(solve::estimate(current, transition, *times));
 }
 
-void show(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
-          const Options& options, const Context& context) {
+void show_transition(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
+                     const DiffOptions& options, const Context& context) {
   const auto durations = expected ? expected->typical : std::vector<Duration>();
   if (options.dot) return print(draw::to_dot(transition, durations));
   if (options.svg) return print(draw::to_svg(transition, durations));
@@ -60,7 +60,7 @@ void show(const model::Transition& transition, const std::optional<solve::Estima
   print_json(value);
 }
 
-int diff(const Options& options, const Context& context) {
+int diff(const DiffOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto catalog = load_catalog(options.sources, diagnostics);
   const auto current = load_valid_network(options.current, catalog, diagnostics);
@@ -76,16 +76,16 @@ int diff(const Options& options, const Context& context) {
     const auto written = write_file(options.output, model::write_transition(*transition));
     if (!written) return failed(context, written.error());
   }
-  const auto expected = estimate(options, context.robot, *current, *transition);
+  const auto expected = estimate_of(options, context.robot, *current, *transition);
   if (!expected) return failed(context, expected.error());
-  show(*transition, *expected, options, context);
+  show_transition(*transition, *expected, options, context);
   return kDone;
 }
 
 }  // namespace
 
 void add_diff(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiffOptions>();
   Verb& verb =
       add_verb(app, context, "diff", "compute the transition from one network to another",
                "  segue diff controllers/explore.yaml controllers/manual.yaml\n"

@@ -9,17 +9,12 @@
 #include <algorithm>
 
 #include "output.hpp"
-#include "transition_text.hpp"
 
 namespace segue::cli {
 
 namespace {
 
 using type::Value;
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 
 std::string range_text(const model::DurationRange& range) {
   return fmt::format("{} to {}, typically {}", format_seconds(seconds(range.low)),

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "connection.hpp"
-#include "event_text.hpp"
+#include "report_text.hpp"
 
 namespace segue::cli {
 
@@ -12,17 +12,17 @@ namespace {
 
 using type::Value;
 
-constexpr Duration kWait = std::chrono::seconds(1);
+constexpr Duration kFollowWait = std::chrono::seconds(1);
 
-struct Options {
+struct EventsOptions {
   bool follow = false;
   std::uint64_t after = 0;
 };
 
-int events(control::RobotService& robot, const Options& options, const Context& context) {
+int list_events(control::RobotService& robot, const EventsOptions& options, const Context& context) {
   std::uint64_t last = options.after;
   for (;;) {
-    const auto found = robot.events(last, options.follow ? kWait : Duration(0));
+    const auto found = robot.events(last, options.follow ? kFollowWait : Duration(0));
     if (!found) return failed(context, found.error());
     if (context.json() && !options.follow) {
       print_json(*found);
@@ -41,11 +41,11 @@ int events(control::RobotService& robot, const Options& options, const Context& 
 }  // namespace
 
 void add_events(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EventsOptions>();
   Verb& verb = add_verb(app, context, "events", "list past events, and with --follow new ones",
                         "  segue events\n  segue events --follow", [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
-                            return events(robot, *options, context);
+                            return list_events(robot, *options, context);
                           });
                         });
   verb.flag("-f,--follow", options->follow, "follow new events until Ctrl-C");

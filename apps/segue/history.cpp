@@ -12,7 +12,7 @@
 #include "connection.hpp"
 #include "estimate_text.hpp"
 #include "journal_file.hpp"
-#include "switch_text.hpp"
+#include "report_text.hpp"
 
 namespace segue::cli {
 
@@ -20,7 +20,7 @@ namespace {
 
 using type::Value;
 
-struct Options {
+struct HistoryOptions {
   std::string journal;
   bool all = false;
   bool differences = false;
@@ -45,7 +45,7 @@ void show_transitions(const Value::List& results, bool with_time) {
   if (!verdict.empty()) print_line(verdict);
 }
 
-int show_running(control::RobotService& robot, const Options& options, const Context& context) {
+int show_running(control::RobotService& robot, const HistoryOptions& options, const Context& context) {
   auto found = robot.history();
   if (!found) return failed(context, found.error());
   Value::List results = found->is_list() ? found->as_list() : Value::List();
@@ -98,7 +98,7 @@ void warn_of_gaps(journal::JournalReader& reader) {
   }
 }
 
-int show_journal(const std::filesystem::path& path, const Options& options, const Context& context) {
+int show_journal(const std::filesystem::path& path, const HistoryOptions& options, const Context& context) {
   auto reader = journal::JournalReader::open(path);
   if (!reader) return failed(context, reader.error());
   const std::size_t limit = options.lines > 0 ? options.lines : std::numeric_limits<std::size_t>::max();
@@ -117,23 +117,23 @@ int show_journal(const std::filesystem::path& path, const Options& options, cons
 }
 
 /// Whether the robot of --robot is running; without --robot, whether any is.
-bool runs(const std::string& robot) {
+bool is_running(const std::string& robot) {
   const auto running = control::running_robots();
   return robot.empty() ? !running.empty() : std::find(running.begin(), running.end(), robot) != running.end();
 }
 
 /// The robot of --robot, or the only one that is running; otherwise empty.
-std::string meant(const Context& context) {
+std::string robot_meant(const Context& context) {
   if (!context.robot.empty()) return context.robot;
   const auto running = control::running_robots();
   return running.size() == 1 ? running.front() : std::string();
 }
 
-int history(const Options& options, Context& context) {
+int show_history(const HistoryOptions& options, Context& context) {
   const bool wants_file = options.all || options.differences || !options.journal.empty();
-  const auto path = find_journal(options.journal, meant(context));
+  const auto path = find_journal(options.journal, robot_meant(context));
   const bool is_there = path && std::filesystem::exists(*path);
-  if (!wants_file && (runs(context.robot) || !is_there)) {
+  if (!wants_file && (is_running(context.robot) || !is_there)) {
     return with_robot(context,
                       [&](control::RobotService& robot) { return show_running(robot, options, context); });
   }
@@ -144,7 +144,7 @@ int history(const Options& options, Context& context) {
 }  // namespace
 
 void add_history(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HistoryOptions>();
   Verb& verb = add_verb(
       app, context, "history", "list past requests and their durations",
       "  segue history\n"
@@ -152,7 +152,7 @@ void add_history(Verb& app, Context& context) {
       "For a running robot, these are the requests since it was started. If it is not running, and with "
       "--all,\n"
       "the robot's journal is read. 'expected' is the prediction made from the durations measured before.",
-      [options, &context] { return history(*options, context); });
+      [options, &context] { return show_history(*options, context); });
   add_robot_option(verb, context);
   verb.flag("--all", options->all, "show everything in the robot's journal");
   add_journal_option(verb, options->journal);

@@ -15,11 +15,11 @@ namespace segue::cli {
 
 namespace {
 
-struct Options {
+struct HostOptions {
   std::vector<std::string> zygote;
 };
 
-int host(const Options& options, const Context& context) {
+int run_host(const HostOptions& options, const Context& context) {
   StopSignal stop;
   const auto folder = control::socket_folder();
   if (!folder) return failed(context, folder.error());
@@ -46,10 +46,10 @@ int host(const Options& options, const Context& context) {
 }  // namespace
 
 void add_host(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HostOptions>();
   Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
                         "  segue host\n  segue host --zygote segue_components_demo",
-                        [options, &context] { return host(*options, context); });
+                        [options, &context] { return run_host(*options, context); });
   verb.option("--zygote LIBRARY", options->zygote,
               "load this component library once, so that deployments start faster; may be repeated");
 }

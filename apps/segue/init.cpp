@@ -16,7 +16,7 @@ namespace segue::cli {
 
 namespace {
 
-struct Options {
+struct InitOptions {
   std::string folder;
   std::string name;
   bool library = false;
@@ -56,7 +56,7 @@ Result<void> write_all(const std::filesystem::path& folder, const std::vector<In
   return {};
 }
 
-void report(const Options& options, const std::vector<InitFile>& files, const Context& context) {
+void report_files(const InitOptions& options, const std::vector<InitFile>& files, const Context& context) {
   if (context.json()) {
     type::Value::List names;
     for (const InitFile& file : files)
@@ -71,7 +71,7 @@ void report(const Options& options, const std::vector<InitFile>& files, const Co
                   options.folder));
 }
 
-int init(const Options& options, const Context& context) {
+int init_robot(const InitOptions& options, const Context& context) {
   const std::string name = options.name.empty() ? name_from(options.folder) : options.name;
   if (!is_identifier(name)) {
     return failed(
@@ -85,17 +85,17 @@ int init(const Options& options, const Context& context) {
   const auto files = init_files(name, options.library);
   if (const auto written = write_all(options.folder, files); !written)
     return failed(context, written.error());
-  report(options, files, context);
+  report_files(options, files, context);
   return kDone;
 }
 
 }  // namespace
 
 void add_init(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InitOptions>();
   Verb& verb = add_verb(app, context, "init", "create a small working robot to start from",
                         "  segue init my_robot && cd my_robot && segue run robot.yaml --controller explore",
-                        [options, &context] { return init(*options, context); });
+                        [options, &context] { return init_robot(*options, context); });
   verb.option("DIR", options->folder, "a folder that does not exist yet or is empty").required();
   verb.option("--name NAME", options->name, "the robot's name (default: the folder's)");
   verb.flag("--library", options->library, "also create a component library with one component");

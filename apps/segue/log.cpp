@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kPause = std::chrono::milliseconds(100);
+constexpr auto kLogPause = std::chrono::milliseconds(100);
 
-struct Options {
+struct LogOptions {
   std::string process;
   std::size_t lines = 50;
   bool follow = false;
@@ -42,27 +42,27 @@ std::vector<fs::path> logs_of(const fs::path& folder, const std::string& robot) 
   return logs;
 }
 
-std::string name_of(const fs::path& log) {
+std::string process_of(const fs::path& log) {
   return log.stem().string();
 }
 
-Error nothing_printed(const Options& options, const std::vector<fs::path>& logs) {
+Error nothing_printed(const LogOptions& options, const std::vector<fs::path>& logs) {
   std::vector<std::string> names;
   for (const fs::path& log : logs)
-    names.push_back(name_of(log));
+    names.push_back(process_of(log));
   return fail(ErrorCode::NotFound,
               fmt::format("there is no output of process {}{}; there is output of {}", quote(options.process),
                           did_you_mean(options.process, names), names.empty() ? "none" : listed(names)));
 }
 
-Result<fs::path> find_log(const Options& options, const std::string& robot) {
+Result<fs::path> find_log(const LogOptions& options, const std::string& robot) {
   const auto folder = runtime_folder();
   if (!folder) return folder.error();
   const auto logs = logs_of(*folder, robot);
   std::vector<fs::path> found;
   std::vector<std::string> robots;
   for (const fs::path& log : logs) {
-    if (name_of(log) != options.process) continue;
+    if (process_of(log) != options.process) continue;
     found.push_back(log);
     robots.push_back(log.parent_path().filename().string());
   }
@@ -99,7 +99,7 @@ class LinePrinter {
   std::string rest_;
 };
 
-int show_log(const Options& options, const Context& context) {
+int show_log(const LogOptions& options, const Context& context) {
   const auto log = find_log(options, context.robot);
   if (!log) return failed(context, log.error());
   process::LogFollower follower(*log);
@@ -110,7 +110,7 @@ int show_log(const Options& options, const Context& context) {
   while (options.follow) {
     const std::string more = follower.read();
     printer.add(more);
-    if (more.empty()) std::this_thread::sleep_for(kPause);
+    if (more.empty()) std::this_thread::sleep_for(kLogPause);
   }
   printer.finish();
   return kDone;
@@ -119,7 +119,7 @@ int show_log(const Options& options, const Context& context) {
 }  // namespace
 
 void add_log(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<LogOptions>();
   Verb& verb = add_verb(app, context, "log", "show the output of a deployment process, running or not",
                         "  segue log drivers\n  segue log drivers --lines 200 --follow",
                         [options, &context] { return show_log(*options, context); });

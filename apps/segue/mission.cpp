@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/cdtn/flat_file.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/rafcon.hpp>
+#include <segue/pddl/pddl.hpp>
 #include <segue/session/session.hpp>
 
 #include <fmt/core.h>
@@ -10,7 +11,6 @@
 #include <memory>
 
 #include "mission_convert.hpp"
-#include "mission_network.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -19,7 +19,8 @@ namespace segue::cli {
 
 namespace {
 
-int check(const std::vector<std::string>& files, const MissionOptions& options, const Context& context) {
+int check_missions(const std::vector<std::string>& files, const MissionOptions& options,
+                   const Context& context) {
   Diagnostics diagnostics;
   for (const std::string& file : files)
     (void)session::Session::check(file, options.libraries, diagnostics);
@@ -34,22 +35,19 @@ int check(const std::vector<std::string>& files, const MissionOptions& options, 
 }
 
 struct ImportOptions {
-  std::string folder;
+  std::string folder;             ///< of a RAFCON machine
+  std::vector<std::string> pddl;  ///< domain, problem, plan
   std::string output;
   std::vector<std::string> libraries;
 };
 
-int import(const ImportOptions& options, const Context& context) {
+int import_rafcon(const ImportOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto machine =
       mission::import_rafcon(options.folder, mission::rafcon_library_paths(options.libraries), diagnostics);
   if (!machine) return report_failure(context, diagnostics);
   const std::string text = mission::write_mission(machine->mission);
-  if (options.output.empty()) {
-    print(text);
-  } else if (const auto written = write_file(options.output, text); !written) {
-    return failed(context, written.error());
-  }
+  if (const int status = write_or_print(context, options.output, text); status != kDone) return status;
   // Problems are reported with their places in the new file, where they can be fixed.
   if (!options.output.empty()) (void)mission::load_mission(options.output, {}, diagnostics);
   print_diagnostics(diagnostics);
@@ -61,12 +59,17 @@ int import(const ImportOptions& options, const Context& context) {
   return kDone;
 }
 
-int import(const ImportOptions& source, PddlOptions pddl, const Context& context) {
-  if (!source.folder.empty()) return import(source, context);
-  if (!pddl.files.empty()) {
-    pddl.output = source.output;
-    return import_pddl(pddl, context);
-  }
+int import_pddl(const ImportOptions& options, const Context& context) {
+  Diagnostics diagnostics;
+  auto network = pddl::load_pddl(options.pddl[0], options.pddl[1], options.pddl[2], diagnostics);
+  if (!network) return report_failure(context, diagnostics);
+  print_diagnostics(diagnostics);
+  return write_or_print(context, options.output, cdtn::write_flat_network({std::move(*network), {}}));
+}
+
+int import_plan(const ImportOptions& options, const Context& context) {
+  if (!options.folder.empty()) return import_rafcon(options, context);
+  if (!options.pddl.empty()) return import_pddl(options, context);
   print_error(context, fail(ErrorCode::InvalidArgument, "select what to import: --rafcon or --pddl"));
   return kUsage;
 }
@@ -163,11 +166,6 @@ void add_convert(Verb& parent, Context& context) {
 
 }  // namespace
 
-void add_library_option(Verb& verb, MissionOptions& options) {
-  verb.option("--libraries DIR", options.libraries,
-              "folders with the state machines used by missions; for RAFCON machines NAME=DIR");
-}
-
 void add_mission(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "mission", "run, check and convert missions and task networks",
@@ -179,20 +177,19 @@ void add_mission(Verb& app, Context& context) {
   const auto options = std::make_shared<MissionOptions>();
   Verb& checker =
       add_verb(verb, context, "check", "validate missions", "  segue mission check missions/*.yaml",
-               [files, options, &context] { return check(*files, *options, context); });
+               [files, options, &context] { return check_missions(*files, *options, context); });
   checker.option("FILE", *files, "mission files").required();
   add_library_option(checker, *options);
 
   const auto source = std::make_shared<ImportOptions>();
-  const auto pddl = std::make_shared<PddlOptions>();
   Verb& importer = add_verb(verb, context, "import", "convert other plans to mission files and task networks",
                             "  segue mission import --rafcon my_machine --libraries "
                             "generic=/opt/rafcon/libraries/generic -o m.yaml",
-                            [source, pddl, &context] { return import(*source, *pddl, context); });
+                            [source, &context] { return import_plan(*source, context); });
   const Option rafcon =
       importer.option("--rafcon DIR", source->folder, "the folder of a RAFCON state machine");
   importer
-      .option("--pddl DOMAIN PROBLEM PLAN", pddl->files,
+      .option("--pddl DOMAIN PROBLEM PLAN", source->pddl,
               "a domain, a problem and a sequential plan, as a task network")
       .takes(3)
       .excludes(rafcon);

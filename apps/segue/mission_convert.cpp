@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mission_convert.hpp"
 
-#include <segue/base/file.hpp>
 #include <segue/session/session.hpp>
 #include <segue/type/json.hpp>
 
@@ -38,7 +37,7 @@ void make_printable(Diagram& diagram) {
   }
 }
 
-std::string written(Diagram diagram, const ConvertOptions& options, const Context& context) {
+std::string diagram_text(Diagram diagram, const ConvertOptions& options, const Context& context) {
   if (options.dot) return to_dot(diagram);
   if (options.svg) return to_svg(diagram);
   if (context.json()) return type::to_json(to_value(diagram), 2) + "\n";
@@ -64,13 +63,8 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
                      [](const std::string& text) { print_note(text); }});
   if (!diagram) return failed(context, diagram.error());
   diagram->strict = options.strict;
-  const std::string text = written(std::move(*diagram), options, context);
-  if (options.output.empty()) {
-    print(text);
-    return kDone;
-  }
-  const auto done = write_file(options.output, text);
-  return done ? kDone : failed(context, done.error());
+  const std::string text = diagram_text(std::move(*diagram), options, context);
+  return write_or_print(context, options.output, text);
 }
 
 }  // namespace segue::cli

@@ -20,14 +20,9 @@ namespace {
 using session::FinishedRun;
 using session::RunMode;
 using session::RunRequest;
-using Align = Table::Align;
 
 /// More are no help to a reader; --format json has all.
 constexpr std::size_t kMostRows = 1000;
-
-double seconds(Duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 
 /// "NAME=COUNT"
 Result<std::pair<std::string, std::uint32_t>> parse_count(const std::string& text) {
@@ -86,6 +81,7 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
 }
 
 void show_executions(const FinishedRun& run) {
+  using Align = Table::Align;
   Table table({{"START", Align::Right},
                {"DURATION", Align::Right},
                {"STATE", Align::Left},
@@ -105,6 +101,7 @@ void show_executions(const FinishedRun& run) {
 }
 
 void show_nodes(FinishedRun& run) {
+  using Align = Table::Align;
   Table table({{"node"}, {"start", Align::Right}, {"end", Align::Right}, {"status"}, {"last waited for"}});
   std::size_t off_path = 0;
   for (const session::RunRow& row : run.rows()) {
@@ -127,7 +124,7 @@ void show_nodes(FinishedRun& run) {
                          seconds(comparison.sequential), seconds(comparison.critical_path)));
 }
 
-void show(FinishedRun& run, bool is_network, const Context& context) {
+void show_run(FinishedRun& run, bool is_network, const Context& context) {
   if (context.json()) return print_json(run.to_value());
   const auto& overview = run.overview();
   run.as_written() ? show_executions(run) : show_nodes(run);
@@ -155,6 +152,24 @@ Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts) {
   return inputs;
 }
 
+void add_network_options(Verb& verb, NetworkOptions& options) {
+  verb.option("--order ORDER", options.order,
+              "of a task network: epoch (default) keeps the whole final world, goal only its goal")
+      .one_of({"epoch", "goal"});
+  verb.option("--seed N", options.seed,
+              "vary durations of simulated nodes, reproducibly for each number; 0: as expected");
+  verb.option("--workers N", options.workers, "nodes that run at the same time; 0: any number");
+  verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
+  verb.option("--resource NAME=COUNT", options.resources,
+              "how many units of a resource exist, such as process:planner=2");
+  verb.flag("--strict", options.strict, "irreversible nodes wait for all earlier ones that may fail");
+}
+
+void add_library_option(Verb& verb, MissionOptions& options) {
+  verb.option("--libraries DIR", options.libraries,
+              "folders with the state machines used by missions; for RAFCON machines NAME=DIR");
+}
+
 int run_plan(const MissionOptions& options, const NetworkOptions& network, const Context& context) {
   if (const auto fits = check(options.files); !fits) return failed(context, fits.error());
   Diagnostics diagnostics;
@@ -166,7 +181,7 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, const
   StopSignal stop;  // until the run has been shown
   auto run = plan->run(*request, stop.token());
   if (!run) return failed(context, run.error());
-  if (options.show) show(**run, plan->is_network(), context);
+  if (options.show) show_run(**run, plan->is_network(), context);
   if (options.files.any()) {
     // Standard output has had its document.
     const auto written = write(options.files, (*run)->gantt());

@@ -4,14 +4,24 @@
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "command.hpp"
-#include "mission_network.hpp"
 #include "run_files.hpp"
 
 namespace segue::cli {
+
+/// What only a concurrent run has, and mostly only that of a task network.
+struct NetworkOptions {
+  std::string order = "epoch";
+  std::uint64_t seed = 0;
+  std::uint32_t workers = 0;
+  std::uint32_t world_copies = 0;
+  bool strict = false;
+  std::vector<std::string> resources;  ///< NAME=COUNT
+};
 
 struct MissionOptions {
   std::string file;
@@ -30,6 +40,8 @@ struct MissionOptions {
   std::string python = "python3";
 };
 
+/// The options of a run that only task networks have.
+void add_network_options(Verb& verb, NetworkOptions& options);
 /// --libraries
 void add_library_option(Verb& verb, MissionOptions& options);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output.hpp"
 
+#include <segue/base/file.hpp>
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -146,6 +147,15 @@ void print_line(std::string_view text) {
   std::fflush(stdout);
 }
 
+int write_or_print(const Context& context, const std::string& file, std::string_view text) {
+  if (file.empty()) {
+    print(text);
+    return kDone;
+  }
+  const auto written = write_file(file, text);
+  return written ? kDone : failed(context, written.error());
+}
+
 void print_json(const Value& value) {
   print_line(type::to_json(value));
 }
@@ -212,6 +222,10 @@ int exit_status(const Error& error) {
 int failed(const Context& context, const Error& error) {
   print_error(context, error);
   return exit_status(error);
+}
+
+double seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
 }
 
 std::string format_seconds(double seconds) {

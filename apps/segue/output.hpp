@@ -27,6 +27,8 @@ std::string printable(std::string_view text);
 
 void print(std::string_view text);       ///< as it is
 void print_line(std::string_view text);  ///< with a line end, flushed
+/// To the file, or to standard output if `file` is empty. Returns the exit status.
+int write_or_print(const Context& context, const std::string& file, std::string_view text);
 void print_json(const type::Value& value);
 /// One value a line, flushed: for streams.
 void print_json_line(const type::Value& value);
@@ -46,6 +48,7 @@ int exit_status(const Error& error);
 /// print_error() and exit_status().
 int failed(const Context& context, const Error& error);
 
+double seconds(Duration duration);
 /// "1.25 ms", "3.2 s": three digits, for tables.
 std::string format_seconds(double seconds);
 /// The number at `key` of a map, 0 where there is none; likewise text.

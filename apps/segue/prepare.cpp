@@ -13,7 +13,7 @@ namespace {
 
 using type::Value;
 
-struct Options {
+struct PrepareOptions {
   std::vector<std::string> controllers;
   Duration timeout = std::chrono::seconds(60);
 };
@@ -23,7 +23,7 @@ bool is_ready(const Value& entry) {
   return ready != nullptr && ready->is_bool() && ready->as_bool();
 }
 
-std::string line_for(const Value& entry) {
+std::string readiness_line(const Value& entry) {
   const std::string name = text_at(entry, "controller");
   const auto prepared = number_at(entry, "prepared");
   if (!is_ready(entry) && prepared == 0)
@@ -32,13 +32,13 @@ std::string line_for(const Value& entry) {
   return fmt::format("{}: {} of {} tasks are ready{}", name, prepared, number_at(entry, "tasks"), reason);
 }
 
-int prepare(control::RobotService& robot, const Options& options, const Context& context) {
+int prepare_controllers(control::RobotService& robot, const PrepareOptions& options, const Context& context) {
   const auto answer = robot.prepare(options.controllers, deadline_in(options.timeout));
   if (!answer) return failed(context, answer.error());
   int status = kDone;
   for (const Value& entry : answer->is_list() ? answer->as_list() : Value::List{}) {
     if (!is_ready(entry)) status = kFailed;
-    if (!context.json()) print_line(line_for(entry));
+    if (!context.json()) print_line(readiness_line(entry));
   }
   if (context.json()) {
     print_json(*answer);
@@ -51,7 +51,7 @@ int prepare(control::RobotService& robot, const Options& options, const Context&
 }  // namespace
 
 void add_prepare(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PrepareOptions>();
   Verb& verb = add_verb(
       app, context, "prepare", "keep controllers of a running robot prepared, for fast switches",
       "  segue prepare dock explore    # the likeliest first\n  segue prepare                 # release "
@@ -60,8 +60,9 @@ void add_prepare(Verb& app, Context& context) {
       "in\n"
       "the robot file (`look_ahead`) permit. They stay ready across switches.",
       [options, &context] {
-        return with_robot(context,
-                          [&](control::RobotService& robot) { return prepare(robot, *options, context); });
+        return with_robot(context, [&](control::RobotService& robot) {
+          return prepare_controllers(robot, *options, context);
+        });
       });
   verb.option("NAME", options->controllers, "the controllers, likeliest first");
   verb.option("--timeout DURATION", options->timeout,

@@ -15,11 +15,11 @@ namespace {
 
 using type::Value;
 
-constexpr std::size_t kBuffer = 1000;
-constexpr std::size_t kBatch = 100;
+constexpr std::size_t kSampleBuffer = 1000;
+constexpr std::size_t kSampleBatch = 100;
 constexpr Duration kPollInterval = std::chrono::milliseconds(5);
 
-struct Options {
+struct ReadOptions {
   std::string port;
   std::size_t count = 0;  ///< 0: not given
   bool follow = false;
@@ -33,9 +33,9 @@ void print_sample(const Value& sample, const Context& context) {
 }
 
 /// Limits the samples to be printed by number and time.
-class Limit {
+class SampleLimit {
  public:
-  explicit Limit(const Options& options)
+  explicit SampleLimit(const ReadOptions& options)
       : count_(options.count > 0                                ? options.count
                : options.follow || options.length > Duration(0) ? SIZE_MAX
                                                                 : 1) {
@@ -44,7 +44,7 @@ class Limit {
   [[nodiscard]] bool reached() const { return count_ == 0 || (end_ && RealClock::instance().now() >= *end_); }
   /// Whether the end is a point in time, so that receiving no sample until then is not a failure.
   [[nodiscard]] bool is_timed() const { return end_.has_value(); }
-  [[nodiscard]] std::size_t left() const { return std::min(count_, kBatch); }
+  [[nodiscard]] std::size_t left() const { return std::min(count_, kSampleBatch); }
   void printed() { --count_; }
 
  private:
@@ -52,8 +52,8 @@ class Limit {
   std::optional<TimePoint> end_;
 };
 
-int read_samples(control::SampleStream& stream, const Options& options, const Context& context) {
-  Limit limit(options);
+int read_samples(control::SampleStream& stream, const ReadOptions& options, const Context& context) {
+  SampleLimit limit(options);
   const TimePoint patience = deadline_in(options.timeout);
   bool any = false;
   while (!limit.reached()) {
@@ -78,10 +78,10 @@ int read_samples(control::SampleStream& stream, const Options& options, const Co
   return kDone;
 }
 
-int read(control::RobotService& robot, const Options& options, const Context& context) {
+int read_port(control::RobotService& robot, const ReadOptions& options, const Context& context) {
   const auto address = resolve(robot, options.port, "PORT");
   if (!address) return failed(context, address.error());
-  const auto stream = robot.open_port(address->task, address->member, kBuffer);
+  const auto stream = robot.open_port(address->task, address->member, kSampleBuffer);
   if (!stream) return failed(context, stream.error());
   return read_samples(**stream, options, context);
 }
@@ -89,13 +89,13 @@ int read(control::RobotService& robot, const Options& options, const Context& co
 }  // namespace
 
 void add_read(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReadOptions>();
   Verb& verb = add_verb(app, context, "read", "print the samples of an output port",
                         "  segue read odometry.pose\n  segue read odometry.pose --follow\n"
                         "  segue read laser.scan --count 10 --format json",
                         [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
-                            return read(robot, *options, context);
+                            return read_port(robot, *options, context);
                           });
                         });
   verb.option("TASK.PORT", options->port, "an output port of a running task").required();

@@ -18,12 +18,11 @@
 #include <thread>
 
 #include "connection.hpp"
-#include "event_text.hpp"
 #include "journal_file.hpp"
 #include "models.hpp"
 #include "output.hpp"
+#include "report_text.hpp"
 #include "stop_signal.hpp"
-#include "switch_text.hpp"
 
 namespace segue::cli {
 
@@ -31,7 +30,7 @@ namespace {
 
 using runtime::EmbeddedRobot;
 
-struct Options {
+struct RunOptions {
   std::string file;
   std::string controller;
   std::string stand_ins;
@@ -45,19 +44,19 @@ struct Options {
   Duration length{0};
 };
 
-constexpr std::array kLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
+constexpr std::array kLogLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
 
 std::vector<std::string> level_names() {
   std::vector<std::string> names;
-  for (const LogLevel level : kLevels)
+  for (const LogLevel level : kLogLevels)
     names.emplace_back(to_string(level));
   return names;
 }
 
 LogLevel level_of(const std::string& name) {
-  const auto found =
-      std::find_if(kLevels.begin(), kLevels.end(), [&](LogLevel level) { return to_string(level) == name; });
-  return found == kLevels.end() ? LogLevel::Info : *found;
+  const auto found = std::find_if(kLogLevels.begin(), kLogLevels.end(),
+                                  [&](LogLevel level) { return to_string(level) == name; });
+  return found == kLogLevels.end() ? LogLevel::Info : *found;
 }
 
 /// Prints the events of the runtime, from a thread of its own.
@@ -149,7 +148,7 @@ Result<void> check_controller(const EmbeddedRobot& robot, runtime::Runtime& runt
 }
 
 /// Blocks until the first controller runs, and then until there is a reason to end.
-int operate(std::future<runtime::SwitchResult> first, const Options& options, StopSignal& stop,
+int operate(std::future<runtime::SwitchResult> first, const RunOptions& options, StopSignal& stop,
             EventPrinter& printer) {
   std::optional<TimePoint> end;
   if (options.length > Duration(0)) end = deadline_in(options.length);
@@ -167,7 +166,7 @@ int shut_down(EmbeddedRobot& robot) {
   return explain_outcome(result);
 }
 
-int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const Context& context) {
+int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, const Context& context) {
   runtime::Runtime& runtime = robot.runtime();
   if (const auto known = check_controller(robot, runtime, options.controller); !known) {
     return failed(context, known.error());
@@ -193,7 +192,7 @@ int serve(EmbeddedRobot& robot, const Options& options, StopSignal& stop, const 
   return operated == kDone ? ended : operated;
 }
 
-int run(const Options& options, const Context& context) {
+int run_robot(const RunOptions& options, const Context& context) {
   set_log_level(level_of(options.log_level));
   StopSignal stop;
   Diagnostics diagnostics;
@@ -217,7 +216,7 @@ int run(const Options& options, const Context& context) {
 }  // namespace
 
 void add_run(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RunOptions>();
   Verb& verb = add_verb(
       app, context, "run", "start a robot's runtime; Ctrl-C stops it cleanly",
       "  segue run robot.yaml --controller explore\n"
@@ -227,7 +226,7 @@ void add_run(Verb& app, Context& context) {
       "with status 130 and leaves them running. Deployments of the robot that are already running are\n"
       "adopted; without `--controller` they simply continue. With `--format json` every event is a line of\n"
       "JSON.",
-      [options, &context] { return run(*options, context); });
+      [options, &context] { return run_robot(*options, context); });
   verb.option("ROBOT", options->file, "the robot file").required();
   verb.option("--controller NAME", options->controller, "request this controller at startup");
   verb.flag("--stand-in", options->stand_in,

@@ -14,7 +14,7 @@ namespace {
 
 using type::Value;
 
-struct Options {
+struct SetOptions {
   std::string assignment;
   Duration timeout = std::chrono::seconds(10);
 };
@@ -32,7 +32,7 @@ std::string present_value(control::RobotService& robot, const Address& address) 
   return value == nullptr ? std::string() : type::describe(*value);
 }
 
-int set(control::RobotService& robot, const Options& options, const Context& context) {
+int set_property(control::RobotService& robot, const SetOptions& options, const Context& context) {
   const auto equals = options.assignment.find('=');
   const auto value = type::parse_yaml(options.assignment.substr(equals + 1), "the value");
   if (!value) return failed(context, value.error());
@@ -53,12 +53,12 @@ int set(control::RobotService& robot, const Options& options, const Context& con
 }  // namespace
 
 void add_set(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SetOptions>();
   Verb& verb = add_verb(
       app, context, "set", "set a property of a task",
       "  segue set drive.max_speed=0.4\n  segue set 'seeker.goal={x: 1.0, y: 2.0}'", [options, &context] {
-        return with_robot(context,
-                          [&](control::RobotService& robot) { return set(robot, *options, context); });
+        return with_robot(
+            context, [&](control::RobotService& robot) { return set_property(robot, *options, context); });
       });
   verb.option("ASSIGNMENT TASK.PROPERTY=VALUE", options->assignment,
               "the property (a.b for a field of it) and its value as YAML")

@@ -15,7 +15,7 @@ namespace {
 
 using type::Value;
 
-std::string heading(const Value& status) {
+std::string status_heading(const Value& status) {
   const std::string controller = text_at(status, "controller");
   return fmt::format("robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
                      number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
@@ -25,7 +25,7 @@ std::string heading(const Value& status) {
                      text_at(status, "state"));
 }
 
-std::string others(const Value& status) {
+std::string other_controllers(const Value& status) {
   auto names = controller_names(status);
   std::erase(names, text_at(status, "controller"));
   return names.empty() ? std::string() : fmt::format("can switch to: {}\n", printable(listed(names)));
@@ -47,14 +47,14 @@ std::string connections_text(const Value& status) {
   return list_at(status, "connections").empty() ? std::string() : '\n' + table.text();
 }
 
-int show(control::RobotService& robot, const Context& context) {
+int show_status(control::RobotService& robot, const Context& context) {
   const auto status = robot.status();
   if (!status) return failed(context, status.error());
   if (context.json()) {
     print_json(*status);
     return kDone;
   }
-  print(heading(*status) + others(*status));
+  print(status_heading(*status) + other_controllers(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {
@@ -67,11 +67,11 @@ int show(control::RobotService& robot, const Context& context) {
 }  // namespace
 
 void add_status(Verb& app, Context& context) {
-  Verb& verb = add_verb(app, context, "status", "show the state of a running robot",
-                        "  segue status\n  segue status --format json", [&context] {
-                          return with_robot(
-                              context, [&](control::RobotService& robot) { return show(robot, context); });
-                        });
+  Verb& verb = add_verb(
+      app, context, "status", "show the state of a running robot",
+      "  segue status\n  segue status --format json", [&context] {
+        return with_robot(context, [&](control::RobotService& robot) { return show_status(robot, context); });
+      });
   add_robot_option(verb, context);
 }
 

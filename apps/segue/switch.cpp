@@ -13,8 +13,7 @@
 #include <thread>
 
 #include "connection.hpp"
-#include "switch_text.hpp"
-#include "transition_text.hpp"
+#include "report_text.hpp"
 
 namespace segue::cli {
 
@@ -22,7 +21,7 @@ namespace {
 
 using type::Value;
 
-struct Options {
+struct SwitchVerbOptions {
   std::string controller;
   std::string transition;  ///< a file; empty: to the controller
   std::string order;
@@ -33,21 +32,21 @@ struct Options {
 };
 
 /// Shows progress on a terminal, through a connection of its own.
-class Watcher {
+class SwitchWatcher {
  public:
-  explicit Watcher(const Context& context) {
+  explicit SwitchWatcher(const Context& context) {
     if (context.json() || !progress_.active()) return;
     auto socket = control::socket_path(context.robot);
     auto robot =
         socket ? control::connect(*socket) : Result<std::unique_ptr<control::RobotService>>(socket.error());
     if (robot) thread_ = std::thread([this, connection = std::move(*robot)] { watch(*connection); });
   }
-  ~Watcher() {
+  ~SwitchWatcher() {
     ended_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  Watcher(const Watcher&) = delete;
-  Watcher& operator=(const Watcher&) = delete;
+  SwitchWatcher(const SwitchWatcher&) = delete;
+  SwitchWatcher& operator=(const SwitchWatcher&) = delete;
 
  private:
   void watch(control::RobotService& robot) {
@@ -83,7 +82,7 @@ int show_plan(const Value& transition, const Context& context) {
   return kDone;
 }
 
-int show_requested(const Options& options, const Context& context) {
+int show_requested(const SwitchVerbOptions& options, const Context& context) {
   const bool by_file = !options.transition.empty();
   const std::string& what = by_file ? options.transition : options.controller;
   if (context.json()) {
@@ -95,7 +94,7 @@ int show_requested(const Options& options, const Context& context) {
 }
 
 /// An unknown name is the likeliest mistake: lists the robot's controllers.
-void suggest(control::RobotService& robot, const std::string& controller) {
+void suggest_controllers(control::RobotService& robot, const std::string& controller) {
   const auto status = robot.status();
   if (!status) return;
   const auto names = controller_names(*status);
@@ -104,7 +103,7 @@ void suggest(control::RobotService& robot, const std::string& controller) {
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }
 
-Result<Value> request(control::RobotService& robot, const Options& options) {
+Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptions& options) {
   const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
   if (options.transition.empty()) {
     return robot.switch_to(options.controller,
@@ -119,24 +118,24 @@ Result<Value> request(control::RobotService& robot, const Options& options) {
   return robot.apply_transition(*text, options.transition, deadline);
 }
 
-int switch_robot(control::RobotService& robot, const Options& options, const Context& context) {
+int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, const Context& context) {
   Result<Value> answer;
   {
-    const Watcher watcher(context);
-    answer = request(robot, options);
+    const SwitchWatcher watcher(context);
+    answer = request_switch(robot, options);
   }
   const bool only_late = !answer && answer.error().code == ErrorCode::DeadlineExceeded;
   if (!options.wait && only_late) return show_requested(options, context);
   if (answer && options.dry_run) return show_plan(*answer, context);
   const int status = answer ? show_outcome(*answer, context) : failed(context, answer.error());
-  if (status == kFailed && options.transition.empty()) suggest(robot, options.controller);
+  if (status == kFailed && options.transition.empty()) suggest_controllers(robot, options.controller);
   return status;
 }
 
 }  // namespace
 
 void add_switch(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SwitchVerbOptions>();
   Verb& verb = add_verb(
       app, context, "switch", "request a controller of a running robot",
       "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"

@@ -66,7 +66,7 @@ std::string properties_text(const Value& task) {
   return text;
 }
 
-int show(control::RobotService& robot, const std::string& id, const Context& context) {
+int show_task(control::RobotService& robot, const std::string& id, const Context& context) {
   const auto task = robot.task(id);
   if (!task) return failed(context, task.error());
   if (context.json()) {
@@ -85,11 +85,12 @@ int show(control::RobotService& robot, const std::string& id, const Context& con
 
 void add_task(Verb& app, Context& context) {
   const auto id = std::make_shared<std::string>();
-  Verb& verb = add_verb(
-      app, context, "task", "show a task: state, ports, properties, operations, timing", "  segue task drive",
-      [id, &context] {
-        return with_robot(context, [&](control::RobotService& robot) { return show(robot, *id, context); });
-      });
+  Verb& verb = add_verb(app, context, "task", "show a task: state, ports, properties, operations, timing",
+                        "  segue task drive", [id, &context] {
+                          return with_robot(context, [&](control::RobotService& robot) {
+                            return show_task(robot, *id, context);
+                          });
+                        });
   verb.option("TASK", *id, "the task's id").required();
   add_robot_option(verb, context);
 }

@@ -43,7 +43,7 @@ bool has_processes(const Value::List& tasks) {
                      [](const Value& task) { return !text_at(task, "process").empty(); });
 }
 
-std::vector<std::string> cells(const Value& task, bool with_process, bool with_cpu) {
+std::vector<std::string> task_cells(const Value& task, bool with_process, bool with_cpu) {
   const Value* stand_in = task.find("stand_in");
   const bool is_stand_in = stand_in != nullptr && stand_in->is_bool() && stand_in->as_bool();
   std::vector<std::string> row = {
@@ -87,7 +87,7 @@ std::string task_table(const Value& status, bool with_cpu) {
   if (with_cpu) columns.push_back({"CPU", Align::Right});
   Table table(std::move(columns));
   for (const Value& task : tasks)
-    table.add(cells(task, with_process, with_cpu));
+    table.add(task_cells(task, with_process, with_cpu));
   return table.text() + errors_text(tasks);
 }
 

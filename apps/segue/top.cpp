@@ -12,14 +12,14 @@ namespace {
 
 using type::Value;
 
-constexpr std::string_view kClear = "\x1b[H\x1b[2J";
+constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
 
-struct Options {
+struct TopOptions {
   bool once = false;
   Duration interval = std::chrono::seconds(1);
 };
 
-std::string page(const Value& status) {
+std::string top_page(const Value& status) {
   const std::string controller = text_at(status, "controller");
   return fmt::format("{}: {}, {}; up {}; {} tasks, {} connections\n\n{}",
                      coloured(Colour::Bold, text_at(status, "robot")),
@@ -40,7 +40,7 @@ void add_processor_times(control::RobotService& robot, Value& status) {
   }
 }
 
-int top(control::RobotService& robot, const Options& options, const Context& context) {
+int show_top(control::RobotService& robot, const TopOptions& options, const Context& context) {
   const bool once = options.once || context.json() || !output_is_terminal();
   for (;;) {
     auto status = robot.status();
@@ -49,7 +49,7 @@ int top(control::RobotService& robot, const Options& options, const Context& con
     if (context.json()) {
       print_json(*status);
     } else {
-      print((once ? std::string() : std::string(kClear)) + page(*status));
+      print((once ? std::string() : std::string(kClearScreen)) + top_page(*status));
     }
     if (once) return kDone;
     print_line(coloured(Colour::Dim, "Ctrl-C exits"));
@@ -60,11 +60,11 @@ int top(control::RobotService& robot, const Options& options, const Context& con
 }  // namespace
 
 void add_top(Verb& app, Context& context) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<TopOptions>();
   Verb& verb = add_verb(app, context, "top", "show the timing of all tasks continuously",
                         "  segue top\n  segue top --once", [options, &context] {
                           return with_robot(context, [&](control::RobotService& robot) {
-                            return top(robot, *options, context);
+                            return show_top(robot, *options, context);
                           });
                         });
   verb.flag("--once", options->once, "print once and exit; the default if the output is not a terminal");

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report_text.hpp"
+
+#include <segue/model/files.hpp>
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <string_view>
+
+#include "output.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using type::Value;
+
+std::string name_or_empty(const std::string& name) {
+  return name.empty() ? std::string("(empty)") : name;
+}
+
+/// "stop slam" from an action's JSON.
+std::string action_label(const Value& action) {
+  const std::string kind = text_at(action, "kind");
+  const std::string task = text_at(action, "task");
+  if (kind == "connect" || kind == "disconnect") {
+    const std::string policy = text_at(action, "policy");
+    const std::string suffix = policy.empty() || policy == "data" ? "" : " (" + policy + ")";
+    return fmt::format("{} {} -> {}{}", kind, text_at(action, "from"), text_at(action, "to"), suffix);
+  }
+  if (kind == "hand_over")
+    return fmt::format("{} {} -> {}", kind, text_at(action, "from"), text_at(action, "to"));
+  if (kind == "deploy" || kind == "undeploy") {
+    return fmt::format("{} {}/{}", kind, text_at(action, "host"), text_at(action, "process"));
+  }
+  if (kind == "call_operation") return fmt::format("{} {}.{}", kind, task, text_at(action, "operation"));
+  return fmt::format("{} {}", kind, task);
+}
+
+std::string phase_text(const Value& transition, std::string_view phase) {
+  std::string text;
+  std::size_t count = 0;
+  for (const Value& action : list_at(transition, "actions")) {
+    if (text_at(action, "phase") != phase) continue;
+    ++count;
+    text += fmt::format("{:>5}  {:<14} {}\n", number_at(action, "id"), text_at(action, "kind"),
+                        action_label(action).substr(text_at(action, "kind").size() + 1));
+  }
+  if (count == 0) return {};
+  return coloured(Colour::Bold, fmt::format("{} ({})", phase, count)) + '\n' + text;
+}
+
+std::string counts_text(const Value& counts) {
+  std::string text;
+  for (const auto kind : model::kActionKindNames) {
+    const double count = number_at(counts, kind);
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", kind, count);
+  }
+  return text;
+}
+
+std::string actions_text(const Value& result) {
+  Table table({{"STARTED", Table::Align::Right}, {"TOOK", Table::Align::Right}, {"ACTION"}, {"OUTCOME"}});
+  for (const Value& action : list_at(result, "actions")) {
+    const std::string outcome = text_at(action, "outcome");
+    const std::string error = text_at(action, "error");
+    const Colour colour = outcome == "done" ? Colour::Green : outcome == "failed" ? Colour::Red : Colour::Dim;
+    table.add({format_seconds(number_at(action, "started_s")),
+               format_seconds(number_at(action, "duration_s")), action_label(action),
+               coloured(colour, outcome) + (error.empty() ? "" : ": " + error)});
+  }
+  return list_at(result, "actions").empty() ? std::string() : table.text();
+}
+
+void print_reasons(const Value& result) {
+  for (const Value& item : list_at(result, "diagnostics")) {
+    fmt::print(stderr, "{}:{}:{}: {}: {}\n", text_at(item, "file"), number_at(item, "line"),
+               number_at(item, "column"), text_at(item, "severity"), text_at(item, "message"));
+  }
+  const std::string error = text_at(result, "error");
+  if (!error.empty()) fmt::print(stderr, "segue: error: {}\n", error);
+  const std::string leftover = text_at(result, "leftover");
+  if (!leftover.empty()) fmt::print(stderr, "segue: warning: {}\n", leftover);
+}
+
+Colour colour_of(const std::string& kind) {
+  if (kind.find("failed") != std::string::npos || kind.find("refused") != std::string::npos)
+    return Colour::Red;
+  if (kind.find("difference") != std::string::npos || kind.find("superseded") != std::string::npos) {
+    return Colour::Yellow;
+  }
+  return kind.find("done") != std::string::npos ? Colour::Green : Colour::Blue;
+}
+
+}  // namespace
+
+std::string describe_transition(const Value& transition) {
+  static const Value none;
+  const Value* counts = transition.find("counts");
+  const Value& counted = counts != nullptr ? *counts : none;
+  const double total = number_at(counted, "total");
+  std::string text = fmt::format("{} -> {}: ", name_or_empty(text_at(transition, "from")),
+                                 name_or_empty(text_at(transition, "to")));
+  if (total == 0) return text + "nothing to do\n";
+  text += fmt::format("{} action{}, {} of them state changes; order {}\n", total, total == 1 ? "" : "s",
+                      number_at(counted, "state_changes"), text_at(transition, "order"));
+  for (const auto phase : model::kPhaseNames)
+    text += phase_text(transition, phase);
+  return text + "total: " + counts_text(counted) + '\n';
+}
+
+std::string describe(const model::Transition& transition) {
+  return describe_transition(model::to_value(transition));
+}
+
+std::string outcome_line(const Value& result) {
+  int done = 0;
+  for (const Value& action : list_at(result, "actions"))
+    done += text_at(action, "outcome") == "done" ? 1 : 0;
+  const std::string cause = text_at(result, "cause");
+  const std::string why = cause.empty() || cause == "request" ? "" : " (" + cause + ")";
+  const std::string line = fmt::format("{} -> {}{}: {}", name_or_empty(text_at(result, "from")),
+                                       name_or_empty(text_at(result, "to")), why, text_at(result, "outcome"));
+  if (list_at(result, "actions").empty()) return line;
+  const std::string leftover = text_at(result, "leftover").empty() ? "" : ", retire incomplete";
+  return line + fmt::format(", {} action{} in {} (commit {}){}", done, done == 1 ? "" : "s",
+                            format_seconds(number_at(result, "duration_s")),
+                            format_seconds(number_at(result, "commit_s")), leftover);
+}
+
+int show_outcome(const Value& result, const Context& context) {
+  const bool done = text_at(result, "outcome") == "done";
+  if (context.json()) {
+    print_json(result);
+  } else {
+    print(actions_text(result));
+    print_line(coloured(done ? Colour::Green : Colour::Red, outcome_line(result)));
+  }
+  print_reasons(result);
+  return done ? kDone : kFailed;
+}
+
+std::string event_line(const Value& event) {
+  const std::string kind = text_at(event, "kind");
+  const std::string subject = text_at(event, "subject");
+  const std::string message = text_at(event, "message");
+  const std::string separator = subject.empty() || message.empty() ? "" : ": ";
+  return fmt::format("{:>5} {} {} {}{}{}", number_at(event, "number"),
+                     coloured(Colour::Dim, text_at(event, "time")),
+                     coloured(colour_of(kind), fmt::format("{:<20}", kind)), subject, separator, message);
+}
+
+}  // namespace segue::cli

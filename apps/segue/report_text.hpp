@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/model/transition.hpp>
+#include <segue/type/value.hpp>
+
+#include <string>
+
+#include "command.hpp"
+
+/// What a robot reports, as text: transitions, their outcomes, and events.
+namespace segue::cli {
+
+/// A transition as text: a summary, the actions of each phase, the counts.
+std::string describe(const model::Transition& transition);
+
+/// The same from the JSON of `diff`, as a running robot sends it.
+std::string describe_transition(const type::Value& transition);
+
+/// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"
+std::string outcome_line(const type::Value& result);
+
+/// Prints the result of `switch` as JSON or text. Returns kDone if the outcome is done, otherwise kFailed.
+int show_outcome(const type::Value& result, const Context& context);
+
+/// One event as a line: number, time of day, kind, subject, message.
+std::string event_line(const type::Value& event);
+
+}  // namespace segue::cli
