@@ -61,6 +61,9 @@ int show_status(control::RobotService& robot, const Context& context) {
     if (difference.is_string())
       print(coloured(Colour::Yellow, "drift: ") + printable(difference.as_string()) + '\n');
   }
+  for (const Value& fault : list_at(*status, "unresolved")) {
+    if (fault.is_string()) print(coloured(Colour::Red, "unresolved: ") + printable(fault.as_string()) + '\n');
+  }
   return kDone;
 }
 
