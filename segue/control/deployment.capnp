@@ -14,7 +14,7 @@ interface DeploymentProcess {
   info @0 () -> (error :Wire.Error, info :Info);
   snapshot @1 () -> (error :Wire.Error, snapshot :Snapshot);
   expect @2 (network :Model.Network) -> (error :Wire.Error);
-  # What ends while others are still at work is told to whoever follows, under `ticket`; the answer has all,
+  # What ends while others are still at work is reported to whoever follows, under `ticket`; the answer has all,
   # in their order.
   perform @3 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
       -> (error :Wire.Error, ended :List(Ended));
@@ -37,7 +37,7 @@ interface DeploymentProcess {
 
   # Until the connection ends. A client that does not keep up loses the oldest events.
   listen @17 (listener :TaskListener) -> (error :Wire.Error);
-  # For all batches of this client from now on, until the connection ends; whoever was given last is told.
+  # For all batches of this client from now on, until the connection ends; whoever was given last gets the reports.
   follow @18 (follower :BatchFollower) -> ();
 
   # No state: the task remembers nothing.
@@ -46,7 +46,7 @@ interface DeploymentProcess {
 }
 
 interface BatchFollower {
-  told @0 (ticket :UInt64, ended :List(Ended)) -> ();
+  report @0 (ticket :UInt64, ended :List(Ended)) -> ();
 }
 
 struct Ended {
@@ -56,7 +56,7 @@ struct Ended {
 }
 
 interface TaskListener {
-  told @0 (events :List(TaskEvent), lost :UInt64) -> ();
+  report @0 (events :List(TaskEvent), lost :UInt64) -> ();
 }
 
 struct State {

@@ -40,7 +40,7 @@ class ListenerServer final : public wire::TaskListener::Server {
   ListenerServer(std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener, std::string who)
       : listener_(std::move(listener)), who_(std::move(who)) {}
 
-  kj::Promise<void> told(ToldContext context) override {
+  kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
     if (const auto lost = params.getLost(); lost > 0) {
       log(LogLevel::Warning, "control",

@@ -121,7 +121,7 @@ TEST_F(DeploymentTest, AClientWithTooManyCallsIsToldSo) {
 
 TEST_F(DeploymentTest, ListenersThatVanishOrThrowDisturbNobody) {
   class Thrower final : public wire::TaskListener::Server {
-    kj::Promise<void> told(ToldContext) override { KJ_FAIL_REQUIRE("I do not want to know"); }
+    kj::Promise<void> report(ReportContext) override { KJ_FAIL_REQUIRE("I do not want to know"); }
   };
   serve();
   const auto good = client();
@@ -150,10 +150,10 @@ TEST_F(DeploymentTest, ListenersThatVanishOrThrowDisturbNobody) {
 
 TEST_F(DeploymentTest, FollowersThatVanishOrThrowDisturbNoBatch) {
   class Thrower final : public wire::BatchFollower::Server {
-    kj::Promise<void> told(ToldContext) override { KJ_FAIL_REQUIRE("I do not want to know"); }
+    kj::Promise<void> report(ReportContext) override { KJ_FAIL_REQUIRE("I do not want to know"); }
   };
   class Silent final : public wire::BatchFollower::Server {
-    kj::Promise<void> told(ToldContext) override { return kj::NEVER_DONE; }
+    kj::Promise<void> report(ReportContext) override { return kj::NEVER_DONE; }
   };
   serve();
   const auto begin = [](auto make_follower) {

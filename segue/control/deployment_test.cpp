@@ -119,10 +119,10 @@ TEST_F(DeploymentTest, HowLongActionsTookTravels) {
 TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
   serve();
   const auto process = client();
-  const auto begin = [&](ReportedEnds& told) {
+  const auto begin = [&](ReportedEnds& reported) {
     process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait"),
                         action_of(ActionKind::Stop, "bad"), action_of(ActionKind::Stop, "c")},
-                       soon(), told.listener());
+                       soon(), reported.listener());
   };
   ReportedEnds one;
   ReportedEnds other;
@@ -139,16 +139,16 @@ TEST_F(DeploymentTest, WhatEndsWhileAnotherActionIsSlowIsToldEarly) {
 
 TEST_F(DeploymentTest, AServerThatGoesInTheMiddleOfABatchTellsItsEnd) {
   serve();
-  ReportedEnds told;
+  ReportedEnds reported;
   const auto process = client();
   process->begin_all({action_of(ActionKind::Stop, "a"), action_of(ActionKind::Stop, "wait")}, soon(),
-                     told.listener());
-  EXPECT_TRUE(eventually([&] { return told.count() == 1; }));
+                     reported.listener());
+  EXPECT_TRUE(eventually([&] { return reported.count() == 1; }));
   std::thread end([&] { server_.reset(); });
   deployment_.release.open();
   end.join();
-  EXPECT_TRUE(eventually([&] { return told.count() == 2; }));
-  EXPECT_TRUE(told.outcomes.at(1)) << to_string(told.outcomes.at(1).error());
+  EXPECT_TRUE(eventually([&] { return reported.count() == 2; }));
+  EXPECT_TRUE(reported.outcomes.at(1)) << to_string(reported.outcomes.at(1).error());
 }
 
 TEST_F(DeploymentTest, AServiceThatThrowsIsAnErrorOfEachAction) {
@@ -308,16 +308,16 @@ TEST_F(DeploymentTest, AListenerThatDoesNotKeepUpLosesTheOldestAndBlocksNobody) 
 TEST_F(DeploymentTest, NoEventComesAfterTheListenerIsTakenAway) {
   serve();
   const auto process = client();
-  std::atomic<bool> told{false};
-  process->set_listener([&](const host::TaskEvent&) { told = true; });
+  std::atomic<bool> reported{false};
+  process->set_listener([&](const host::TaskEvent&) { reported = true; });
   deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
-  EXPECT_TRUE(eventually([&] { return told.load(); }));
+  EXPECT_TRUE(eventually([&] { return reported.load(); }));
   process->set_listener(nullptr);
-  told = false;
+  reported = false;
   deployment_.tell({TaskId("t"), TaskState::Fatal, ""});
   ASSERT_TRUE(process->info());
   ASSERT_TRUE(process->info());
-  EXPECT_FALSE(told);
+  EXPECT_FALSE(reported);
 }
 
 TEST_F(DeploymentTest, AServerThatGoesTakesItsListenerAway) {

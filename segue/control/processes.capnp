@@ -19,7 +19,7 @@ interface Processes {
 }
 
 interface ProcessListener {
-  told @0 (events :List(ProcessInfo), lost :UInt64) -> ();
+  report @0 (events :List(ProcessInfo), lost :UInt64) -> ();
 }
 
 struct ExitReason {

@@ -28,7 +28,7 @@ class ListenerServer final : public wire::ProcessListener::Server {
   explicit ListenerServer(std::shared_ptr<detail::CallbackSlot<ProcessInfo>> listener)
       : listener_(std::move(listener)) {}
 
-  kj::Promise<void> told(ToldContext context) override {
+  kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
     if (const auto lost = params.getLost(); lost > 0) {
       log(LogLevel::Warning, "control",

@@ -105,7 +105,7 @@ class EventRecorder {
 struct Robot {
   explicit Robot(FakeWorld& fakes, DeployedOptions options = {60s, 1h})
       : world(fakes), host(own, processes, testing::connector(world), launch(), local, options) {
-    host.set_listener([this](const host::HostEvent& event) { told.add(event); });
+    host.set_listener([this](const host::HostEvent& event) { recorded.add(event); });
   }
 
   static process::Launch launch() {
@@ -139,7 +139,7 @@ struct Robot {
   }
 
   FakeWorld& world;
-  EventRecorder told;
+  EventRecorder recorded;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
   host::LocalTaskHost local{libraries, catalog, {.stand_in = true, .only_stand_ins = false, .stand_ins = {}}};
@@ -317,7 +317,7 @@ TEST_F(Move, GivenUpLeavesTheOldOneRunningAndTheNewOneToBeRemoved) {
 TEST_F(Move, TheNewOneIsNotTakenForAnOldOneThatDied) {
   prepare();
   world_.kill(world_.find("p1"));
-  EXPECT_TRUE(robot_.told.process("p1", "", true));
+  EXPECT_TRUE(robot_.recorded.process("p1", "", true));
   EXPECT_EQ(try_to(on_task(ActionKind::Stop, "b")).error().code, ErrorCode::NotFound);
   perform(on_task(ActionKind::Start, "b"));
   EXPECT_EQ(state_of(kNew), TaskState::Running);
@@ -362,9 +362,9 @@ TEST_F(Move, HandsItsStateOver) {
 
 TEST_F(Move, EventsTellWhichIncarnationTheyAreOf) {
   world_.tell(world_.find("p3"), {model::TaskId("b"), TaskState::Exception, "new"});
-  EXPECT_TRUE(robot_.told.task(kNew, TaskState::Exception));
+  EXPECT_TRUE(robot_.recorded.task(kNew, TaskState::Exception));
   world_.tell(world_.find("p1"), {model::TaskId("b"), TaskState::Exception, "old"});
-  EXPECT_TRUE(robot_.told.task("b", TaskState::Exception));
+  EXPECT_TRUE(robot_.recorded.task("b", TaskState::Exception));
 }
 
 TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
@@ -415,9 +415,9 @@ TEST(DeployedTaskHost, ReportsAProcessThatEndsByItselfAndItsTasks) {
   Robot robot(world);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   world.kill(world.find("p1"), 11);
-  EXPECT_TRUE(robot.told.process("p1", "SIGSEGV", true));
-  EXPECT_TRUE(robot.told.task("a", TaskState::Fatal));
-  EXPECT_TRUE(robot.told.task("b", TaskState::Fatal));
+  EXPECT_TRUE(robot.recorded.process("p1", "SIGSEGV", true));
+  EXPECT_TRUE(robot.recorded.task("a", TaskState::Fatal));
+  EXPECT_TRUE(robot.recorded.task("b", TaskState::Fatal));
   EXPECT_EQ(text(robot.wrong()), "");
   EXPECT_EQ(robot.host.tasks().size(), 2U);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
@@ -431,8 +431,8 @@ TEST(DeployedTaskHost, ShowsAHungProcessAsFatalAndReplacesIt) {
   const auto hung = world.find("p2");
   world.change([&] { hung->hangs = true; });
   EXPECT_EQ(text(robot.wrong()), "");
-  EXPECT_TRUE(robot.told.process("p2", "does not answer", false));
-  EXPECT_TRUE(robot.told.task("c", TaskState::Fatal));
+  EXPECT_TRUE(robot.recorded.process("p2", "does not answer", false));
+  EXPECT_TRUE(robot.recorded.task("c", TaskState::Fatal));
   const auto reports = robot.host.tasks();
   const auto c = std::find_if(reports.begin(), reports.end(),
                               [](const auto& report) { return report.id == model::TaskId("c"); });
@@ -453,8 +453,8 @@ TEST(DeployedTaskHost, TakesAProcessBackThatAnswersAgain) {
   EXPECT_EQ(text(robot.wrong()), "");
   world.change([&] { hung->hangs = false; });
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
-  EXPECT_TRUE(robot.told.process("p2", "answers again", false));
-  EXPECT_TRUE(robot.told.task("c", TaskState::Running));
+  EXPECT_TRUE(robot.recorded.process("p2", "answers again", false));
+  EXPECT_TRUE(robot.recorded.task("c", TaskState::Running));
 }
 
 TEST(DeployedTaskHost, ReplacesTheProcessOfATaskWhoseHookHangs) {
@@ -464,7 +464,7 @@ TEST(DeployedTaskHost, ReplacesTheProcessOfATaskWhoseHookHangs) {
   const auto before = world.find("p1");
   world.change([&] { before->hanging.insert(model::TaskId("a")); });
   EXPECT_EQ(text(robot.wrong()), "");
-  EXPECT_TRUE(robot.told.task("a", TaskState::Fatal));
+  EXPECT_TRUE(robot.recorded.task("a", TaskState::Fatal));
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_NE(world.find("p1"), before);
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());
@@ -485,7 +485,7 @@ TEST(DeployedTaskHost, DoesNotWaitForAProcessBeyondItsPatience) {
   ASSERT_EQ(seen.deployments.size(), 1U);
   EXPECT_EQ(seen.deployments[0].deployer, "unknown");
   released.set_value();
-  EXPECT_TRUE(robot.told.process("p1", "answers again", false));
+  EXPECT_TRUE(robot.recorded.process("p1", "answers again", false));
   EXPECT_EQ(robot.host.observe().deployments.at(0).deployer, "segue");
 }
 
@@ -513,7 +513,7 @@ TEST(DeployedTaskHost, PassesOnEventsOfTasks) {
   Robot robot(world);
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   world.tell(world.find("p2"), {model::TaskId("c"), TaskState::Exception, "out of scans"});
-  EXPECT_TRUE(robot.told.task("c", TaskState::Exception));
+  EXPECT_TRUE(robot.recorded.task("c", TaskState::Exception));
 }
 
 TEST(DeployedTaskHost, AdoptsWhatRuns) {
@@ -530,7 +530,7 @@ TEST(DeployedTaskHost, AdoptsWhatRuns) {
   });
   const auto p1 = world.find("p1");
   Robot robot(world);
-  EXPECT_TRUE(robot.told.process("p1", "taken over", false));
+  EXPECT_TRUE(robot.recorded.process("p1", "taken over", false));
   EXPECT_EQ(text(robot.wrong()), "");
   EXPECT_EQ(world.orphaned_endpoints(), 0U) << "endpoints with the dead runtime are forgotten";
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
@@ -553,7 +553,7 @@ TEST(DeployedTaskHost, ReportsProcessesOfAnotherVersionAndTakesTheirNames) {
   FakeWorld world;
   world.change([other = world.add_running("p1")] { other->other_version = true; });
   Robot robot(world);
-  EXPECT_TRUE(robot.told.process("p1", "version 0.0.9", false));
+  EXPECT_TRUE(robot.recorded.process("p1", "version 0.0.9", false));
   EXPECT_TRUE(robot.host.observe().deployments.empty());
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne))) << text(robot.wrong());

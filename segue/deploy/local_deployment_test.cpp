@@ -198,22 +198,22 @@ TEST_F(LocalDeploymentTest, tells_what_has_ended_while_another_hook_is_at_work) 
                apply(task_of("b", "any::Thing"), "p")});
   std::mutex mutex;
   std::condition_variable changed;
-  std::set<std::size_t> told;
+  std::set<std::size_t> reported;
   const std::vector actions{on_task(ActionKind::Configure, "s"), on_task(ActionKind::Configure, "a"),
                             on_task(ActionKind::Start, "b")};
   deployment_.begin_all(actions, soon(), [&](const std::vector<host::Completed>& ended) {
     const std::lock_guard lock(mutex);
     for (const auto& one : ended) {
       EXPECT_EQ(one.outcome.has_value(), one.index != 2) << "b was not configured";
-      told.insert(one.index);
+      reported.insert(one.index);
     }
     changed.notify_all();
   });
   std::unique_lock lock(mutex);
-  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return told.size() == 2; }));
-  EXPECT_FALSE(told.contains(0));
+  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return reported.size() == 2; }));
+  EXPECT_FALSE(reported.contains(0));
   hooks::release("s");
-  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return told.size() == 3; }));
+  ASSERT_TRUE(changed.wait_until(lock, soon(), [&] { return reported.size() == 3; }));
 }
 
 TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
@@ -232,17 +232,17 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
 
 TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
   std::mutex mutex;
-  std::condition_variable told;
+  std::condition_variable reported;
   std::vector<host::TaskEvent> events;
   deployment_.set_listener([&](const host::TaskEvent& event) {
     const std::lock_guard lock(mutex);
     events.push_back(event);
-    told.notify_all();
+    reported.notify_all();
   });
   const type::Value behaviour = type::Value::map({{"fail", "update"}, {"rate", 1000}});
   bring_to_running(task_of("a", "any::Thing", type::Value::map({{"stand_in", behaviour}})));
   std::unique_lock lock(mutex);
-  ASSERT_TRUE(told.wait_for(lock, std::chrono::seconds(60), [&] { return !events.empty(); }));
+  ASSERT_TRUE(reported.wait_for(lock, std::chrono::seconds(60), [&] { return !events.empty(); }));
   EXPECT_EQ(events.front().task, model::TaskId("a"));
   lock.unlock();
   deployment_.set_listener({});

@@ -75,12 +75,12 @@ class Reader {
   }
 
   StateIndex read_state(State state, StateIndex parent, const Value& value) {
-    Fields fields(value, parent == kNoState ? "library " + quote(state.id.str()) : told(state), source_);
+    Fields fields(value, parent == kNoState ? "library " + quote(state.id.str()) : described(state), source_);
     const StateIndex index = read_state(std::move(state), parent, value, fields);
     return index;
   }
 
-  static std::string told(const State& state) { return "state " + quote(state.id.str()); }
+  static std::string described(const State& state) { return "state " + quote(state.id.str()); }
 
   /// Reads the fields of a state. Fields of the mission itself must have been read before.
   StateIndex read_state(State state, StateIndex parent, const Value& value, Fields& fields) {

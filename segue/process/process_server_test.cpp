@@ -284,10 +284,10 @@ TEST_F(ProcessServerTest, ofAnAdoptedProcessTheReasonIsNotKnown) {
   processes->set_listener([&](const ProcessInfo& each) { heard.hear(each); });
   ASSERT_TRUE(eventually([&] { return processes->processes("rover").value().size() == 1; }));
   ::kill(pid, SIGKILL);
-  const auto told = heard.end_of("drivers");
-  ASSERT_TRUE(told.has_value());
-  EXPECT_FALSE(told->exit.value().known);
-  EXPECT_FALSE(told->exit.value().requested);
+  const auto ending = heard.end_of("drivers");
+  ASSERT_TRUE(ending.has_value());
+  EXPECT_FALSE(ending->exit.value().known);
+  EXPECT_FALSE(ending->exit.value().requested);
   EXPECT_FALSE(files().contains("drivers.sock"));
 }
 

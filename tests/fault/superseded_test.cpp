@@ -12,7 +12,7 @@ using runtime::Outcome;
 
 class Superseded : public DeployedRobotTest {
  protected:
-  static std::string told(const runtime::SwitchResult& result) {
+  static std::string described(const runtime::SwitchResult& result) {
     return std::string(to_string(result.outcome)) +
            (result.error ? ": " + to_string(*result.error) : std::string());
   }
@@ -43,7 +43,7 @@ TEST_F(Superseded, requests_never_block_a_controller) {
     auto first = runtime().request(l_);
     std::this_thread::sleep_for(std::chrono::milliseconds(3 * round));
     const auto second = runtime().switch_to(l_);
-    ASSERT_EQ(second.outcome, Outcome::Done) << told(second);
+    ASSERT_EQ(second.outcome, Outcome::Done) << described(second);
     const Outcome outcome = first.get().outcome;
     EXPECT_TRUE(outcome == Outcome::Superseded || outcome == Outcome::Done);
     EXPECT_TRUE(equivalent(host().observe(), l_))

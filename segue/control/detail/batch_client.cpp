@@ -63,7 +63,7 @@ class FollowerServer final : public wire::BatchFollower::Server {
  public:
   explicit FollowerServer(std::shared_ptr<Open> open) : open_(std::move(open)) {}
 
-  kj::Promise<void> told(ToldContext context) override {
+  kj::Promise<void> report(ReportContext context) override {
     const auto params = context.getParams();
     if (const auto batch = open_->find(params.getTicket())) {
       std::vector<host::Completed> ended;

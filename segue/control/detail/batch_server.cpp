@@ -53,7 +53,7 @@ class Batch final : private kj::TaskSet::ErrorHandler {
     KJ_IF_MAYBE (follower, *follower_) {
       if (busy_ || unreported_.empty()) return;
       busy_ = true;
-      auto request = follower->toldRequest();
+      auto request = follower->reportRequest();
       request.setTicket(ticket_);
       auto list = request.initEnded(count_of(unreported_));
       for (unsigned i = 0; i < list.size(); ++i) {

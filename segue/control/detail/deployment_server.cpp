@@ -254,7 +254,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     }
     auto send = [listener = context.getParams().getListener()](const std::vector<host::TaskEvent>& events,
                                                                std::uint64_t lost) mutable {
-      auto request = listener.toldRequest();
+      auto request = listener.reportRequest();
       request.setLost(lost);
       encode_list(events, request.initEvents(count_of(events)),
                   [](const host::TaskEvent& event, auto builder) { encode(event, builder); });

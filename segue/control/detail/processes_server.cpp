@@ -67,7 +67,7 @@ class ProcessesServer final : public wire::Processes::Server {
     }
     auto send = [listener = context.getParams().getListener()](const std::vector<ProcessInfo>& events,
                                                                std::uint64_t lost) mutable {
-      auto request = listener.toldRequest();
+      auto request = listener.reportRequest();
       request.setLost(lost);
       encode_processes(events, request.initEvents(count_of(events)));
       return request.send().ignoreResult();
