@@ -36,8 +36,8 @@ using Served = std::variant<RobotService*, deploy::DeploymentService*, process::
 /// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
 /// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the
 /// limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB) is refused with
-/// ResourceExhausted. Events of the service are reported to the clients that listen; one that does not keep up
-/// loses the oldest and learns how many.
+/// ResourceExhausted. Events of the service are reported to the clients that listen; one that does not keep
+/// up loses the oldest and learns how many.
 class Server {
  public:
   /// AlreadyExists where a living server holds the socket; a stale one is replaced.
