@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <sstream>
 
 #include "connection.hpp"
 #include "task_table.hpp"
@@ -60,6 +61,12 @@ int show_status(control::RobotService& robot, const Context& context) {
   for (const Value& difference : list_at(*status, "differences")) {
     if (difference.is_string())
       print(coloured(Colour::Yellow, "drift: ") + printable(difference.as_string()) + '\n');
+  }
+  for (const Value& process : list_at(*status, "ended")) {
+    print(coloured(Colour::Red, "ended: ") + "process " + text_at(process, "process") + ' ');
+    std::istringstream lines(text_at(process, "message"));
+    for (std::string line; std::getline(lines, line);)
+      print(printable(line) + '\n');
   }
   for (const Value& fault : list_at(*status, "unresolved")) {
     if (fault.is_string()) print(coloured(Colour::Red, "unresolved: ") + printable(fault.as_string()) + '\n');

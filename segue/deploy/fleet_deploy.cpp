@@ -3,8 +3,6 @@
 #include <segue/deploy/fleet.hpp>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 namespace segue::deploy::detail {
 
@@ -17,45 +15,12 @@ constexpr Duration kDisorderly = std::chrono::milliseconds(300);
 constexpr Duration kFirstTry = std::chrono::milliseconds(200);
 constexpr Duration kLongestTry = std::chrono::seconds(2);
 constexpr Duration kBetweenTries = std::chrono::milliseconds(20);
-constexpr std::streamoff kTailBytes = 4096;
-constexpr std::size_t kTailLines = 8;
 
 /// Three quarters of the time that is left until `deadline`, but at most `longest`: the rest is for later
 /// steps.
 TimePoint part_until(TimePoint deadline, Duration longest) {
   const TimePoint begin = monotonic_now();
   return begin + std::min(longest, (deadline - begin) * 3 / 4);
-}
-
-std::string tail(const std::filesystem::path& log) {
-  std::ifstream file(log, std::ios::binary | std::ios::ate);
-  if (!file) {
-    return {};
-  }
-  const std::streamoff size = file.tellg();
-  file.seekg(std::max<std::streamoff>(0, size - kTailBytes));
-  std::deque<std::string> lines;
-  for (std::string line; std::getline(file, line);) {
-    lines.push_back(line);
-    if (lines.size() > kTailLines) {
-      lines.pop_front();
-    }
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    text += "\n  " + line;
-  }
-  return text;
-}
-
-/// The last lines of its log and where to find the others, for an error message.
-std::string log_text(const process::ProcessInfo& process) {
-  if (process.log.empty()) {
-    return {};
-  }
-  const std::string text = tail(process.log);
-  return text.empty() ? "; its log " + process.log.string() + " is empty"
-                      : "; its log " + process.log.string() + " ends with:" + text;
 }
 
 Error ended_while_starting(const ProcessRecord& record, const process::ProcessInfo& process) {

@@ -168,7 +168,8 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
     return;
   }
   const std::string what = to_string(reason);
-  events_.post(host::ProcessEvent{record->key(), with_tasks(what, *tasks), true});
+  events_.post(
+      host::ProcessEvent{record->key(), with_tasks(what, *tasks) + log_text(record->process()), true});
   for (const auto& task : *tasks) {
     report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }

@@ -2,9 +2,11 @@
 #include <segue/deploy/process_record.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/process/process_log.hpp>
 
 #include <algorithm>
 #include <iterator>
+#include <sstream>
 #include <utility>
 
 namespace segue::deploy::detail {
@@ -22,6 +24,29 @@ std::vector<model::TaskId> without(const std::vector<model::TaskId>& all,
 }
 
 }  // namespace
+
+namespace {
+
+constexpr std::size_t kTailBytes = 4096;
+constexpr std::size_t kTailLines = 8;
+
+}  // namespace
+
+std::string log_text(const process::ProcessInfo& process) {
+  if (process.log.empty()) {
+    return {};
+  }
+  const auto text = process::log_tail(process.log, kTailLines, kTailBytes);
+  if (!text || text->empty()) {
+    return "; its log " + process.log.string() + " is empty";
+  }
+  std::istringstream lines(*text);
+  std::string message = "; its log " + process.log.string() + " ends with:";
+  for (std::string line; std::getline(lines, line);) {
+    message += "\n  " + line;
+  }
+  return message;
+}
 
 ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo process)
     : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}

@@ -12,10 +12,15 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace segue::deploy::detail {
+
+/// The last lines of the process's log and where to find the others, for messages: "; its log FILE ends
+/// with: ...". Reads a file.
+std::string log_text(const process::ProcessInfo& process);
 
 /// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/link/local.hpp>
 #include <segue/link/sample_queue.hpp>
+#include <segue/link/word_ring.hpp>
 #include <segue/task/channel.hpp>
 #include <segue/type/type.hpp>
 
@@ -153,6 +154,11 @@ Result<void> check_types(const OutputPortBase& from, const InputPortBase& to) {
 Result<void> check_policy(const Policy& policy) {
   if (policy.size == 0) {
     return fail(ErrorCode::InvalidArgument, "a connection needs room for at least one sample, not 0");
+  }
+  if (policy.size > WordRing::kLargest) {
+    return fail(ErrorCode::InvalidArgument, "a connection holds at most " +
+                                                std::to_string(WordRing::kLargest) + " samples, not " +
+                                                std::to_string(policy.size));
   }
   if (policy.kind == BufferKind::Data && policy.size != 1) {
     return fail(ErrorCode::InvalidArgument, "policy data holds one sample, not " +

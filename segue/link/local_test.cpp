@@ -281,6 +281,11 @@ TEST_F(Local, PoliciesThatMakeNoSenseAreRefused) {
   OutputPort<int> out(writer, "out");
   InputPort<int> in(reader, "in");
   EXPECT_EQ(connect(out, in, buffer(0)).error().code, ErrorCode::InvalidArgument);
+  for (const BufferKind kind : {BufferKind::Buffer, BufferKind::CircularBuffer}) {
+    EXPECT_TRUE(check_policy({.kind = kind, .size = 1'000'000}));
+    EXPECT_EQ(connect(out, in, {.kind = kind, .size = 1'000'001}).error().code, ErrorCode::InvalidArgument)
+        << "a reader would not notice that it was overtaken";
+  }
   EXPECT_EQ(connect(out, in, {.kind = BufferKind::Data, .size = 2}).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(connect(out, in, {.kind = BufferKind::Buffer, .size = 2, .init = true}).error().code,
             ErrorCode::InvalidArgument);

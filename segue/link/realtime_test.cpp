@@ -66,17 +66,20 @@ using task::PropertyOptions;
 using task::ReadStatus;
 using task::Task;
 
-constexpr int kUpdates = 300;
+constexpr int kUpdates = 240;
+constexpr int kWarmUp = 60;
 using Scan = std::vector<double>;
 
 TimePoint soon() {
   return RealClock::instance().now() + 120s;
 }
 
-/// The whole thread is trapped from its first update to its last: component, ports and executor.
+/// The whole thread is trapped for kUpdates updates: component, ports and executor. Before, it holds `hold`
+/// samples at a time, so that every slot that a sample can arrive in has been filled once.
 class Trapped : public Component {
  public:
   explicit Trapped(std::latch& done) : done_(done) { declare_states({"EVEN", "ODD"}, {"BAD"}); }
+  std::size_t hold = 0;
   InputPort<Scan> in{*this, "in"};
   OutputPort<Scan> out{*this, "out"};
   InputPort<double> number_in{*this, "number_in"};
@@ -91,10 +94,10 @@ class Trapped : public Component {
     return {};
   }
   void on_update() override {
-    if (count_ == 60) trapped = true;  // every slot has been filled once by then
+    if (!warm_) warm_up();
     if (misbehave) spare_ = std::make_unique<int>(count_);
     work();
-    if (++count_ == kUpdates) {
+    if (++count_ == kUpdates && warm_) {
       trapped = false;
       done_.count_down();
     }
@@ -102,6 +105,15 @@ class Trapped : public Component {
   void on_error() override { recovered(); }
 
  private:
+  void warm_up() {
+    if (held_.size() < hold) {
+      if (auto sample = in.take()) held_.push_back(std::move(sample));
+    } else if (count_ >= kWarmUp) {
+      held_.clear();
+      count_ = 0;
+      trapped = warm_ = true;
+    }
+  }
   void work() {
     while (in.read(copy_) == ReadStatus::NewData) {
     }
@@ -124,6 +136,8 @@ class Trapped : public Component {
   std::latch& done_;
   Scan copy_;
   std::unique_ptr<int> spare_;
+  std::vector<task::Sample<Scan>> held_;
+  bool warm_ = false;
   int count_ = 0;
 };
 
@@ -218,6 +232,8 @@ void run_between_memories(const Policy& policy) {
   std::latch done(2);
   Made writer = make("writer", {.trigger = Trigger::Periodic, .period = 200us}, done);
   Made reader = make("reader", {}, done);
+  // One slot less than the reader's endpoint has.
+  writer.component->hold = reader.component->hold = policy.size + 2;
   const auto connect_shared = [&](SharedMemory& from, task::OutputPortBase& out, SharedMemory& to,
                                   task::InputPortBase& in) {
     auto endpoint = open_input(to, describe_output(from, out), in, policy);

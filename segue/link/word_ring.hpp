@@ -24,6 +24,9 @@ class WordRing {
  public:
   using Word = std::uint64_t;  ///< 0: empty
   static constexpr unsigned kTokenBits = 42;
+  /// The longest queue, in tokens. Well below the number of different positions in a word, or a reader would
+  /// not notice that it was overtaken.
+  static constexpr std::size_t kLargest = 1'000'000;
   enum class Push { Taken, Replaced, Refused };
 
   /// `words`: places() of them; `head`: the number of tokens ever pushed. All must be 0 at first.
@@ -56,6 +59,7 @@ class WordRing {
  private:
   static constexpr unsigned kPositionBits = 64 - kTokenBits;
   static constexpr Word kPositionMask = (Word{1} << kPositionBits) - 1;
+  static_assert(2 * kLargest < kPositionMask);
   static Word pack(std::uint64_t token, std::uint64_t position) noexcept {
     return token << kPositionBits | (position & kPositionMask);
   }

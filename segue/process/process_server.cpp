@@ -5,6 +5,7 @@
 #include <segue/base/text.hpp>
 #include <segue/process/os_process.hpp>
 #include <segue/process/process_cgroup.hpp>
+#include <segue/process/process_log.hpp>
 #include <segue/process/process_server.hpp>
 #include <segue/process/process_server_implementation.hpp>
 #include <segue/process/spawn.hpp>
@@ -223,6 +224,16 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
   return started;
 }
 
+/// So that the log of a process that crashed says so. On a full disk the line is missing.
+void note_in_log(const ProcessInfo& ended) {
+  const auto log_file = ended.log.empty() ? Result<Descriptor>(Descriptor()) : open_log(ended.log);
+  if (!log_file || !log_file->valid()) return;
+  const std::string line = "segue: the process (pid " + std::to_string(ended.pid) + ") " +
+                           to_string(ended.exit.value_or(ExitReason{})) + '\n';
+  const ssize_t written = ::write(log_file->get(), line.data(), line.size());
+  static_cast<void>(written);
+}
+
 /// The process group is killed before its leader is reaped: until then the pid cannot belong to another
 /// process.
 void ProcessServer::Implementation::finish(std::uint64_t id) {
@@ -240,6 +251,7 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
     entry->info.exit = reason;
     detail::remove_cgroup(entry->cgroup);
     detail::remove_if_stale(entry->info.socket);
+    if (!reason.requested) note_in_log(entry->info);
     ended = entry->info;
     table.remove(*entry);
     changed.notify_all();

@@ -208,6 +208,11 @@ Value status_of(Runtime& runtime) {
         list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},
        {"differences",
         list_of(runtime.observed_differences(), [](const std::string& text) { return Value(text); })},
+       {"ended",
+        list_of(runtime.ended_processes(),
+                [](const auto& entry) {
+                  return Value::map({{"process", to_string(entry.first)}, {"message", entry.second}});
+                })},
        {"unresolved", list_of(runtime.unresolved(), [](const std::string& text) { return Value(text); })}});
 }
 

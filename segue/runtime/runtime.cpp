@@ -119,6 +119,11 @@ std::vector<Readiness> Runtime::readiness() const {
   return implementation_->readiness;
 }
 
+std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->ended;
+}
+
 std::vector<std::string> Runtime::unresolved() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->unresolved;

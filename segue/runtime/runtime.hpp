@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -164,6 +165,9 @@ class Runtime {
   /// transition. Blocks while the host takes a snapshot.
   [[nodiscard]] std::vector<std::string> observed_differences() const;
 
+  /// Processes of the running controller that have ended and are still missing: why, and the last lines of
+  /// their logs.
+  [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
   /// Faults and leftovers that lasted longer than the policies permit attempts, as sentences. From the last
   /// supervision.
   [[nodiscard]] std::vector<std::string> unresolved() const;

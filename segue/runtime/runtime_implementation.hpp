@@ -86,6 +86,8 @@ struct Runtime::Implementation {
   /// Both return what could not be resolved in as many attempts as the policy permits, as sentences.
   std::vector<std::string> handle_faults(const detail::Observation& seen);
   std::vector<std::string> collect_leftovers(const detail::Observation& seen);
+  /// Forgets processes that ended if they are there again, or are no longer wanted.
+  void forget_ended(const model::Network& observed);
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
   void look_ahead();
@@ -106,7 +108,7 @@ struct Runtime::Implementation {
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};
 
-  /// Protects the members from here to `unresolved`. Never held while the host is called, since the host
+  /// Protects the members from here to `ended`. Never held while the host is called, since the host
   /// may call on_event(), which takes it. The belief and the log have locks of their own.
   mutable std::mutex mutex;
   std::condition_variable wake;
@@ -125,6 +127,7 @@ struct Runtime::Implementation {
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
   std::vector<std::string> unresolved;
+  std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
 
   // Used by the worker thread only.
   detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};

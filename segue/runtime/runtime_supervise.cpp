@@ -109,6 +109,7 @@ void Runtime::Implementation::supervise() {
     return;
   }
   note_differences(seen.network);
+  forget_ended(seen.network);
   auto left = handle_faults(seen);
   auto leftovers = collect_leftovers(seen);
   left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
@@ -122,6 +123,18 @@ void Runtime::Implementation::supervise() {
   if (due) {
     look_ahead();
   }
+}
+
+void Runtime::Implementation::forget_ended(const model::Network& observed) {
+  std::set<model::DeploymentKey> missing;
+  for (const auto& deployment : belief.held().desired().deployments) {
+    missing.insert(deployment.key());
+  }
+  for (const auto& deployment : observed.deployments) {
+    missing.erase(deployment.key());
+  }
+  const std::lock_guard lock(mutex);
+  std::erase_if(ended, [&](const auto& entry) { return !missing.contains(entry.first); });
 }
 
 std::vector<std::string> Runtime::Implementation::handle_faults(const Observation& seen) {

@@ -460,6 +460,32 @@ TEST_F(RuntimeTest, events_are_numbered_without_gaps) {
   EXPECT_EQ(runtime_.events(events.back().number - 1).size(), 1U);
 }
 
+TEST(RuntimeEnd, a_preparation_that_waits_is_answered) {
+  std::future<std::vector<Readiness>> prepared;
+  std::promise<void> entered;
+  std::promise<void> go;
+  std::thread release;
+  {
+    testing::StandInRobot robot;
+    std::atomic<bool> first_action{true};
+    robot.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
+      if (first_action.exchange(false)) {
+        entered.set_value();
+        gate.wait();
+      }
+      return {};
+    });
+    const auto running = robot.runtime.request(network_of(kFirst));
+    entered.get_future().wait();
+    prepared = robot.runtime.prepare({model::NetworkName("second")});
+    release = std::thread([&] { go.set_value(); });
+  }
+  release.join();
+  const auto answer = prepared.get();
+  ASSERT_EQ(answer.size(), 1U);
+  EXPECT_FALSE(answer.front().ready);
+}
+
 TEST(RuntimeEnd, requests_that_wait_are_answered) {
   std::future<SwitchResult> running;
   std::future<SwitchResult> waiting;

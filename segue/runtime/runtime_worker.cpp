@@ -55,6 +55,13 @@ Runtime::Implementation::~Implementation() {
     answer(*left, std::move(result));
   }
   worker.join();
+  if (prepare_waiting) {
+    std::vector<Readiness> none;
+    for (const auto& wanted : requests_to_prepare) {
+      none.push_back({wanted, false, 0, 0, "the runtime ended"});
+    }
+    prepare_waiting->set_value(std::move(none));
+  }
 }
 
 void Runtime::Implementation::work() {
@@ -256,6 +263,10 @@ void Runtime::Implementation::wake_worker() {
 }
 
 void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
+  if (event.gone) {
+    const std::lock_guard lock(mutex);
+    ended.insert_or_assign(event.process, event.message);
+  }
   wake_worker();
   log.add(EventKind::Process, to_string(event.process), event.message);
 }
