@@ -23,6 +23,15 @@ TimePoint part_until(TimePoint deadline, Duration longest) {
   return begin + std::min(longest, (deadline - begin) * 3 / 4);
 }
 
+/// The last lines of its log and where to find the others, for an error message.
+std::string log_text(const process::ProcessInfo& process) {
+  if (process.log.empty()) {
+    return {};
+  }
+  const std::string lines = last_log_lines(process);
+  return "; its log " + process.log.string() + (lines.empty() ? " is empty" : " ends with:" + lines);
+}
+
 Error ended_while_starting(const ProcessRecord& record, const process::ProcessInfo& process) {
   const std::string reason = process.exit ? to_string(*process.exit) : "ended";
   return fail(ErrorCode::Unavailable,

@@ -168,8 +168,9 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
     return;
   }
   const std::string what = to_string(reason);
-  events_.post(
-      host::ProcessEvent{record->key(), with_tasks(what, *tasks) + log_text(record->process()), true});
+  const std::string last_lines = last_log_lines(record->process());
+  const std::string output = last_lines.empty() ? "" : "; its log ends with:" + last_lines;
+  events_.post(host::ProcessEvent{record->key(), with_tasks(what, *tasks) + output, true});
   for (const auto& task : *tasks) {
     report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }

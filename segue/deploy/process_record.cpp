@@ -32,20 +32,14 @@ constexpr std::size_t kTailLines = 8;
 
 }  // namespace
 
-std::string log_text(const process::ProcessInfo& process) {
-  if (process.log.empty()) {
-    return {};
-  }
+std::string last_log_lines(const process::ProcessInfo& process) {
   const auto text = process::log_tail(process.log, kTailLines, kTailBytes);
-  if (!text || text->empty()) {
-    return "; its log " + process.log.string() + " is empty";
-  }
-  std::istringstream lines(*text);
-  std::string message = "; its log " + process.log.string() + " ends with:";
+  std::istringstream lines(text.value_or(std::string()));
+  std::string indented;
   for (std::string line; std::getline(lines, line);) {
-    message += "\n  " + line;
+    indented += "\n  " + line;
   }
-  return message;
+  return indented;
 }
 
 ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo process)

@@ -18,9 +18,9 @@
 
 namespace segue::deploy::detail {
 
-/// The last lines of the process's log and where to find the others, for messages: "; its log FILE ends
-/// with: ...". Reads a file.
-std::string log_text(const process::ProcessInfo& process);
+/// The last lines of the process's log, each on an indented line of its own; empty where there are none.
+/// Reads a file.
+std::string last_log_lines(const process::ProcessInfo& process);
 
 /// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
