@@ -286,12 +286,11 @@ TEST_F(ActionPoolTest, a_batch_that_a_report_begins_follows_on_the_same_thread) 
 }
 
 TEST_F(ActionPoolTest, a_batch_that_follows_does_not_wait_for_a_report_that_blocks) {
-  Reports next;
   pool_.begin(stops({"a"}), soon(), [&](const std::vector<Completed>&) {
-    pool_.begin(stops({"b"}), soon(), next.listener());
-    EXPECT_TRUE(next.wait_for(1)) << "another thread has taken it";
+    pool_.begin(stops({"b"}), soon(), reported_.listener());
+    EXPECT_TRUE(reported_.wait_for(1)) << "another thread has taken it";
   });
-  EXPECT_TRUE(next.wait_for(1));
+  EXPECT_TRUE(reported_.wait_for(1));
 }
 
 TEST_F(ActionPoolTest, threads_of_overdue_actions_are_replaced) {
