@@ -52,8 +52,8 @@ Result<std::optional<solve::Estimate>> estimate_of(const DiffOptions& options, c
 void show_transition(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
                      const DiffOptions& options, const Context& context) {
   const auto durations = expected ? expected->typical : std::vector<Duration>();
-  if (options.dot) return print(draw::to_dot(transition, durations));
-  if (options.svg) return print(draw::to_svg(transition, durations));
+  if (options.dot) return print_content(draw::to_dot(transition, durations));
+  if (options.svg) return print_content(draw::to_svg(transition, durations));
   if (!context.json()) return print(describe(transition) + (expected ? describe(*expected, transition) : ""));
   type::Value value = model::to_value(transition);
   if (expected) value.as_map().set("estimate_s", to_value(*expected));

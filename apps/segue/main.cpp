@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
@@ -62,7 +63,7 @@ int usage_error(const Verb& app, const segue::Error& error, const std::vector<st
   std::string message = explain_word(verb, words);
   if (message.empty()) message = error.message;
   const std::string name = verb.full_name();
-  std::cerr << name << ": " << message << "\n`" << name << " --help` shows its usage.\n";
+  std::cerr << name << ": " << segue::printable(message) << "\n`" << name << " --help` shows its usage.\n";
   return segue::cli::kUsage;
 }
 
@@ -90,7 +91,7 @@ int main(int count, char** arguments) {
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {
-    std::cerr << "segue: error: " << exception.what() << " (this is a defect of segue)\n";
+    std::cerr << "segue: error: " << segue::printable(exception.what()) << " (this is a defect of segue)\n";
     return segue::cli::kFailed;
   }
 }

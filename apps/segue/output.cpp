@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 
@@ -44,7 +45,42 @@ std::string_view code_of(Colour colour) {
 }
 
 std::string painted(Colour colour, std::string_view text) {
-  return fmt::format("\x1b[{}m{}\x1b[0m", code_of(colour), text);
+  return fmt::format("\x1b[{}m{}\x1b[0m", code_of(colour), printable(text));
+}
+
+/// The length of the sequence of our own at the beginning of the text; 0 where there is none.
+std::size_t own_sequence(std::string_view text) {
+  static constexpr std::array<std::string_view, 8> kOwn = {"\x1b[0m",  "\x1b[1m",  "\x1b[2m",  "\x1b[31m",
+                                                           "\x1b[32m", "\x1b[33m", "\x1b[34m", kClearScreen};
+  for (const std::string_view own : kOwn) {
+    if (text.starts_with(own)) return own.size();
+  }
+  return 0;
+}
+
+/// printable(), but for sequences of our own, which are only written to terminals.
+std::string safe(std::string_view text, bool to_terminal) {
+  if (!to_terminal) return printable(text);
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t own = own_sequence(text);
+    result += text.substr(0, own);
+    text.remove_prefix(own);
+    // At least one byte, which is no sequence of our own.
+    const auto end = std::min(text.size(), text.find('\x1b', own == 0 ? 1 : 0));
+    result += printable(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return result;
+}
+
+void put(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+void end_line() {
+  std::fputc('\n', stdout);
+  std::fflush(stdout);
 }
 
 /// For standard error.
@@ -110,7 +146,7 @@ std::string headline(const Error& error) {
   if (!error.subject.empty() && error.message.find(error.subject) == std::string::npos) {
     text += error.subject + ": ";
   }
-  return printable(text + error.message);
+  return text + error.message;
 }
 
 }  // namespace
@@ -127,29 +163,27 @@ std::string coloured(Colour colour, std::string_view text) {
   return output_is_terminal() && wants_colour() ? painted(colour, text) : std::string(text);
 }
 
-std::string printable(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool control = (byte < 0x20 && c != '\n' && c != '\t') || byte == 0x7F;
-    result += control ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
-  }
-  return result;
-}
-
 void print(std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  put(safe(text, output_is_terminal()));
 }
 
 void print_line(std::string_view text) {
   print(text);
-  std::fputc('\n', stdout);
+  end_line();
+}
+
+void print_error_line(std::string_view text) {
   std::fflush(stdout);
+  fmt::print(stderr, "{}\n", safe(text, errors_are_terminal()));
+}
+
+void print_content(std::string_view text) {
+  output_is_terminal() ? print(text) : put(text);
 }
 
 int write_or_print(const Context& context, const std::string& file, std::string_view text) {
   if (file.empty()) {
-    print(text);
+    print_content(text);
     return kDone;
   }
   const auto written = write_file(file, text);
@@ -157,11 +191,13 @@ int write_or_print(const Context& context, const std::string& file, std::string_
 }
 
 void print_json(const Value& value) {
-  print_line(type::to_json(value));
+  put(type::to_json(value));
+  end_line();
 }
 
 void print_json_line(const Value& value) {
-  print_line(type::to_json(value, -1));
+  put(type::to_json(value, -1));
+  end_line();
 }
 
 std::string readable(const Value& value) {
@@ -179,26 +215,23 @@ std::string one_line(const Value& value) {
 
 void print_error(const Context& context, const Error& error) {
   if (context.json()) print_json(Value::map({{"error", error_value(error)}}));
-  std::fflush(stdout);
-  fmt::print(stderr, "{} {}\n", label(Colour::Red, "segue: error:"), headline(error));
-  for (const Error* cause = error.cause.get(); cause != nullptr; cause = cause->cause.get()) {
-    fmt::print(stderr, "  because: {}\n", headline(*cause));
-  }
+  print_error_line(label(Colour::Red, "segue: error:") + ' ' + printable(headline(error)));
+  for (const Error* cause = error.cause.get(); cause != nullptr; cause = cause->cause.get())
+    print_error_line("  because: " + printable(headline(*cause)));
 }
 
 void print_note(std::string_view text) {
-  std::fflush(stdout);
-  fmt::print(stderr, "{} {}\n", label(Colour::Blue, "segue: note:"), printable(text));
+  print_error_line(label(Colour::Blue, "segue: note:") + ' ' + printable(text));
 }
 
 void print_diagnostics(const Diagnostics& diagnostics) {
-  std::fflush(stdout);
   for (const Diagnostic& item : diagnostics.items()) {
     const bool is_error = item.severity == Severity::Error;
     const std::string where = item.where.known() ? to_string(item.where) + ": " : std::string();
-    fmt::print(stderr, "{}{} {} [{}]\n", where,
-               label(is_error ? Colour::Red : Colour::Yellow, is_error ? "error:" : "warning:"),
-               printable(item.message), item.code);
+    print_error_line(
+        fmt::format("{}{} {} [{}]", printable(where),
+                    label(is_error ? Colour::Red : Colour::Yellow, is_error ? "error:" : "warning:"),
+                    printable(item.message), item.code));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/printable.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
@@ -20,14 +21,18 @@ enum class Colour { Red, Green, Yellow, Blue, Bold, Dim };
 /// `text` in that colour if standard output is a terminal and NO_COLOR is not set, else as it is.
 std::string coloured(Colour colour, std::string_view text);
 bool output_is_terminal();
+/// Begins a new page of the terminal.
+inline constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
 bool errors_are_terminal();
 
-/// Untrusted text with its control characters escaped, safe for a terminal.
-std::string printable(std::string_view text);
-
-void print(std::string_view text);       ///< as it is
+/// Control characters are escaped as by printable(), but for what coloured() and kClearScreen wrote.
+void print(std::string_view text);
 void print_line(std::string_view text);  ///< with a line end, flushed
-/// To the file, or to standard output if `file` is empty. Returns the exit status.
+/// To standard error, with control characters escaped; and a line end.
+void print_error_line(std::string_view text);
+/// A file's content: unchanged into a pipe or a file, as print() to a terminal.
+void print_content(std::string_view text);
+/// To the file, or to standard output by print_content() if `file` is empty. Returns the exit status.
 int write_or_print(const Context& context, const std::string& file, std::string_view text);
 void print_json(const type::Value& value);
 /// One value a line, flushed: for streams.

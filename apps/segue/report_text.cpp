@@ -75,13 +75,14 @@ std::string actions_text(const Value& result) {
 
 void print_reasons(const Value& result) {
   for (const Value& item : list_at(result, "diagnostics")) {
-    fmt::print(stderr, "{}:{}:{}: {}: {}\n", text_at(item, "file"), number_at(item, "line"),
-               number_at(item, "column"), text_at(item, "severity"), text_at(item, "message"));
+    print_error_line(fmt::format("{}:{}:{}: {}: {}", text_at(item, "file"), number_at(item, "line"),
+                                 number_at(item, "column"), text_at(item, "severity"),
+                                 text_at(item, "message")));
   }
   const std::string error = text_at(result, "error");
-  if (!error.empty()) fmt::print(stderr, "segue: error: {}\n", error);
+  if (!error.empty()) print_error_line("segue: error: " + error);
   const std::string leftover = text_at(result, "leftover");
-  if (!leftover.empty()) fmt::print(stderr, "segue: warning: {}\n", leftover);
+  if (!leftover.empty()) print_error_line("segue: warning: " + leftover);
 }
 
 Colour colour_of(const std::string& kind) {

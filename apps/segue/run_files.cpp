@@ -62,7 +62,7 @@ Result<void> write(const RunFiles& files, const draw::Gantt& gantt) {
   for (const auto& [file, form] : forms) {
     if (file.empty()) continue;
     if (file == "-") {
-      print(form(gantt));
+      print_content(form(gantt));
     } else if (auto written = write_file(file, form(gantt)); !written) {
       return written;
     }

@@ -12,8 +12,6 @@ namespace {
 
 using type::Value;
 
-constexpr std::string_view kClearScreen = "\x1b[H\x1b[2J";
-
 struct TopOptions {
   bool once = false;
   Duration interval = std::chrono::seconds(1);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/printable.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/process/assignment.hpp>
 #include <segue/process/zygote.hpp>
@@ -35,7 +36,7 @@ int main(int count, char** arguments) {
   try {
     return run(count, arguments);
   } catch (const std::exception& exception) {
-    std::fprintf(stderr, "error: segue-deployment: %s\n", exception.what());
+    std::fprintf(stderr, "error: segue-deployment: %s\n", segue::printable(exception.what()).c_str());
     return segue::process::kDefect;
   }
 }

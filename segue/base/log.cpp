@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/printable.hpp>
 
 #include <array>
 #include <atomic>
@@ -38,7 +39,7 @@ void log(LogLevel level, std::string_view source, std::string_view message) {
     return;
   }
   const std::string line =
-      std::string(to_string(level)) + ": " + std::string(source) + ": " + std::string(message) + '\n';
+      std::string(to_string(level)) + ": " + printable(source) + ": " + printable(message) + '\n';
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
@@ -58,21 +59,23 @@ bool is_word_character(char c) {
 }  // namespace
 
 std::string quote(std::string_view text) {
-  std::string result = "'";
-  for (const char c : text.substr(0, kLongestQuote)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '\n') {
-      result += "\\n";
-    } else if (byte < 0x20 || byte == 0x7f) {
-      constexpr std::string_view kHex = "0123456789abcdef";
-      result += "\\x";
-      result += kHex[byte >> 4];
-      result += kHex[byte & 15];
-    } else {
-      result += c;
+  std::string_view shown = text.substr(0, kLongestQuote);
+  // No character is cut.
+  if (shown.size() < text.size()) {
+    for (std::size_t begin = kLongestQuote - 3; begin < kLongestQuote; ++begin) {
+      if (begin + printable_length(text.substr(begin)) > kLongestQuote) shown = text.substr(0, begin);
     }
   }
-  return result + (text.size() > kLongestQuote ? "...'" : "'");
+  std::string result = "'";
+  for (const char c : printable(shown)) {
+    if (c == '\n')
+      result += "\\n";
+    else if (c == '\t')
+      result += "\\x09";
+    else
+      result += c;
+  }
+  return result + (shown.size() < text.size() ? "...'" : "'");
 }
 
 std::string escape_markup(std::string_view text) {

@@ -2,6 +2,8 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/id.hpp>
 #include <segue/base/life_cycle.hpp>
+#include <segue/base/log.hpp>
+#include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 
 #include <gtest/gtest.h>
@@ -23,6 +25,37 @@ TEST(Quote, EscapesControlCharactersAndShortensLongText) {
   EXPECT_EQ(quote("far"), "'far'");
   EXPECT_EQ(quote("a\nb\x01"), "'a\\nb\\x01'");
   EXPECT_EQ(quote(std::string(100, 'x')), "'" + std::string(80, 'x') + "...'");
+}
+
+TEST(Quote, EscapesWhatATerminalWouldObeyAndCutsNoCharacter) {
+  EXPECT_EQ(quote("a\xc2\x9b"
+                  "b\xff"),
+            "'a\\xc2\\x9bb\\xff'");
+  EXPECT_EQ(quote(std::string(79, 'x') + "\u00fcy"), "'" + std::string(79, 'x') + "...'");
+}
+
+TEST(Printable, EscapesControlCharactersOfOneAndTwoBytes) {
+  EXPECT_EQ(printable("\x1b[2Jgr\u00fc\u00df\t\n\r\x7f"), "\\x1b[2Jgr\u00fc\u00df\t\n\\x0d\\x7f");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "2J"),
+            "\\xc2\\x9b2J")
+      << "CSI as one character";
+}
+
+TEST(Printable, EscapesBytesThatAreNoUtf8) {
+  EXPECT_EQ(printable("\x9b"
+                      "2J"),
+            "\\x9b2J")
+      << "CSI for a terminal in Latin 1";
+  EXPECT_EQ(printable("\xc0\x9b \xe0\x80\x9b \xe2\x82"), "\\xc0\\x9b \\xe0\\x80\\x9b \\xe2\\x82")
+      << "overlong, cut";
+  EXPECT_EQ(printable("\u20ac \U0001f916"), "\u20ac \U0001f916");
+}
+
+TEST(Log, WritesNoControlCharactersToStandardError) {
+  ::testing::internal::CaptureStderr();
+  log(LogLevel::Warning, "a\x1b", "b\x1b[2J\r");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "warning: a\\x1b: b\\x1b[2J\\x0d\n");
 }
 
 TEST(DidYouMean, SuggestsTheNearestNameOrNothing) {

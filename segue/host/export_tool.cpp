@@ -3,6 +3,7 @@
 // segue-export LIBRARY FILE: writes the component model file of a component library. Run by the build of
 // every component library (segue_add_component_library).
 #include <segue/base/file.hpp>
+#include <segue/base/printable.hpp>
 #include <segue/host/component_library.hpp>
 
 #include <cstdlib>
@@ -32,7 +33,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   if (const auto done = export_library(argv[1], argv[2]); !done) {
-    std::cerr << "segue-export: " << segue::to_string(done.error()) << '\n';
+    std::cerr << "segue-export: " << segue::printable(segue::to_string(done.error())) << '\n';
     return 1;
   }
   return EXIT_SUCCESS;

@@ -131,6 +131,17 @@ TEST_F(MissionScripts, AnImportReportsWarningsOfTheNewFile) {
   EXPECT_EQ(json({"mission", "run", "m.yaml"}).find("outcome")->as_string(), "there");
 }
 
+/// How many control characters it has, other than line feeds and tabs; those of two bytes too.
+std::size_t controls_in(const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7f) ++count;
+    if (byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0) ++count;
+  }
+  return count;
+}
+
 /// A mission whose script is a file.
 constexpr const char* kScripted =
     "mission: m\nactions: {work: {run: {python: scripts/work.py}}}\naction: work\n";
@@ -142,6 +153,35 @@ TEST_F(MissionScripts, ScriptsAreFoundBesideTheMissionAndTheirOutputIsSeparate) 
         "import tools\ndef execute(self, inputs, outputs, gvm):\n  print(tools.WORD)\n  return 0\n");
   EXPECT_EQ(json({"mission", "run", "plans/m.yaml"}).find("outcome")->as_string(), "success");
   EXPECT_THAT(segue({"mission", "run", "plans/m.yaml"}).errors, HasSubstr("hello"));
+}
+
+TEST_F(MissionScripts, NoControlCharacterOfAScriptReachesTheTerminal) {
+  write("m.yaml", kScripted);
+  write("scripts/work.py",
+        "import os\nWIPE = '\\x1b[2J\\x9b2J\\r'\ndef execute(self, inputs, outputs, gvm):\n  print('said' + "
+        "WIPE)\n"
+        "  os.write(1, ('wrote' + WIPE + '\\n').encode())\n  self.logger.warning('logged' + WIPE)\n"
+        "  raise ValueError('raised' + WIPE)\n");
+  const auto run = segue({"mission", "run", "m.yaml"});
+  for (const std::string text : {"said", "wrote", "logged", "raised"})
+    EXPECT_THAT(run.output + run.errors, HasSubstr(text + "\\x1b[2J"));
+  EXPECT_EQ(controls_in(run.output + run.errors), 0U) << run.output << run.errors;
+}
+
+TEST_F(MissionScripts, NoControlCharacterOfFilesReachesTheTerminal) {
+  const std::string wipe =
+      "\x1b[2J\xc2\x9b"
+      "2J";
+  const auto shown = [&](const Finished& finished) {
+    EXPECT_THAT(finished.output + finished.errors, HasSubstr("\\x1b[2J"));
+    EXPECT_EQ(controls_in(finished.output + finished.errors), 0U) << finished.output << finished.errors;
+  };
+  write("bad" + wipe + ".yaml", "mission: m\naction: nothing\n");
+  shown(segue({"check", "bad" + wipe + ".yaml"}));
+  shown(segue({"mission", "run", "bad" + wipe + ".yaml"}));
+  shown(segue({"no verb" + wipe}));
+  write("m.yaml", "mission: \"m\\e[2J\\x9b2J\"\naction: \"a\\e[2J\"\n");
+  shown(segue({"mission", "check", "m.yaml"}));
 }
 
 TEST_F(MissionScripts, AScriptThatIsInterruptedEndsAsPreempted) {
