@@ -13,9 +13,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -50,9 +55,79 @@ ScriptProcess::Read read_some(ssize_t count, std::span<char> buffer, std::string
   return ScriptProcess::Read::Some;
 }
 
+/// The environment variable by which descendants of a worker are found; its value is unique.
+constexpr const char* kMark = "SEGUE_SCRIPT_PROCESS";
+/// How often descendants are looked for again; each time those that were born meanwhile are found.
+constexpr int kSweeps = 100;
+
+std::string new_mark() {
+  static std::atomic<std::uint64_t> number{0};
+  return std::to_string(::getpid()) + '.' + std::to_string(monotonic_now().time_since_epoch().count()) + '.' +
+         std::to_string(++number);
+}
+
+std::string content_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+struct Process {
+  pid_t pid = 0;
+  pid_t parent = 0;
+  bool marked = false;
+};
+
+/// All processes but those that have ended.
+std::vector<Process> running_processes(const std::string& mark) {
+  std::vector<Process> found;
+  const std::string variable = std::string(kMark) + '=' + mark + '\0';
+  std::error_code failed;
+  for (fs::directory_iterator each("/proc", failed), end; !failed && each != end; each.increment(failed)) {
+    const std::string name = each->path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = content_of(each->path() / "stat");
+    const auto after_name = status.rfind(") ");
+    if (after_name == std::string::npos) continue;
+    char state = 'Z';
+    Process process;
+    std::istringstream(status.substr(after_name + 2)) >> state >> process.parent;
+    if (state == 'Z' || state == 'X') continue;
+    process.pid = static_cast<pid_t>(std::strtol(name.c_str(), nullptr, 10));
+    process.marked = content_of(each->path() / "environ").find(variable) != std::string::npos;
+    found.push_back(process);
+  }
+  return found;
+}
+
+/// The descendants of `root`, whatever their process groups and sessions, and what else has the mark, since
+/// their parents have ended.
+std::vector<pid_t> descendants_of(pid_t root, const std::string& mark) {
+  const auto all = running_processes(mark);
+  std::vector<pid_t> found;
+  const auto is_found = [&](pid_t pid) { return std::ranges::find(found, pid) != found.end(); };
+  for (std::size_t before = 1; before != found.size();) {
+    before = found.size();
+    for (const Process& each : all) {
+      if (each.pid == root || is_found(each.pid)) continue;
+      if (each.marked || each.parent == root || is_found(each.parent)) found.push_back(each.pid);
+    }
+  }
+  return found;
+}
+
+void kill_descendants(pid_t root, const std::string& mark) {
+  for (int i = 0; i < kSweeps; ++i) {
+    const auto found = descendants_of(root, mark);
+    for (const pid_t pid : found)
+      ::kill(pid, SIGKILL);
+    if (found.empty()) return;
+  }
+}
+
 Result<pid_t> start_python(const ScriptOptions& options, const fs::path& worker, const Descriptor& channel,
-                           const Descriptor& output) {
+                           const Descriptor& output, const std::string& mark) {
   ChildProcess python(kChannel + 1);
+  python.set_environment({{kMark, mark}});
   const std::pair<const Descriptor*, int> handed[] = {
       {&output, STDOUT_FILENO}, {&output, STDERR_FILENO}, {&channel, kChannel}};
   if (auto opened = python.open_null(STDIN_FILENO); !opened) return opened.error();
@@ -82,7 +157,8 @@ Result<ScriptProcess> ScriptProcess::start(const ScriptOptions& options) {
   process.output_ = Descriptor(pipe[0]);
   const Descriptor output(pipe[1]);
   ::fcntl(process.output_.get(), F_SETFL, O_NONBLOCK);
-  auto pid = start_python(options, *worker, channel, output);
+  process.mark_ = new_mark();
+  auto pid = start_python(options, *worker, channel, output, process.mark_);
   if (!pid) return pid.error();
   process.pid_ = Pid(*pid);
   process.ended_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, *pid, 0)));
@@ -136,12 +212,15 @@ void ScriptProcess::end_messages() const {
 }
 
 void ScriptProcess::kill() const {
-  if (pid_ != 0) ::kill(-pid_, SIGKILL);
+  if (pid_ == 0) return;
+  // It must neither start more processes nor lose those that it has before they are found.
+  ::kill(pid_, SIGSTOP);
+  kill_descendants(pid_, mark_);
+  ::kill(-pid_, SIGKILL);
 }
 
 std::string ScriptProcess::reap() {
   int status = 0;
-  // Processes that it has started are in its group.
   kill();
   while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
   }

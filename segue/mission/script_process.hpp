@@ -45,7 +45,7 @@ class ScriptProcess {
   /// Closes the stream of messages, upon which the process ends.
   void end_messages() const;
 
-  /// Kills the process and its descendants in the process group.
+  /// Kills the process and its descendants, those in other process groups and sessions too.
   void kill() const;
   /// "was killed by signal 9 (Killed)", "ended with exit status 3". Requires that it has ended.
   std::string reap();
@@ -63,7 +63,8 @@ class ScriptProcess {
     }
     operator pid_t() const { return value; }  // NOLINT(google-explicit-constructor)
   };
-  Pid pid_;  ///< 0 after reap()
+  Pid pid_;           ///< 0 after reap()
+  std::string mark_;  ///< in the environment of the process and its descendants
   Descriptor ended_;
   Descriptor messages_;
   Descriptor output_;

@@ -662,20 +662,55 @@ TEST_F(Scripts, mayForkProcessesThatOnlyCompute) {
   EXPECT_EQ(engine_->globals().get("v"), std::nullopt);
 }
 
+/// A script that starts a process in a session of its own and stores its pid as 'p'.
+std::string starting_session(const std::string& options, const std::string& rest) {
+  return "import os, subprocess\nchild = subprocess.Popen(['sleep', '600'], start_new_session=True" +
+         options + ")\ngvm.set_variable('p', child.pid)\n" + rest;
+}
+
 TEST_F(Scripts, leaveNoProcessBehind) {
-  const auto& result = run_body(
-      "import subprocess\ngvm.set_variable('p', subprocess.Popen(['sleep', '600']).pid)\n"
-      "return 0");
-  ASSERT_EQ(result.outcome, 0) << result.error;
+  const std::string plain =
+      "import subprocess\ngvm.set_variable('p', subprocess.Popen(['sleep', '600']).pid)\nreturn 0";
+  for (const std::string& body :
+       {plain, starting_session("", "return 0"), starting_session(", env={}", "return 0"),
+        starting_session("", "os._exit(1)"),
+        starting_session("", "os.kill(os.getpid(), 9)\nself.preemptive_wait(600)")}) {
+    (void)run_body(body);
+    const auto child = static_cast<pid_t>(engine_->globals().get("p")->as_int());
+    engine_.reset();
+    runner_.reset();
+    // It is the system's then, which may take a while to look after it.
+    EXPECT_TRUE(wait_until([&] {
+      std::ifstream status("/proc/" + std::to_string(child) + "/stat");
+      std::string number, name, state;
+      return !(status >> number >> name >> state) || state == "Z";
+    })) << body;
+    ::kill(child, SIGKILL);
+  }
+}
+
+TEST_F(Scripts, leaveNoProcessBehindWhenTheyAreKilled) {
+  engine_options_.preemption_grace = 1ms;
+  load("mission: m\nactions:\n" +
+       action("a", execute(starting_session(", env={}", "self.logger.info('works')\nwhile True: pass"))) +
+       "action: a\n");
+  std::thread other([&] {
+    EXPECT_TRUE(lines_.wait_for("works"));
+    engine_->stop();
+  });
+  engine_->run();
+  other.join();
   const auto child = static_cast<pid_t>(engine_->globals().get("p")->as_int());
   engine_.reset();
   runner_.reset();
-  // It is the system's then, which may take a while to look after it.
-  EXPECT_TRUE(wait_until([&] {
-    std::ifstream status("/proc/" + std::to_string(child) + "/stat");
-    std::string number, name, state;
-    return !(status >> number >> name >> state) || state == "Z";
-  }));
+  EXPECT_TRUE(wait_until([&] { return is_gone(child); }));
+}
+
+TEST_F(Scripts, abortWhereTheyCloseTheConnection) {
+  for (const std::string body : {"os.close(3)\nreturn 0", "os.closerange(3, 1000)\nreturn 0",
+                                 "os.dup2(os.open('/dev/null', os.O_RDWR), 3)\nprint('x')\nreturn 0"})
+    EXPECT_THAT(error_of("import os\n" + body), StartsWith("the Python process ")) << body;
+  EXPECT_EQ(run_body("return 0").outcome, 0);
 }
 
 TEST_F(Scripts, sayWhereThereIsNoInterpreter) {

@@ -17,6 +17,7 @@ import logging
 import operator
 import os
 import queue
+import signal
 import socket
 import struct
 import sys
@@ -43,6 +44,7 @@ class Channel:
 
     def __init__(self, descriptor, largest):
         os.set_inheritable(descriptor, False)
+        self._identity = os.fstat(descriptor).st_ino
         self._socket = socket.socket(fileno=descriptor)
         self._reader = self._socket.makefile("rb")
         self._lock = threading.Lock()
@@ -64,7 +66,20 @@ class Channel:
         if self._forked:
             raise RuntimeError("this is only possible in the process that executes the script")
         with self._lock:
+            self._check()
             self._socket.sendall(struct.pack("<I", len(data)) + data)
+
+    def _check(self):
+        """Ends the process if a script has closed the descriptor of the socket: the engine would wait for ever, since
+        the thread that reads keeps the connection itself open."""
+        try:
+            if os.fstat(self._socket.fileno()).st_ino == self._identity:
+                return
+        except OSError:
+            pass
+        with contextlib.suppress(OSError):
+            os.write(2, b"a script has closed the connection to the engine\n")
+        os._exit(1)
 
     def log(self, level, path, text):
         text = interface.clean(text)
@@ -342,10 +357,35 @@ def die_with_parent():
     main thread from noticing that the socket was closed."""
     try:
         import ctypes
-        import signal
         ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+        # Descendants whose parents have ended become children of this process, whatever session they are in.
+        ctypes.CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER
     except (ImportError, OSError, AttributeError):
         pass
+
+
+def children():
+    """The processes whose parent is this one."""
+    found = []
+    for thread in os.listdir("/proc/self/task"):
+        with contextlib.suppress(OSError):
+            with open(f"/proc/self/task/{thread}/children", encoding="ascii") as file:
+                found += [int(word) for word in file.read().split()]
+    return found
+
+
+def end_descendants():
+    """Kills children until none is left; theirs become children of this process then."""
+    for _ in range(1000):
+        left = children()
+        if not left:
+            return
+        for child in left:
+            with contextlib.suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+        for child in left:
+            with contextlib.suppress(OSError):
+                os.waitpid(child, 0)
 
 
 def give_up_later():
@@ -368,4 +408,6 @@ if __name__ == "__main__":
     # Threads of scripts may never end, so nothing waits for them.
     threading.Thread(target=give_up_later, daemon=True).start()
     atexit._run_exitfuncs()
+    with contextlib.suppress(OSError):
+        end_descendants()
     os._exit(0)
