@@ -4,6 +4,8 @@
 
 #include <sqlite3.h>
 
+#include <system_error>
+
 namespace segue::journal::detail {
 
 namespace {
@@ -78,6 +80,21 @@ Result<sqlite3*> open_to_read(const std::filesystem::path& path) {
   return open_file(uri_of(path, "?immutable=1"), SQLITE_OPEN_READONLY);
 }
 
+/// A link may lead to any file of the user, even to one that does not exist yet and would be created.
+/// SQLite's flag refuses links in the whole path, so the folder's are resolved before.
+Result<sqlite3*> open_to_write(const std::filesystem::path& path) {
+  std::error_code failed;
+  const auto absolute = std::filesystem::absolute(path).lexically_normal();
+  const auto folder = std::filesystem::canonical(absolute.parent_path(), failed);
+  const auto real = failed ? absolute : folder / absolute.filename();
+  if (std::filesystem::is_symlink(real, failed)) {
+    return fail(ErrorCode::PermissionDenied, quote(path.native()) +
+                                                 " is a symbolic link, which a journal must not be: name "
+                                                 "the file itself, or remove the link");
+  }
+  return open_file(uri_of(real, ""), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOFOLLOW);
+}
+
 }  // namespace
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
@@ -138,9 +155,7 @@ void Database::Close::operator()(sqlite3* database) const {
 }
 
 Result<Database> Database::open(const std::filesystem::path& path, Mode mode) {
-  const auto database = mode == Mode::Read
-                            ? open_to_read(path)
-                            : open_file(uri_of(path, ""), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  const auto database = mode == Mode::Read ? open_to_read(path) : open_to_write(path);
   if (!database) return database.error();
   return Database(*database);
 }

@@ -119,6 +119,30 @@ TEST(JournalTrouble, ADamagedFileIsRenamedAndANewOneCreated) {
   EXPECT_TRUE(std::filesystem::exists(folder / "j.broken-7"));
 }
 
+TEST(JournalTrouble, ALinkIsNotFollowed) {
+  const Folder folder;
+  Troubles troubles;
+  std::filesystem::create_symlink(folder / "elsewhere", folder / "j");
+  Journal journal(folder / "j", {}, troubles.listener());
+  journal.add(transition(1));
+  EXPECT_FALSE(journal.flush(soon()));
+  EXPECT_THAT(troubles.wait_for(Kind::Unwritable).message, HasSubstr("is a symbolic link"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere"));
+  std::filesystem::remove(folder / "j");
+  EXPECT_TRUE(journal.flush(soon()));
+  EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1));
+}
+
+TEST(JournalTrouble, ALinkToItsFolderIsFollowed) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "disk");
+  std::filesystem::create_directory_symlink(folder / "disk", folder / "link");
+  Journal journal(folder / "link" / "j", {}, {});
+  journal.add(transition(1));
+  EXPECT_TRUE(journal.flush(soon()));
+  EXPECT_THAT(requests_in(folder / "disk" / "j"), ElementsAre(1));
+}
+
 TEST(JournalTrouble, ADamagedPageIsFoundWhenTheFileIsOpened) {
   const Folder folder;
   {

@@ -8,6 +8,7 @@
 #include <segue/type/json.hpp>
 
 #include <cerrno>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -72,7 +73,13 @@ Value list(const std::vector<std::string>& texts) {
 }
 
 Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
-  Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC, 0600));
+  Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  std::error_code ignored;
+  if (!file.valid() && (errno == ELOOP || errno == EEXIST) && std::filesystem::is_symlink(path, ignored)) {
+    return fail(ErrorCode::PermissionDenied, quote(path.string()) +
+                                                 " is a symbolic link, which a journal must not be: name "
+                                                 "the file itself, or remove the link");
+  }
   if (!file.valid() && errno == EEXIST) {
     return fail(ErrorCode::AlreadyExists,
                 quote(path.string()) + " already exists; resume its run, or name another file");
@@ -106,10 +113,10 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
 Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::path& file,
                                                        const Mission& mission, UnderWay under_way,
                                                        Warn warn) {
-  auto text = read_file(file);
-  if (!text) return text.error();
   auto opened = open_locked(file, 0);
   if (!opened) return opened.error();
+  auto text = read_file(file);
+  if (!text) return text.error();
   std::unique_ptr<RunJournal> journal(new RunJournal(std::move(*opened), std::move(warn)));
   const std::size_t whole = text->rfind('\n') == std::string::npos ? 0 : text->rfind('\n') + 1;
   if (auto taken = journal->read(std::string_view(*text).substr(0, whole), mission, file.string()); !taken)

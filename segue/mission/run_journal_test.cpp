@@ -169,6 +169,18 @@ TEST_F(RunJournals, OthersAreRefused) {
   EXPECT_THAT(to_string(RunJournal::resume(file_, other, UnderWay::Again).error()), HasSubstr("another one"));
 }
 
+TEST_F(RunJournals, ALinkIsNotFollowed) {
+  const std::filesystem::path target = file_.string() + ".elsewhere";
+  std::filesystem::create_symlink(target, file_);
+  const auto created = create();
+  ASSERT_FALSE(created);
+  EXPECT_THAT(created.error().message, HasSubstr("is a symbolic link"));
+  const auto resumed = resume();
+  ASSERT_FALSE(resumed);
+  EXPECT_THAT(resumed.error().message, HasSubstr("is a symbolic link"));
+  EXPECT_FALSE(std::filesystem::exists(target));
+}
+
 TEST_F(RunJournals, AFullDiskEndsTheJournalAndNotTheRun) {
   const testing::FullDisk full(250);
   EXPECT_EQ(run(create()).outcome_name, "held");
