@@ -105,8 +105,8 @@ capnp::Capability::Client make_service(const Caller& caller) {
 /// Accepts clients of the same protocol version that request the service which is offered.
 class GateServer final : public wire::Gate::Server {
  public:
-  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, bool full)
-      : core_(core), client_(std::move(client)), full_(full) {}
+  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, const Sessions& others)
+      : core_(core), client_(std::move(client)), others_(others) {}
 
   kj::Promise<void> hello(HelloContext context) override {
     const auto params = context.getParams();
@@ -141,16 +141,16 @@ class GateServer final : public wire::Gate::Server {
                                               " was asked for where " + us + " (" + quote(core_.kind()) +
                                               ") answers; give another socket");
     }
-    if (full_) {
-      return fail(ErrorCode::ResourceExhausted, us + " already has " + std::to_string(Sessions::kMaxClients) +
-                                                    " clients; close one and try again");
+    if (const std::size_t open = others_.clients(); !client_->greeted && open >= Sessions::kMaxClients) {
+      return fail(ErrorCode::ResourceExhausted, us + " refuses further connections (" + std::to_string(open) +
+                                                    " are open); close one and try again");
     }
     return std::nullopt;
   }
 
   ServerCore& core_;
   std::shared_ptr<ClientState> client_;
-  bool full_;
+  const Sessions& others_;
 };
 
 }  // namespace
@@ -158,29 +158,37 @@ class GateServer final : public wire::Gate::Server {
 /// One connection, from accept to its end.
 class Session {
  public:
-  Session(Sessions& owner, kj::Own<kj::AsyncCapabilityStream> stream, bool full)
+  Session(Sessions& owner, kj::Own<kj::AsyncCapabilityStream> stream)
       : owner_(owner),
         client_(std::make_shared<ClientState>()),
         stream_(kj::mv(stream), owner.timer_),
         network_(stream_, takes_descriptors(owner.core_) ? kMaxDescriptors : 0,
                  capnp::rpc::twoparty::Side::SERVER, reader_options()),
-        rpc_(capnp::makeRpcServer(network_, kj::heap<GateServer>(owner.core_, client_, full))) {
+        cut_off_(kj::newPromiseAndFulfiller<void>()),
+        rpc_(capnp::makeRpcServer(network_, kj::heap<GateServer>(owner.core_, client_, owner))) {
     stream_.watch(network_);
     rpc_.setFlowLimit(kServerMessageWords);
-    owner_.sessions_.insert(this);
+    owner_.sessions_.push_back(this);
   }
-  ~Session() noexcept { owner_.sessions_.erase(this); }
+  ~Session() noexcept { std::erase(owner_.sessions_, this); }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Resolves when the client is gone, or has not said hello in time.
+  /// Resolves when the client is gone or cut off, or has not said hello in time.
   kj::Promise<void> end() {
     auto late = owner_.timer_.afterDelay(kHelloTimeout).then([this]() -> kj::Promise<void> {
       if (client_->greeted) return kj::NEVER_DONE;
       return kj::READY_NOW;
     });
-    return network_.onDisconnect().exclusiveJoin(kj::mv(late));
+    return network_.onDisconnect().exclusiveJoin(kj::mv(late)).exclusiveJoin(kj::mv(cut_off_.promise));
   }
+  /// Lets end() resolve; only once.
+  void cut_off() {
+    is_cut_off_ = true;
+    cut_off_.fulfiller->fulfill();
+  }
+  [[nodiscard]] bool is_cut_off() const { return is_cut_off_; }
+  [[nodiscard]] bool greeted() const { return client_->greeted; }
 
   [[nodiscard]] bool idle() const { return client_->calls == 0 && network_.getCurrentQueueCount() == 0; }
 
@@ -189,6 +197,8 @@ class Session {
   std::shared_ptr<ClientState> client_;
   GuardedStream stream_;
   mutable capnp::TwoPartyVatNetwork network_;
+  kj::PromiseFulfillerPair<void> cut_off_;
+  bool is_cut_off_ = false;
   capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
 };
 
@@ -212,6 +222,17 @@ void Sessions::stop_accepting() {
 bool Sessions::idle() const {
   return std::all_of(sessions_.begin(), sessions_.end(),
                      [](const Session* session) { return session->idle(); });
+}
+
+std::size_t Sessions::clients() const {
+  return static_cast<std::size_t>(std::ranges::count_if(sessions_, &Session::greeted));
+}
+
+/// Cuts off the oldest connection whose client was not accepted, if there are too many of them.
+void Sessions::make_room() {
+  const auto other = [](const Session* session) { return !session->greeted() && !session->is_cut_off(); };
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(sessions_, other));
+  if (count >= kMaxOthers) (*std::ranges::find_if(sessions_, other))->cut_off();
 }
 
 /// A session ends with an error through a fault of its client, such as garbage, half a message or a reset, so
@@ -242,12 +263,11 @@ void Sessions::admit(const kj::AsyncIoStream& accepted) {
     log(LogLevel::Warning, "control", "refused a client: " + trusted.error().message);
     return;
   }
-  if (sessions_.size() >= kMaxClients + kMaxRefused) return;
-  const bool full = sessions_.size() >= kMaxClients;
+  make_room();
   auto stream = io_.wrapUnixSocketFd(
       kj::AutoCloseFd(socket.release()),
       kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
-  auto session = kj::heap<Session>(*this, kj::mv(stream), full);
+  auto session = kj::heap<Session>(*this, kj::mv(stream));
   auto end = session->end();
   tasks_.add(end.attach(kj::mv(session)));
 }

@@ -7,7 +7,7 @@
 #include <capnp/rpc-twoparty.h>
 
 #include <cstddef>
-#include <set>
+#include <vector>
 
 namespace segue::control::detail {
 
@@ -19,8 +19,9 @@ class Session;
 class Sessions final : private kj::TaskSet::ErrorHandler {
  public:
   static constexpr std::size_t kMaxClients = 64;
-  /// Connections beyond kMaxClients that are kept until they have got the reason for their refusal.
-  static constexpr std::size_t kMaxRefused = 16;
+  /// Connections beyond kMaxClients, of clients that have not said hello yet or are told why they are
+  /// refused. Where there are more, the oldest of them is closed, so silent connections keep nobody out.
+  static constexpr std::size_t kMaxOthers = 64;
 
   Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket);
   ~Sessions() noexcept;
@@ -28,19 +29,22 @@ class Sessions final : private kj::TaskSet::ErrorHandler {
   void stop_accepting();
   /// Whether no call is in progress and no answer waits to be sent.
   [[nodiscard]] bool idle() const;
+  /// How many clients have said hello and been accepted.
+  [[nodiscard]] std::size_t clients() const;
 
  private:
   friend class Session;
   void taskFailed(kj::Exception&& exception) override;
   kj::Promise<void> accept();
   void admit(const kj::AsyncIoStream& accepted);
+  void make_room();
 
   ServerCore& core_;
   kj::LowLevelAsyncIoProvider& io_;
   kj::Timer& timer_;
   kj::Own<kj::ConnectionReceiver> receiver_;
-  std::set<const Session*> sessions_;
-  kj::TaskSet tasks_;  ///< holds the sessions
+  std::vector<Session*> sessions_;  ///< in the order in which they were accepted
+  kj::TaskSet tasks_;               ///< holds the sessions
   kj::Promise<void> accepting_;
 };
 
