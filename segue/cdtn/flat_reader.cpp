@@ -2,6 +2,7 @@
 #include "flat_reader.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/base/unknown_key.hpp>
 
 #include <algorithm>
 
@@ -14,12 +15,11 @@ void FlatReader::error(std::string code, std::string message, const Value& at) {
                      {file_, static_cast<int>(at.mark().line), static_cast<int>(at.mark().column)});
 }
 
-void FlatReader::warn_unknown(const Value& map, const std::string& what,
-                              std::initializer_list<std::string_view> known) {
+void FlatReader::refuse_unknown(const Value& map, const std::string& what,
+                                std::initializer_list<std::string_view> known) {
+  const std::vector<std::string> names(known.begin(), known.end());
   for (const auto& [key, value] : map.as_map()) {
-    if (std::ranges::find(known, key) != known.end()) continue;
-    diagnostics_.warning("unknown-key", quote(key) + " of " + std::string(what) + " means nothing here",
-                         {file_, static_cast<int>(value.mark().line), static_cast<int>(value.mark().column)});
+    if (const auto problem = problem_of_key(key, names)) error("unknown-key", what + ": " + *problem, value);
   }
 }
 
@@ -60,7 +60,7 @@ std::uint32_t FlatReader::count(const Value& map, std::string_view key, std::uin
 
 void FlatReader::read(const Value& root) {
   if (!root.is_map()) return error("wrong-kind", "a task network must be a map", root);
-  warn_unknown(root, "the network", {"name", "source", "initial_world", "goal", "resources", "nodes"});
+  refuse_unknown(root, "the network", {"name", "source", "initial_world", "goal", "resources", "nodes"});
   network_.name = text(root, "name");
   read_world(root);
   read_resources(root);
@@ -116,7 +116,7 @@ void FlatReader::read_resources(const Value& root) {
       error("wrong-kind", "resource " + quote(name) + " must be a map", value);
       continue;
     }
-    warn_unknown(value, "resource " + quote(name), {"class", "count", "commutes"});
+    refuse_unknown(value, "resource " + quote(name), {"class", "count", "commutes"});
     ResourceRecord& resource = network_.resources[network_.resources.intern(name)];
     resource.count = count(value, "count", 1);
     resource.commutes = flag(value, "commutes", false);
@@ -170,10 +170,10 @@ std::optional<std::uint32_t> FlatReader::node_named(const Value& name, std::uint
 
 void FlatReader::read_node(Entry& entry) {
   const std::string what = "node " + quote(entry.spec.name);
-  warn_unknown(*entry.value, what,
-               {"seq", "name", "duration_s", "pia", "control_flow", "preconditions", "effects", "resources",
-                "data_flows", "condition_deps", "sensing", "outcome", "actual_effects", "fails", "opaque",
-                "uncertain", "cannot_fail", "expected"});
+  refuse_unknown(*entry.value, what,
+                 {"seq", "name", "duration_s", "pia", "control_flow", "preconditions", "effects", "resources",
+                  "data_flows", "condition_deps", "sensing", "outcome", "actual_effects", "fails", "opaque",
+                  "uncertain", "cannot_fail", "expected"});
   read_class(entry);
   read_duration(entry);
   read_facts(entry);
@@ -235,7 +235,7 @@ void FlatReader::read_claims(Entry& entry) {
       error("bad-resource", "a resource of a node is a map with name and op", value);
       continue;
     }
-    warn_unknown(value, "a resource of node " + quote(entry.spec.name), {"name", "op", "count"});
+    refuse_unknown(value, "a resource of node " + quote(entry.spec.name), {"name", "op", "count"});
     const std::string op = text(value, "op");
     const auto known = std::ranges::find(kResourceOps, op);
     if (known == kResourceOps.end()) {
@@ -287,7 +287,7 @@ void FlatReader::read_conditions(Entry& entry) {
     if (!node) continue;
     Condition condition{NodeId{*node}, kSuccess};
     if (value.is_map()) {
-      warn_unknown(value, "a condition of node " + quote(entry.spec.name), {"node", "outcome"});
+      refuse_unknown(value, "a condition of node " + quote(entry.spec.name), {"node", "outcome"});
       if (const std::string outcome = text(value, "outcome"); !outcome.empty())
         condition.outcome = network_.outcome(outcome);
     }

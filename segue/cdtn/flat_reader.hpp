@@ -27,8 +27,8 @@ class FlatReader {
     Trial trial;
   };
   void error(std::string code, std::string message, const type::Value& at);
-  void warn_unknown(const type::Value& map, const std::string& what,
-                    std::initializer_list<std::string_view> known);
+  void refuse_unknown(const type::Value& map, const std::string& what,
+                      std::initializer_list<std::string_view> known);
   const type::Value* find(const type::Value& map, std::string_view key, type::Value::Kind kind);
   const type::Value::List& list(const type::Value& map, std::string_view key);
   std::string text(const type::Value& map, std::string_view key);

@@ -160,9 +160,9 @@ bool read_components(std::string_view text, const std::string& file, ComponentCa
     read_registry(text, catalog, source);
   } else if (const auto root = source.parse(text)) {
     if (detail::is_rock_interface(*root)) {
-      detail::read_rock_interface(*root, catalog, source);
+      detail::read_rock_interface(*root, catalog, source.foreign());
     } else if (detail::is_rock_export(*root)) {
-      detail::read_rock_export(*root, catalog, source);
+      detail::read_rock_export(*root, catalog, source.foreign());
     } else {
       detail::read_own_components(*root, catalog, source);
     }

@@ -193,8 +193,8 @@ std::optional<Network> read_network(std::string_view text, const std::string& fi
   const std::size_t errors_before = diagnostics.error_count();
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
-  Network network =
-      detail::is_cnd(*root, file) ? detail::read_cnd(*root, source) : read_own_network(*root, source);
+  Network network = detail::is_cnd(*root, file) ? detail::read_cnd(*root, source.foreign())
+                                                : read_own_network(*root, source);
   if (network.name.empty()) network.name = NetworkName(name_from_file(file));
   network.file = file;
   if (diagnostics.error_count() > errors_before) return std::nullopt;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/base/unknown_key.hpp>
 #include <segue/model/reader.hpp>
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
@@ -211,13 +212,15 @@ std::optional<std::size_t> Fields::choose(const Value& value, std::string_view k
 
 void Fields::finish() {
   if (map_ == nullptr) return;
+  const std::vector<std::string> known(known_.begin(), known_.end());
   for (const auto& [key, value] : *map_) {
-    if (std::ranges::find(known_, key) != known_.end()) continue;
-    const std::vector<std::string> candidates(known_.begin(), known_.end());
-    source_.warning(
-        "unknown-key",
-        what_ + ": the key " + quote(key) + " is not known and ignored" + did_you_mean(key, candidates),
-        value);
+    const auto problem = problem_of_key(key, known);
+    if (!problem) continue;
+    if (source_.unknown_keys() == UnknownKeys::Refuse) {
+      source_.error("unknown-key", what_ + ": " + *problem, value);
+    } else {
+      source_.warning("unknown-key", what_ + ": the key " + quote(key) + " is not known and ignored", value);
+    }
   }
 }
 

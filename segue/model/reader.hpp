@@ -6,6 +6,7 @@
 #include <segue/type/value.hpp>
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -15,11 +16,18 @@
 /// Common parts of file readers, for this folder and those above. Not thread safe.
 namespace segue::model::detail {
 
+/// What unknown keys are: mistakes in our own formats, news in those that other tools write.
+enum class UnknownKeys : std::uint8_t { Refuse, Ignore };
+
 /// The file being read, and the diagnostics that collect its problems.
 class Source {
  public:
-  Source(std::string file, Diagnostics& diagnostics) : file_(std::move(file)), diagnostics_(diagnostics) {}
+  Source(std::string file, Diagnostics& diagnostics, UnknownKeys unknown_keys = UnknownKeys::Refuse)
+      : file_(std::move(file)), diagnostics_(diagnostics), unknown_keys_(unknown_keys) {}
 
+  /// The same file in the format of another tool.
+  [[nodiscard]] Source foreign() const { return {file_, diagnostics_, UnknownKeys::Ignore}; }
+  [[nodiscard]] UnknownKeys unknown_keys() const { return unknown_keys_; }
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] Diagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] SourceLocation at(const type::Value& value) const;
@@ -32,6 +40,7 @@ class Source {
  private:
   std::string file_;
   Diagnostics& diagnostics_;
+  UnknownKeys unknown_keys_;
 };
 
 /// The content of a file; if it cannot be read, nothing, and a diagnostic `unreadable-file`.
@@ -81,7 +90,7 @@ class Fields {
 
   /// Accepts a key that has no meaning here.
   void ignore(std::string_view key) { known_.push_back(key); }
-  /// Warns about every key that was not read.
+  /// Reports every key that was not read: an error, in files of other tools a warning.
   void finish();
 
  private:

@@ -93,6 +93,27 @@ TEST_F(Files, CheckReportsEveryProblemWithItsLocation) {
   EXPECT_TRUE(contains(text.errors, "did you mean 'demo::Drive'?")) << text.errors;
 }
 
+TEST_F(Files, AMisspeltKeyIsAnErrorForEveryVerb) {
+  write("misspelt.yaml",
+        "network: misspelt\ntasks:\n  a: {component: \"demo::Drive\"}\n  b: {component: \"demo::Odometry\"}\n"
+        "conections: [a.velocity -> b.velocity]\n");
+  write("robot.yaml", "robot: r\nlibraries: [segue_components_demo]\ncontrollers: [misspelt.yaml]\n");
+  write("tasks.json", R"({"nodes": [{"name": "a", "durations_s": 1, "x-colour": "red"}], "x-by": "hand"})");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"check", "misspelt.yaml"},
+                                                                     {"check", "robot.yaml"},
+                                                                     {"diff", "empty", "misspelt.yaml"},
+                                                                     {"run", "robot.yaml"}}) {
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 1) << arguments.front();
+    EXPECT_TRUE(contains(finished.errors, "misspelt.yaml:5:")) << finished.errors;
+    EXPECT_TRUE(contains(finished.errors, "did you mean 'connections'?")) << finished.errors;
+  }
+  const auto network = segue({"mission", "check", "tasks.json"});
+  EXPECT_EQ(network.status, 1);
+  EXPECT_TRUE(contains(network.errors, "did you mean 'duration_s'?")) << network.errors;
+  EXPECT_FALSE(contains(network.errors, "x-")) << network.errors;
+}
+
 TEST_F(Files, CheckOfUnknownComponentsChecksTheStructureAndSaysSo) {
   write("foreign.yaml", "network: foreign\ntasks:\n  a: {component: \"elsewhere::Camera\"}\n");
   const auto finished = segue({"check", "foreign.yaml"});
