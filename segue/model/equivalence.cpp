@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/parts.hpp>
+#include <segue/type/json.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -9,6 +12,9 @@
 #include <utility>
 
 namespace segue::model {
+
+using type::Value;
+
 namespace {
 
 /// Collects sentences up to a limit; the comparison stops early once it is full().
@@ -16,6 +22,7 @@ class Findings {
  public:
   explicit Findings(std::size_t limit) : limit_(limit) {}
   [[nodiscard]] bool full() const { return sentences_.size() >= limit_; }
+  [[nodiscard]] std::size_t size() const { return sentences_.size(); }
   void add(std::string sentence) {
     if (!full()) sentences_.push_back(std::move(sentence));
   }
@@ -40,6 +47,66 @@ std::string word_of(const std::optional<FailurePolicy>& policy) {
   return policy ? std::string(to_string(*policy)) : "nothing";
 }
 
+/// As in JSON, on one line that can still be read.
+std::string text_of(const Value* value) {
+  constexpr std::size_t kLongest = 100;
+  if (value == nullptr || value->is_null()) return "not set";
+  std::string text = type::to_json(*value, -1);
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
+    --end;
+  return text.substr(0, end) + "...";
+}
+
+/// One sentence for each part of a value that differs, with both values: "`what` 'pose.x' is 2, expected 1".
+class ValueComparison {
+ public:
+  ValueComparison(std::string what, Findings& findings) : what_(std::move(what)), findings_(findings) {}
+
+  void compare(const std::string& path, const Value* expected, const Value* found) {
+    if (findings_.full() || (expected != nullptr && found != nullptr && *expected == *found)) return;
+    if (is_map(expected) && is_map(found)) return compare_maps(path, expected->as_map(), found->as_map());
+    if (is_list(expected) && is_list(found) && expected->as_list().size() == found->as_list().size())
+      return compare_lists(path, expected->as_list(), found->as_list());
+    findings_.add(what_ + (path.empty() ? "" : ' ' + quote(path)) + " is " + text_of(found) + ", expected " +
+                  text_of(expected));
+  }
+
+ private:
+  static bool is_map(const Value* value) { return value != nullptr && value->is_map(); }
+  static bool is_list(const Value* value) { return value != nullptr && value->is_list(); }
+
+  void compare_maps(const std::string& path, const type::ValueMap& expected, const type::ValueMap& found) {
+    const auto inner = [&](const std::string& key) { return path.empty() ? key : path + '.' + key; };
+    for (const auto& [key, value] : expected)
+      compare(inner(key), &value, found.find(key));
+    for (const auto& [key, value] : found) {
+      if (expected.find(key) == nullptr) compare(inner(key), nullptr, &value);
+    }
+  }
+
+  void compare_lists(const std::string& path, const Value::List& expected, const Value::List& found) {
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      compare(path + '[' + std::to_string(i) + ']', &expected[i], &found[i]);
+  }
+
+  std::string what_;
+  Findings& findings_;
+};
+
+/// What differs in values that are not equal; a sentence in any case.
+void compare_values(const std::string& what, const Value& expected, const Value& found, Findings& findings) {
+  const std::size_t before = findings.size();
+  ValueComparison(what, findings).compare("", &expected, &found);
+  if (findings.size() == before) findings.add(what + " differs");
+}
+
+/// "the default" for the activity of the component.
+Value value_of(const std::optional<Activity>& activity) {
+  return activity ? detail::write_activity(*activity) : Value("the default");
+}
+
 void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   auto compare = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
     if (equal) return;
@@ -50,10 +117,11 @@ void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   compare(a.state == b.state, "state", std::string(to_string(a.state)), std::string(to_string(b.state)));
   compare(a.config_names == b.config_names, "list of configuration sections",
           "[" + listed(a.config_names) + "]", "[" + listed(b.config_names) + "]");
-  compare(a.properties == b.properties, "value of the properties", type::describe(a.properties),
-          type::describe(b.properties) + " of other content");
-  compare(a.activity == b.activity, "activity", a.activity ? "given" : "default",
-          b.activity ? "given, other" : "default");
+  const std::string task = "task " + quote(a.id.str());
+  if (!(a.properties == b.properties))
+    compare_values(task + ": property", a.properties, b.properties, findings);
+  if (!(a.activity == b.activity))
+    compare_values(task + ": activity", value_of(a.activity), value_of(b.activity), findings);
   compare(a.exclusive == b.exclusive, "list of devices", "[" + listed(a.exclusive) + "]",
           "[" + listed(b.exclusive) + "]");
   compare(a.takes_over == b.takes_over, "takes_over", a.takes_over ? a.takes_over->str() : "nothing",
@@ -125,6 +193,12 @@ void compare_placements(const std::string& process, const Placements& a, const P
   }
 }
 
+/// Without its tasks, which are compared on their own.
+Value attributes(Deployment deployment) {
+  deployment.tasks.clear();
+  return to_value(deployment);
+}
+
 void compare_deployments(const Network& a, const Network& b, Findings& findings) {
   const auto in_a = index_by(a.deployments, [](const Deployment& d) { return d.key(); });
   const auto in_b = index_by(b.deployments, [](const Deployment& d) { return d.key(); });
@@ -138,7 +212,8 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
       continue;
     }
     if (!deployment->same_process(*other->second)) {
-      findings.add("process " + to_string(key) + ": attributes differ");
+      compare_values("process " + to_string(key) + ": attribute", attributes(*deployment),
+                     attributes(*other->second), findings);
     }
     compare_placements(to_string(key), placements(*deployment, tasks_a), placements(*other->second, tasks_b),
                        findings);

@@ -116,6 +116,29 @@ TEST(EquivalenceTest, aTaskTwiceCounts) {
   EXPECT_FALSE(equivalent(one, other));
 }
 
+TEST(EquivalenceTest, whatDiffersIsNamedWithBothValues) {
+  Network one = two_tasks();
+  one.deployments = {Deployment{}};
+  one.deployments[0].process = ProcessName("p");
+  one.tasks[0].properties = type::Value::map({{"gain", 1.5},
+                                              {"pose", type::Value::map({{"x", 1}, {"y", 2}})},
+                                              {"names", type::Value::List{"a", "b"}}});
+  Network other = one;
+  other.tasks[0].properties = type::Value::map({{"gain", 2},
+                                                {"pose", type::Value::map({{"x", 1}, {"y", 3}})},
+                                                {"names", type::Value::List{"a", "c"}},
+                                                {"extra", true}});
+  other.tasks[1].activity = Activity{};
+  other.deployments[0].cpus = {3};
+  EXPECT_THAT(differences(one, other),
+              ElementsAre("task 'a': property 'gain' is 2, expected 1.5",
+                          "task 'a': property 'pose.y' is 3, expected 2",
+                          "task 'a': property 'names[1]' is \"c\", expected \"b\"",
+                          "task 'a': property 'extra' is true, expected not set",
+                          AllOf(HasSubstr("task 'b': activity is "), HasSubstr("expected \"the default\"")),
+                          AllOf(HasSubstr("attribute 'cpu' is "), HasSubstr("expected not set"))));
+}
+
 RC_GTEST_PROP(EquivalenceTest, orderOfListsDoesNotCount, (std::uint64_t seed)) {
   testing::Random random(seed);
   const Network one = testing::random_network(random);
