@@ -114,6 +114,20 @@ Network read_own_network(const Value& root, const Source& source) {
   return network;
 }
 
+/// What a file is that is no network, and what to do about it; "" for networks.
+std::string other_kind(const Value& root) {
+  constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
+      {"robot", "this is a robot file, not a network; name a network, such as one of its controllers"},
+      {"mission", "this is a mission, not a network"},
+      {"transition", "this is a transition, not a network; `segue apply` shows the network that it leads to"},
+      {"components", "these are component models, not a network"},
+      {"component", "this is a component model, not a network"}};
+  for (const auto& [key, problem] : kKinds) {
+    if (root.find(key) != nullptr && root.find("tasks") == nullptr) return std::string(problem);
+  }
+  return {};
+}
+
 /// "controllers/goal.cnd.yml" names the network "goal".
 std::string name_from_file(const std::string& file) {
   std::string name = std::filesystem::path(file).filename().string();
@@ -193,6 +207,10 @@ std::optional<Network> read_network(std::string_view text, const std::string& fi
   const std::size_t errors_before = diagnostics.error_count();
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
+  if (auto problem = other_kind(*root); !problem.empty()) {
+    source.error("no-network", std::move(problem), *root);
+    return std::nullopt;
+  }
   Network network = detail::is_cnd(*root, file) ? detail::read_cnd(*root, source.foreign())
                                                 : read_own_network(*root, source);
   if (network.name.empty()) network.name = NetworkName(name_from_file(file));

@@ -83,7 +83,34 @@ const std::string& Session::name() const {
   return is_network() ? network_->network.name : program_->mission().name;
 }
 
+namespace {
+
+/// What a request has and the plan could not heed, or "".
+std::string problem_of(const RunRequest& request, bool is_network) {
+  const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
+                           request.journal.has_value();
+  if (is_network && of_missions)
+    return "inputs, facts, a state to start at and a journal are for missions, not for task networks";
+  const NetworkRequest& network = request.network;
+  const bool of_networks = network.order != cdtn::OrderRule::Epoch || network.seed != 0 ||
+                           network.world_copies != 0 || !network.resources.empty();
+  if (!is_network && of_networks)
+    return "an order, a seed, copies of the world and counts of resources are for task networks, not for "
+           "missions; "
+           "a mission states its resources under 'resources'";
+  if (request.mode == RunMode::Sequential &&
+      (request.strict || request.workers != 0 || network.world_copies != 0))
+    return "strict, a number of workers and of copies of the world are for concurrent runs";
+  if (request.mode == RunMode::Concurrent && (!request.start_at.empty() || request.journal))
+    return "a state to start at and a journal are for missions that run as they are written";
+  return {};
+}
+
+}  // namespace
+
 Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
+  if (!is_network() && request.order != cdtn::OrderRule::Epoch)
+    return fail(ErrorCode::Unsupported, "an order is for task networks, not for missions");
   if (!is_network()) return detail::diagram_of(program_, request);
   if (!request.inputs.empty() || !request.facts.empty())
     return fail(ErrorCode::Unsupported, "inputs and facts are for missions, not for task networks");
@@ -93,20 +120,10 @@ Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
 }
 
 Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request, std::stop_token stop) const {
-  const bool journal = request.journal.has_value();
-  const bool from_state = !request.start_at.empty();
-  if (is_network()) {
-    if (!request.inputs.empty() || !request.facts.empty() || from_state || journal) {
-      return fail(ErrorCode::Unsupported,
-                  "inputs, facts, a state to start at and a journal are for missions, not for task networks");
-    }
-    return detail::run_network(network_, request, std::move(stop));
-  }
+  if (auto problem = problem_of(request, is_network()); !problem.empty())
+    return fail(ErrorCode::Unsupported, std::move(problem));
+  if (is_network()) return detail::run_network(network_, request, std::move(stop));
   if (request.mode == RunMode::Sequential) return detail::run_as_written(program_, request, std::move(stop));
-  if (from_state || journal) {
-    return fail(ErrorCode::Unsupported,
-                "a state to start at and a journal are for missions that run as they are written");
-  }
   return detail::run_concurrently(program_, request, std::move(stop));
 }
 

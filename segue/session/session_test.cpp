@@ -268,6 +268,16 @@ TEST_F(Sessions, WhatCannotBeRequestedIsRefusedBeforeTheRun) {
   odd.network.resources = {{"nothing", 2}};
   EXPECT_EQ(network.run(odd).error().code, ErrorCode::NotFound);
   EXPECT_EQ(mission.run({}).error().code, ErrorCode::NotFound) << "no callback";
+  odd = request(RunMode::Concurrent);
+  odd.network.resources = {{"arm", 2}};
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Concurrent);
+  odd.network.seed = 3;
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  odd = request(RunMode::Sequential);
+  odd.workers = 2;
+  EXPECT_EQ(mission.run(odd).error().code, ErrorCode::Unsupported);
+  EXPECT_EQ(network.run(odd).error().code, ErrorCode::Unsupported);
 }
 
 TEST_F(Sessions, EveryProblemOfAFileIsReported) {
