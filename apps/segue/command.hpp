@@ -17,6 +17,11 @@ enum Exit : int {
   kUnreachable = 3  ///< cannot connect to the runtime
 };
 
+inline constexpr Duration kLongestWait = std::chrono::hours(24 * 366);
+
+/// More lines or samples than that are a mistake.
+inline constexpr std::size_t kMostLines = 1'000'000'000;
+
 enum class Format { Text, Json };
 
 /// The result of parsing the command line. `action` runs afterwards and returns the exit status.

@@ -137,12 +137,11 @@ int complete_names(const std::string& kind) {
 
 void add_completion(Verb& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
-  Verb& verb =
-      add_verb(app, context, "completion", "print a completion script for a shell",
-               "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, shell] {
-                 print(*shell == "bash" ? bash_script(app) : zsh_script(app));
-                 return static_cast<int>(kDone);
-               });
+  Verb& verb = add_verb(
+      app, context, "completion", "print a completion script for a shell",
+      "  source <(segue completion bash)\n  segue completion zsh > ~/.zfunc/_segue", [&app, &context, shell] {
+        return write_or_print(context, "", *shell == "bash" ? bash_script(app) : zsh_script(app));
+      });
   verb.option("SHELL", *shell, "bash or zsh").required().one_of({"bash", "zsh"});
 
   const auto kind = std::make_shared<std::string>();

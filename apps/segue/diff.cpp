@@ -49,15 +49,19 @@ Result<std::optional<solve::Estimate>> estimate_of(const DiffOptions& options, c
   return std::optional(solve::estimate(current, transition, *times));
 }
 
-void show_transition(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
-                     const DiffOptions& options, const Context& context) {
+int show_transition(const model::Transition& transition, const std::optional<solve::Estimate>& expected,
+                    const DiffOptions& options, const Context& context) {
   const auto durations = expected ? expected->typical : std::vector<Duration>();
-  if (options.dot) return print_content(draw::to_dot(transition, durations));
-  if (options.svg) return print_content(draw::to_svg(transition, durations));
-  if (!context.json()) return print(describe(transition) + (expected ? describe(*expected, transition) : ""));
+  if (options.dot) return write_or_print(context, "", draw::to_dot(transition, durations));
+  if (options.svg) return write_or_print(context, "", draw::to_svg(transition, durations));
+  if (!context.json()) {
+    print(describe(transition) + (expected ? describe(*expected, transition) : ""));
+    return kDone;
+  }
   type::Value value = model::to_value(transition);
   if (expected) value.as_map().set("estimate_s", to_value(*expected));
   print_json(value);
+  return kDone;
 }
 
 int diff(const DiffOptions& options, const Context& context) {
@@ -78,8 +82,7 @@ int diff(const DiffOptions& options, const Context& context) {
   }
   const auto expected = estimate_of(options, context.robot, *current, *transition);
   if (!expected) return failed(context, expected.error());
-  show_transition(*transition, *expected, options, context);
-  return kDone;
+  return show_transition(*transition, *expected, options, context);
 }
 
 }  // namespace

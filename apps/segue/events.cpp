@@ -34,7 +34,7 @@ int list_events(control::RobotService& robot, const EventsOptions& options, cons
       last = static_cast<std::uint64_t>(number_at(event, "number"));
       context.json() ? print_json_line(event) : print_line(event_line(event));
     }
-    if (!options.follow) return kDone;
+    if (!options.follow || reader_leaves_within(Duration(0))) return kDone;
   }
 }
 

@@ -157,7 +157,7 @@ void add_history(Verb& app, Context& context) {
   verb.flag("--all", options->all, "show everything in the robot's journal");
   add_journal_option(verb, options->journal);
   verb.flag("--differences", options->differences, "show the drift recorded in the journal instead");
-  verb.option("-n,--lines N", options->lines, "show the latest N only");
+  verb.option("-n,--lines N", options->lines, "show the latest N only").between(1, kMostLines);
 }
 
 }  // namespace segue::cli

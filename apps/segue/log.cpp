@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <thread>
 
 #include "command.hpp"
 #include "output.hpp"
@@ -19,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kLogPause = std::chrono::milliseconds(100);
+constexpr Duration kLogPause = std::chrono::milliseconds(100);
 
 struct LogOptions {
   std::string process;
@@ -110,7 +109,7 @@ int show_log(const LogOptions& options, const Context& context) {
   while (options.follow) {
     const std::string more = follower.read();
     printer.add(more);
-    if (more.empty()) std::this_thread::sleep_for(kLogPause);
+    if (reader_leaves_within(more.empty() ? kLogPause : Duration(0))) break;
   }
   printer.finish();
   return kDone;
@@ -124,7 +123,8 @@ void add_log(Verb& app, Context& context) {
                         "  segue log drivers\n  segue log drivers --lines 200 --follow",
                         [options, &context] { return show_log(*options, context); });
   verb.option("PROCESS", options->process, "the process's name").required();
-  verb.option("-n,--lines N", options->lines, "the number of lines from the end (default 50)");
+  verb.option("-n,--lines N", options->lines, "the number of lines from the end (default 50)")
+      .between(0, kMostLines);
   verb.flag("-f,--follow", options->follow, "follow new output until Ctrl-C");
   verb.option("--robot NAME", context.robot, "the robot's name; needed if several robots have that process");
 }

@@ -123,8 +123,9 @@ void add_gantt(Verb& parent, Context& context) {
                         [options, network, &context] {
                           options->clock = "virtual";
                           options->simulate = true;
-                          options->show = false;
-                          if (options->files.svg.empty()) options->files.svg = "-";
+                          // The chart is what it prints, unless it goes to a file; in JSON the run is.
+                          options->show = context.json();
+                          if (options->files.svg.empty() && !context.json()) options->files.svg = "-";
                           return run_plan(*options, *network, context);
                         });
   verb.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")

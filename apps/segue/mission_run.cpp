@@ -172,6 +172,10 @@ void add_library_option(Verb& verb, MissionOptions& options) {
 
 int run_plan(const MissionOptions& options, const NetworkOptions& network, const Context& context) {
   if (const auto fits = check(options.files); !fits) return failed(context, fits.error());
+  if (context.json() && options.files.use_output()) {
+    return failed(context, fail(ErrorCode::InvalidArgument,
+                                "with --format json drawings go to files, not to standard output"));
+  }
   Diagnostics diagnostics;
   const auto plan = session::Session::load(options.file, options.libraries, diagnostics);
   if (!plan) return report_failure(context, diagnostics);

@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <deque>
+#include <limits>
 #include <utility>
 
 namespace segue::cli {
@@ -45,10 +47,25 @@ Validator silent(Validator validator) {
   return validator;
 }
 
+/// The parser's own conversion takes negative numbers and those that are too large for others.
+template <class Number>
+std::string problem_of_number(const std::string& text) {
+  Number number = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error == std::errc() && stop == end) return {};
+  return "must be a whole number from 0 to " + std::to_string(std::numeric_limits<Number>::max()) + ", got " +
+         quote(text);
+}
+
+constexpr Duration kLongest = std::chrono::hours(24 * 366);  // clocks must not overflow
+
 Result<Duration> parse_length(const std::string& text) {
   auto duration = parse_duration(text);
   if (duration && *duration < Duration(0))
     return fail(ErrorCode::InvalidArgument, "a duration cannot be negative");
+  if (duration && *duration > kLongest)
+    return fail(ErrorCode::InvalidArgument, "a duration cannot be longer than a year");
   return duration;
 }
 
@@ -89,9 +106,13 @@ Option Option::between(std::size_t lowest, std::size_t highest) const {
   return *this;
 }
 
-Option Option::positive() const {
-  impl_->option->check(silent(CLI::PositiveNumber));
-  return *this;
+Option Option::between(Duration lowest, Duration highest) const {
+  return check([lowest, highest](const std::string& text) -> std::string {
+    const auto length = parse_length(text);
+    if (!length || (*length >= lowest && *length <= highest))
+      return {};  // what cannot be read is told elsewhere
+    return "must be from " + format_duration(lowest) + " to " + format_duration(highest) + ", got " + text;
+  });
 }
 
 Option Option::check(std::function<std::string(const std::string&)> problem) const {
@@ -155,11 +176,11 @@ Option Verb::option(const std::string& names, std::vector<std::string>& target, 
 }
 
 Option Verb::option(const std::string& names, std::uint32_t& target, const std::string& help) {
-  return impl_->add(names, target, help);
+  return impl_->add(names, target, help).check(problem_of_number<std::uint32_t>);
 }
 
 Option Verb::option(const std::string& names, std::uint64_t& target, const std::string& help) {
-  return impl_->add(names, target, help);
+  return impl_->add(names, target, help).check(problem_of_number<std::uint64_t>);
 }
 
 Option Verb::option(const std::string& names, Duration& target, const std::string& help) {

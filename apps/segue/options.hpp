@@ -31,7 +31,8 @@ class Option {
 
   Option one_of(const std::vector<std::string>& choices) const;
   Option between(std::size_t lowest, std::size_t highest) const;
-  Option positive() const;
+  /// Of a duration.
+  Option between(Duration lowest, Duration highest) const;
   /// `problem` returns what is wrong with a value, or nothing.
   Option check(std::function<std::string(const std::string&)> problem) const;
 

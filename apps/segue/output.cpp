@@ -6,6 +6,7 @@
 #include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -181,13 +182,34 @@ void print_content(std::string_view text) {
   output_is_terminal() ? print(text) : put(text);
 }
 
+bool reader_leaves_within(Duration limit) {
+  pollfd waited{STDOUT_FILENO, 0, 0};  // errors and the end are reported unasked
+  const auto whole = std::chrono::floor<std::chrono::seconds>(limit);
+  const timespec timeout{whole.count(), (limit - whole).count()};
+  return ::ppoll(&waited, 1, &timeout, nullptr) > 0;
+}
+
+namespace {
+
+/// The content of a file as a value; of what is no YAML or JSON, such as drawings, {"text": ...}.
+Value document(std::string_view text) {
+  if (auto json = type::parse_json(text)) return std::move(*json);
+  auto yaml = type::parse_yaml(text);
+  if (yaml && (yaml->is_map() || yaml->is_list())) return std::move(*yaml);
+  return Value::map({{"text", std::string(text)}});
+}
+
+}  // namespace
+
 int write_or_print(const Context& context, const std::string& file, std::string_view text) {
   if (file.empty()) {
-    print_content(text);
+    context.json() ? print_json(document(text)) : print_content(text);
     return kDone;
   }
   const auto written = write_file(file, text);
-  return written ? kDone : failed(context, written.error());
+  if (!written) return failed(context, written.error());
+  if (context.json()) print_json(Value::map({{"file", file}}));
+  return kDone;
 }
 
 void print_json(const Value& value) {

@@ -64,6 +64,7 @@ int read_samples(control::SampleStream& stream, const ReadOptions& options, cons
       limit.printed();
     }
     any |= !samples->empty();
+    if (reader_leaves_within(samples->empty() ? kPollInterval : Duration(0))) return kDone;
     if (!samples->empty()) continue;
     if (!any && !options.follow && !limit.is_timed() && RealClock::instance().now() > patience) {
       return failed(
@@ -73,7 +74,6 @@ int read_samples(control::SampleStream& stream, const ReadOptions& options, cons
                    "no sample arrived from {} within {}; check with `segue status` that its task is running",
                    quote(options.port), format_duration(options.timeout))));
     }
-    RealClock::instance().sleep_until(deadline_in(kPollInterval));
   }
   return kDone;
 }
@@ -99,9 +99,10 @@ void add_read(Verb& app, Context& context) {
                           });
                         });
   verb.option("TASK.PORT", options->port, "an output port of a running task").required();
-  verb.option("-n,--count N", options->count, "the number of samples (default 1)").positive();
+  verb.option("-n,--count N", options->count, "the number of samples (default 1)").between(1, kMostLines);
   verb.flag("-f,--follow", options->follow, "print samples until Ctrl-C");
-  verb.option("--for DURATION", options->length, "print the samples of this time");
+  verb.option("--for DURATION", options->length, "print the samples of this time")
+      .between(std::chrono::milliseconds(1), kLongestWait);
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the first sample (default 5s)");
   add_robot_option(verb, context);
 }

@@ -241,7 +241,8 @@ void add_run(Verb& app, Context& context) {
       .excludes(in_process);
   const Option no_journal = verb.flag("--no-journal", options->no_journal, "keep no journal");
   add_journal_option(verb, options->journal).excludes(no_journal);
-  verb.option("--for DURATION", options->length, "end after this time");
+  verb.option("--for DURATION", options->length, "end after this time")
+      .between(std::chrono::milliseconds(1), kLongestWait);
   verb.flag("-v,--verbose", options->verbose, "also print every action");
   verb.option("--log-level LEVEL", options->log_level,
               "lowest level of task log messages shown: debug, info (default), warning or error")

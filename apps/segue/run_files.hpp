@@ -17,6 +17,7 @@ struct RunFiles {
   std::string html;
   std::string trace;
   [[nodiscard]] bool any() const { return !svg.empty() || !html.empty() || !trace.empty(); }
+  [[nodiscard]] bool use_output() const { return svg == "-" || html == "-" || trace == "-"; }
 };
 
 /// --svg, --html, --trace

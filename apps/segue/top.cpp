@@ -51,7 +51,7 @@ int show_top(control::RobotService& robot, const TopOptions& options, const Cont
     }
     if (once) return kDone;
     print_line(coloured(Colour::Dim, "Ctrl-C exits"));
-    RealClock::instance().sleep_until(deadline_in(options.interval));
+    if (reader_leaves_within(options.interval)) return kDone;
   }
 }
 
@@ -66,7 +66,8 @@ void add_top(Verb& app, Context& context) {
                           });
                         });
   verb.flag("--once", options->once, "print once and exit; the default if the output is not a terminal");
-  verb.option("--interval DURATION", options->interval, "time between refreshes (default 1s)");
+  verb.option("--interval DURATION", options->interval, "time between refreshes (default 1s)")
+      .between(std::chrono::milliseconds(10), std::chrono::hours(24));
   add_robot_option(verb, context);
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sstream>
+
 #include "system_test.hpp"
 
 namespace segue::testing {
@@ -68,6 +70,142 @@ TEST_F(Files, WrongUsageExitsWithTwoAndASuggestion) {
   EXPECT_EQ(segue({"component", "lst"}).status, 2);
   EXPECT_EQ(segue({"read", "a.b", "--for", "ten"}).status, 2);
   EXPECT_EQ(segue({"diff", "one.yaml", "two.yaml", "--order", "fast"}).status, 2);
+}
+
+/// Every verb that needs no robot, with all that it can print.
+TEST_F(Files, EveryVerbPrintsJsonWhereItIsAsked) {
+  write("m.yaml",
+        "mission: m\nactions: {a: {run: {simulated: {duration: 1s}}}}\nstart: s\n"
+        "states: {s: {action: a, on: {success: return success}}}\n");
+  ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
+  const std::vector<std::vector<std::string>> lines = {
+      {"init", "fresh"},
+      {"completion", "bash"},
+      {"check", "one.yaml"},
+      {"diff", "two.yaml", "one.yaml"},
+      {"diff", "two.yaml", "one.yaml", "--svg"},
+      {"diff", "two.yaml", "one.yaml", "--dot"},
+      {"diff", "two.yaml", "one.yaml", "-o", "again.yaml"},
+      {"apply", "two.yaml", "t.yaml"},
+      {"apply", "two.yaml", "t.yaml", "-o", "applied.yaml"},
+      {"component", "list"},
+      {"component", "show", "demo::Drive"},
+      {"component", "export", "segue_components_demo"},
+      {"component", "export", "segue_components_demo", "-o", "exported.yaml"},
+      {"mission", "run", "m.yaml", "--clock", "virtual"},
+      {"mission", "run", "m.yaml", "--clock", "virtual", "--svg", "run.svg"},
+      {"mission", "check", "m.yaml"},
+      {"mission", "gantt", "m.yaml"},
+      {"mission", "gantt", "m.yaml", "-o", "m.svg"},
+      {"mission", "convert", "m.yaml"},
+      {"mission", "convert", "m.yaml", "--svg"},
+      {"mission", "convert", "m.yaml", "--dot"},
+      {"mission", "convert", "m.yaml", "--svg", "-o", "c.svg"},
+      {"mission", "import", "--rafcon", SEGUE_SOURCE_DIR "/tests/rafcon/race"},
+      {"mission", "import", "--rafcon", SEGUE_SOURCE_DIR "/tests/rafcon/race", "-o", "race.yaml"}};
+  for (const auto& arguments : lines) {
+    const auto value = json(arguments);
+    EXPECT_TRUE(value.is_map() || value.is_list()) << arguments[0] << ' ' << arguments[1];
+  }
+}
+
+/// Drawings beside the JSON of a run would make the output none.
+TEST_F(Files, JsonSharesTheOutputWithNoDrawing) {
+  write("n.json", R"({"nodes": [{"name": "a", "duration_s": 1}]})");
+  EXPECT_TRUE(json({"mission", "run", "n.json", "--clock", "virtual", "--svg", "-"}, 1).find("error") !=
+              nullptr);
+}
+
+TEST_F(Files, EveryVerbKnowsTheFormat) {
+  const auto verbs_of = [&](const std::vector<std::string>& parent) {
+    std::vector<std::string> words = parent;
+    words.emplace_back("--help");
+    std::istringstream help(segue(words).output);
+    std::vector<std::string> verbs;
+    bool listed = false;
+    for (std::string line; std::getline(help, line);) {
+      if (!line.empty() && line[0] != ' ') listed = line == "Subcommands:";
+      if (listed && line.starts_with("  ") && line.size() > 2 && line[2] != ' ')
+        verbs.push_back(line.substr(2, line.find(' ', 2) - 2));
+    }
+    return verbs;
+  };
+  std::size_t seen = 0;
+  for (const std::string& verb : verbs_of({})) {
+    std::vector<std::vector<std::string>> lines = {{verb}};
+    if (const auto inner = verbs_of({verb}); !inner.empty()) {
+      lines.clear();
+      for (const std::string& name : inner)
+        lines.push_back({verb, name});
+    }
+    for (auto& line : lines) {
+      ++seen;
+      line.emplace_back("--help");
+      EXPECT_TRUE(contains(segue(line).output, "--format")) << verb << ' ' << line[1];
+    }
+  }
+  EXPECT_GT(seen, 25U);
+}
+
+TEST_F(Files, NumbersAndDurationsOutsideTheirRangeAreRefused) {
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"read", "a.b", "-n", "0"},
+                                             {"read", "a.b", "--count=-1"},
+                                             {"read", "a.b", "-n", "99999999999999999999999"},
+                                             {"read", "a.b", "--for", "0s"},
+                                             {"read", "a.b", "--timeout=-1s"},
+                                             {"read", "a.b", "--timeout", "900000h"},
+                                             {"history", "-n", "0"},
+                                             {"history", "--lines=-3"},
+                                             {"log", "p", "--lines=-3"},
+                                             {"log", "p", "-n", "99999999999999"},
+                                             {"top", "--interval", "0s"},
+                                             {"top", "--interval=-1s"},
+                                             {"top", "--interval", "900000h"},
+                                             {"events", "--after=-1"},
+                                             {"events", "--after", "99999999999999999999999"},
+                                             {"mission", "run", "n.json", "--seed=-1"},
+                                             {"mission", "run", "n.json", "--workers", "5000000000"},
+                                             {"run", "robot.yaml", "--for", "0s"}}) {
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 2) << arguments[0] << ' ' << arguments.back() << finished.errors;
+  }
+}
+
+TEST_F(Files, OptionsThatMeanNothingForAFileAreRefused) {
+  write("m.yaml",
+        "mission: m\nactions: {a: {run: {simulated: {duration: 1s}}}}\nstart: s\n"
+        "states: {s: {action: a, on: {success: return success}}}\n");
+  write("n.json", R"({"nodes": [{"name": "a", "duration_s": 1}]})");
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--clock", "virtual"}).status, 0);
+  for (const std::vector<std::string>& more :
+       std::vector<std::vector<std::string>>{{"--resource", "nonsense=3"},
+                                             {"--seed", "3"},
+                                             {"--order", "goal"},
+                                             {"--world-copies", "2"},
+                                             {"--workers", "2"},
+                                             {"--strict"}}) {
+    std::vector<std::string> arguments = {"mission", "run", "m.yaml", "--clock", "virtual"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 1) << more[0];
+    EXPECT_TRUE(contains(finished.errors, " for ")) << finished.errors;
+  }
+  EXPECT_EQ(segue({"mission", "run", "n.json", "--clock", "virtual", "--resource", "nonsense=3"}).status, 1);
+  EXPECT_EQ(segue({"mission", "run", "n.json", "--clock", "virtual", "--start-at", "a"}).status, 1);
+  EXPECT_EQ(segue({"mission", "convert", "m.yaml", "--order", "goal"}).status, 1);
+}
+
+TEST_F(Files, OtherFilesThanNetworksAreRefusedByName) {
+  write("robot.yaml", "robot: r\nlibraries: [segue_components_demo]\ncontrollers: [one.yaml]\n");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{{"diff", "robot.yaml", "one.yaml"},
+                                                                     {"diff", "one.yaml", "robot.yaml"},
+                                                                     {"apply", "robot.yaml", "t.yaml"}}) {
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 1);
+    EXPECT_TRUE(contains(finished.errors, "this is a robot file, not a network")) << finished.errors;
+    EXPECT_FALSE(contains(finished.errors, "unknown-key")) << finished.errors;
+  }
 }
 
 TEST_F(Files, CheckFindsNothingInGoodFiles) {

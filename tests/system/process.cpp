@@ -123,6 +123,11 @@ bool Process::wait_for(const std::string& text) {
   return true;
 }
 
+void Process::close_output() {
+  ::close(output_);
+  output_ = -1;
+}
+
 Finished Process::wait() {
   const auto deadline = Clock::now() + kPatience;
   while (output_ >= 0 || errors_ >= 0) {

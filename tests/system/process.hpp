@@ -35,6 +35,8 @@ class Process {
   void signal(int number) const;
   /// Waits until the process handles this signal by blocking it; false at the deadline.
   [[nodiscard]] bool wait_until_blocked(int signal) const;
+  /// Nobody reads its standard output any more.
+  void close_output();
   /// Waits for the end.
   Finished wait();
 

@@ -197,6 +197,23 @@ TEST_F(RunningRobot, AFollowedPortSurvivesItsReader) {
   EXPECT_EQ(stop(SIGTERM).status, 0);
 }
 
+TEST_F(RunningRobot, WhatFollowsEndsWithItsReader) {
+  start({"--controller", "explore"});
+  write("runtime/segue/rover/drivers.log", "begins\n");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> followers = {
+      {{"events", "--follow"}, "explore"},             // then nothing
+      {{"log", "drivers", "--follow"}, "begins"},      // then nothing
+      {{"read", "odometry.pose", "--follow"}, "x"},    // more than anybody reads
+      {{"read", "odometry.pose", "--for", "1h"}, "x"}  // likewise
+  };
+  for (const auto& [arguments, first] : followers) {
+    Process follower(command(arguments), folder_);
+    ASSERT_TRUE(follower.wait_for(first)) << arguments[0];
+    follower.close_output();
+    EXPECT_EQ(follower.wait().status, 0) << arguments[0] << ": -1 says that it had to be killed";
+  }
+}
+
 TEST_F(RunningRobot, AReaderIsNotifiedOfTheEndOfItsRobot) {
   start({"--controller", "explore"});
   ASSERT_EQ(segue({"switch", "explore"}).status, 0);
