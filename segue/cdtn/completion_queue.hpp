@@ -7,15 +7,19 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace segue::cdtn {
 
 enum class ClockKind : std::uint8_t { Virtual, Real };
 
-/// The ends of nodes in the order of their time. With a virtual clock, time jumps to the next end; with a
-/// real one, `next` waits for it. Ends at equal times keep the order in which they were reported, so equal
-/// calls give equal runs. All functions belong to the engine's thread, except `finish`.
+/// The ends of nodes. With a virtual clock, they come in the order of their time, and time jumps to the next
+/// one unless the end of a real action is awaited; with a real clock, `next` waits until an end is known.
+/// Each end carries the time at which it happened, which is earlier than the time at which it is taken. Ends
+/// at equal times keep the order in which they were reported, so equal calls give equal runs. All functions
+/// belong to the engine's thread, except `finish`.
 class CompletionQueue final : public Completions {
  public:
   struct End {
@@ -27,13 +31,18 @@ class CompletionQueue final : public Completions {
 
   explicit CompletionQueue(ClockKind clock);
 
+  /// Time counts from now on; otherwise from the construction on.
+  void begin();
+  void await(NodeId node, std::uint32_t attempt) override;
   void finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) override;
   void finish(NodeId node, std::uint32_t attempt, ReportPtr report) override;
-  [[nodiscard]] TimePoint now() const override { return now_; }
+  [[nodiscard]] TimePoint now() const override { return clock_ == ClockKind::Real ? elapsed() : now_; }
+  /// Differences of times up to this are what the engine takes itself to go from one node to the next.
+  [[nodiscard]] Duration own_time() const;
   /// Real time since this began, whatever the clock.
   [[nodiscard]] TimePoint elapsed() const;
 
-  /// Another end at the current time, if one is known already. Does not block.
+  /// Another end that was due when the last one was taken, if it is known already. Does not block.
   template <class Counts>
   std::optional<End> next_now(Counts&& counts) {
     drop_unless(counts);
@@ -49,7 +58,10 @@ class CompletionQueue final : public Completions {
     for (;;) {
       drop_unless(counts);
       if (auto end = take_due()) return end;
-      if (!awaited || !wait(deadline)) return std::nullopt;
+      if (!awaited) return std::nullopt;
+      if (wait(deadline)) continue;
+      if (awaited_.empty()) return std::nullopt;
+      awaited_.clear();  // given up: virtual time goes on
     }
   }
 
@@ -73,16 +85,18 @@ class CompletionQueue final : public Completions {
   }
   Scheduled take_later();
   std::optional<End> take_due();
+  [[nodiscard]] bool stands_still() const;
   bool wait(TimePoint deadline);
   void fetch_posted();
 
   const ClockKind clock_;
-  const TimePoint began_ = RealClock::instance().now();
-  TimePoint now_{};
+  TimePoint began_ = RealClock::instance().now();  ///< written by the engine's thread, with the mutex
+  TimePoint now_{};                                ///< on a real clock, that of the last look at it
   std::uint64_t number_ = 0;
-  std::deque<End> due_;           ///< at the current time
-  std::vector<Scheduled> later_;  ///< a heap
-  std::mutex mutex_;              ///< protects only posted_, through which other threads hand over ends
+  std::deque<End> due_;
+  std::vector<Scheduled> later_;                               ///< a heap
+  std::set<std::pair<std::uint32_t, std::uint32_t>> awaited_;  ///< node and attempt; only in virtual time
+  std::mutex mutex_;  ///< protects began_ and posted_, through which other threads hand over ends
   std::condition_variable arrived_;
   std::vector<End> posted_;
 };

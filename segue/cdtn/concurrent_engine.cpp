@@ -195,6 +195,7 @@ void ConcurrentEngine::Implementation::ask_to_stop() {
 }
 
 RunResult ConcurrentEngine::Implementation::run() {
+  events_.begin();
   loop();
   return result();
 }
@@ -224,6 +225,7 @@ RunResult ConcurrentEngine::Implementation::result() {
     if (reports_[i]) result.outputs[i] = reports_[i]->outputs;
   }
   result.makespan = last.time_since_epoch();
+  result.own_time = events_.own_time();
   result.wasted = std::move(wasted_);
   result.statistics = statistics_;
   result.log = std::move(log_);

@@ -3,6 +3,7 @@
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/priority.hpp>
 #include <segue/cdtn/sequential.hpp>
+#include <segue/cdtn/waits.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
@@ -202,6 +203,22 @@ TEST(ConcurrentEngine, TakesEndsFromOtherThreads) {
   ASSERT_TRUE(result.done()) << to_string(*result.error);
   for (std::uint32_t i = 0; i < 50; ++i)
     EXPECT_EQ(result.outputs[i]->as_uint(), i) << "each saw what came before it in the program";
+}
+
+TEST(Waits, WhatTheEngineTakesItselfIsNoWait) {
+  const auto flat = read(R"j({"name": "a", "effects": ["+p()"]}, {"name": "b", "effects": ["+q()"]})j");
+  const Order order = derive_order(flat.network);
+  RunResult result = run(flat);
+  const TimePoint begin{};
+  using std::chrono::microseconds;
+  result.nodes[0] = {NodeStatus::Done,         kSuccess, 1, begin, begin + microseconds(400),
+                     begin + microseconds(450)};
+  result.nodes[1] = {NodeStatus::Done, kSuccess, 1, begin + microseconds(500), begin + microseconds(900), {}};
+  const auto waits = [&] { return WaitFinder(flat.network, order, result).of(NodeId{1}); };
+  ASSERT_EQ(waits().size(), 1U);
+  EXPECT_EQ(waits()[0].kind, Wait::Kind::Turn);
+  result.own_time = std::chrono::milliseconds(1);
+  EXPECT_THAT(waits(), testing::IsEmpty());
 }
 
 /// A node that only ends when it is told to.

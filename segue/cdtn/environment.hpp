@@ -59,8 +59,12 @@ class Completions {
   virtual ~Completions() = default;
   /// The node ends at that time of the engine's clock. On the engine's thread only.
   virtual void finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
-  /// The node has ended. On any thread, while the engine runs. Does not block.
+  /// This run of the node will end by `finish`, so time on a virtual clock must not pass before. On the
+  /// engine's thread only.
+  virtual void await(NodeId node, std::uint32_t attempt) = 0;
+  /// The node has just ended. On any thread, while the engine runs. Does not block.
   virtual void finish(NodeId node, std::uint32_t attempt, ReportPtr report) = 0;
+  /// On the engine's thread only.
   [[nodiscard]] virtual TimePoint now() const = 0;
 };
 

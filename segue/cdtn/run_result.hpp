@@ -62,6 +62,7 @@ struct RunResult {
   VersionedWorld world;
   std::vector<std::uint32_t> units;  ///< of every resource, at the end
   Duration makespan{};
+  Duration own_time{};  ///< differences of times up to this are the engine's own time, no waits
   std::vector<NodeResult> nodes;
   std::vector<std::shared_ptr<const type::Value>> outputs;  ///< of every node; null where it has none
   std::vector<WastedRun> wasted;

@@ -47,6 +47,7 @@ class SequentialRun {
       if (!result_.stopped) step(NodeId{i});
     }
     result_.makespan = events_.now().time_since_epoch();
+    result_.own_time = events_.own_time();
     return std::move(result_);
   }
 

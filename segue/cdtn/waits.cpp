@@ -78,7 +78,9 @@ void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint r
   ResourceId resource{};
   for (const Claim& claim : network_.claims(node)) {
     const Use* use = last_before(uses_[index(claim.resource)], node, result_.nodes[index(node)].started);
-    if (use == nullptr || use->ended <= ready || (last != nullptr && use->ended <= last->ended)) continue;
+    if (use == nullptr || use->ended <= ready + result_.own_time ||
+        (last != nullptr && use->ended <= last->ended))
+      continue;
     last = use;
     resource = claim.resource;
   }
@@ -89,7 +91,7 @@ void WaitFinder::add_resource(std::vector<Wait>& waits, NodeId node, TimePoint r
 void WaitFinder::add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready) const {
   const TimePoint started = result_.nodes[index(node)].started;
   const Use* last = last_before(ends_, node, started);
-  if (last != nullptr && last->ended > ready)  // otherwise the difference is the engine's own time
+  if (last != nullptr && last->ended > ready + result_.own_time)
     waits.push_back({Wait::Kind::Turn, last->node, {}, ready, last->ended});
 }
 
@@ -113,7 +115,7 @@ std::vector<Wait> WaitFinder::of(NodeId node) const {
   TimePoint from{};
   for (Wait& wait : waits)
     wait.from = std::exchange(from, wait.until);
-  std::erase_if(waits, [](const Wait& wait) { return wait.from == wait.until; });
+  std::erase_if(waits, [&](const Wait& wait) { return wait.until - wait.from <= result_.own_time; });
   add_resource(waits, node, ready);
   if (!waits.empty()) ready = waits.back().until;
   add_turn(waits, node, ready);

@@ -97,6 +97,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
 
   mission::Completer defer(std::function<void()> preempt) override {
     environment_.running_[index(node_)] = {reporter_, std::move(preempt)};
+    completions_.await(node_, attempt_);
     return [receiver = environment_.receiver_, reporter = reporter_, node = node_, attempt = attempt_](
                Ending ending, std::vector<Value> outputs) {
       receiver->deliver(node, attempt, reporter->report(ending, std::move(outputs)));
