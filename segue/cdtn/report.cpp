@@ -36,7 +36,8 @@ Value node_value(const TaskNetwork& network, const RunResult& result, const Wait
   entry.set("end_s", in_seconds(own.ended));
   entry.set("commit_s", in_seconds(own.committed));
   entry.set("status", to_string(own.status));
-  entry.set("outcome", network.outcomes.name(static_cast<std::uint32_t>(own.outcome)));
+  const bool ended = own.status != NodeStatus::NotReached && own.status != NodeStatus::Skipped;
+  entry.set("outcome", ended ? network.outcomes.name(static_cast<std::uint32_t>(own.outcome)) : "");
   entry.set("pia", network[node].kind == ActionClass::Irreversible);
   entry.set("runs", static_cast<std::uint64_t>(own.attempts));
   Value::List resources;

@@ -9,28 +9,29 @@ namespace segue::convert {
 /// the build of that test (SEGUE_CONVERT_FAULTS); elsewhere `planted` is false at compile time.
 enum class ConversionFault : std::uint8_t {
   None,
-  ForgetsOldWrites,      ///< of several possible writers of a value, only the last is considered
-  TakesOldestWrite,      ///< the first writer counts
-  KeepsNull,             ///< nulls are not replaced by defaults
-  ForgetsOuterDefaults,  ///< the defaults of a library are ignored
-  SkipsCopies,           ///< a value under a condition counts always
-  DecidesAsExpected,     ///< a branch is assumed to end as expected
-  IgnoresInnerBranch,    ///< a node waits for outer conditions only
-  MergesHalfBranches,    ///< two edges of a branch count as all of them
-  JoinsAlways,           ///< a join always says that a way was taken
-  NeverGoesBack,         ///< a loop that was expected to end is not resumed
-  ForgetsArrivals,       ///< of several ways to a state, one is lost
-  ForgetsAbortedError,   ///< the state after an abort does not get the error
-  ForgetsEffects,        ///< effects of actions are ignored
-  ForgetsResources,      ///< resources of actions are ignored
-  NothingIsOpaque,       ///< actions without facts and resources touch nothing
-  CountsTwice,           ///< an execution of an action counts as two
-  SwallowsExceptions,    ///< an action that throws succeeds
-  AcceptsAnyOutcome,     ///< an undeclared outcome becomes the first one
-  CountsCancelled,       ///< a cancelled action keeps its own outcome
-  MistakesBranches,      ///< a decider sees the outcome of the first state for all
-  ForgetsSharedGlobals,  ///< opaque subtrees have their own global variables
-  Last = ForgetsSharedGlobals
+  ForgetsOldWrites,          ///< of several possible writers of a value, only the last is considered
+  TakesOldestWrite,          ///< the first writer counts
+  KeepsNull,                 ///< nulls are not replaced by defaults
+  ForgetsOuterDefaults,      ///< the defaults of a library are ignored
+  SkipsCopies,               ///< a value under a condition counts always
+  DecidesAsExpected,         ///< a branch is assumed to end as expected
+  IgnoresInnerBranch,        ///< a node waits for outer conditions only
+  MergesHalfBranches,        ///< two edges of a branch count as all of them
+  JoinsAlways,               ///< a join always says that a way was taken
+  NeverGoesBack,             ///< a loop that was expected to end is not resumed
+  ForgetsArrivals,           ///< of several ways to a state, one is lost
+  ForgetsAbortedError,       ///< the state after an abort does not get the error
+  ForgetsEffects,            ///< effects of actions are ignored
+  ForgetsResources,          ///< resources of actions are ignored
+  NothingIsOpaque,           ///< actions without facts and resources touch nothing
+  CountsTwice,               ///< an execution of an action counts as two
+  SwallowsExceptions,        ///< an action that throws succeeds
+  AcceptsAnyOutcome,         ///< an undeclared outcome becomes the first one
+  CountsCancelled,           ///< a cancelled action keeps its own outcome
+  MistakesBranches,          ///< a decider sees the outcome of the first state for all
+  ForgetsSharedGlobals,      ///< opaque subtrees have their own global variables
+  ForgetsUnfinishedOutputs,  ///< a mission that fails has no outputs
+  Last = ForgetsUnfinishedOutputs
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

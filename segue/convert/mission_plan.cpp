@@ -105,4 +105,12 @@ std::vector<Value> MissionPlan::final_outputs() {
   return values;
 }
 
+std::unique_ptr<MissionPlan> MissionPlan::from_the_beginning() const {
+  auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(program_));
+  plan->network_.name = network_.name;
+  plan->unroller_ = std::make_unique<Unroller>(*plan, unroller_->given(), true);
+  (void)plan->unroller_->begin();  // as it has succeeded before
+  return plan;
+}
+
 }  // namespace segue::convert

@@ -111,6 +111,9 @@ class MissionPlan final : public cdtn::Expansion {
   /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);
   [[nodiscard]] std::vector<type::Value> final_outputs();
+  /// The same mission with the same inputs, of which nothing is planned yet. It goes on after every abort and
+  /// preemption, too, up to the end of the mission, so it is for replays only.
+  [[nodiscard]] std::unique_ptr<MissionPlan> from_the_beginning() const;
 
  private:
   friend class Unroller;

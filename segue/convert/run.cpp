@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/run.hpp>
+#include <segue/convert/unfinished_outputs.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -75,7 +76,9 @@ class Run::Implementation {
     result_.outcome_name = program.outcome_name(0, result_.outcome);
     if (network_result_.error && result_.outcome == mission::kAborted)
       result_.error = network_result_.error->message;
-    if (result_.outcome >= 0) result_.outputs = plan_->final_outputs();
+    result_.outputs = result_.outcome >= 0
+                          ? plan_->final_outputs()
+                          : unfinished_outputs(*plan_, network_result_, environment_.globals);
     result_.outputs.resize(program.node(0).output_ports->size());
     return result_;
   }

@@ -15,8 +15,11 @@ using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
 
-Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs)
-    : plan_(plan), given_(std::move(inputs)), touches_(plan.program().mission().actions.size()) {
+Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool every_end)
+    : plan_(plan),
+      given_(std::move(inputs)),
+      every_end_(every_end),
+      touches_(plan.program().mission().actions.size()) {
   find_opaque_subtrees();
   find_varying();
 }
@@ -24,6 +27,7 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs)
 Result<void> Unroller::begin() {
   StateEntry entry;
   entry.state = 0;
+  entry.aborts_handled = every_end_;
   const auto& supplies = node(0).inputs;
   for (std::size_t i = 0; i < supplies.size(); ++i) {
     Symbol input;
@@ -288,6 +292,11 @@ void Unroller::leave(Track& track) {
     Symbol value = activation->slots.read(output.slots, activation->entry.when, paths_);
     if (!value.rest) value.rest = with({}, fallback(output, activation->entry.when));
     end.outputs.push_back(std::move(value));
+  }
+  if (const auto port = mission::position(*node(state).output_ports, "error")) {
+    auto& candidates = end.outputs[*port].candidates;
+    for (const Exit& exit : end.exits)
+      candidates.insert(candidates.end(), exit.arrival.errors.begin(), exit.arrival.errors.end());
   }
   track.frames.pop_back();
   finish(track, state, std::move(end));

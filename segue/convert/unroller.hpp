@@ -91,7 +91,8 @@ struct Touch {
 /// gets one node for each iteration of the loops that contain it.
 class Unroller {
  public:
-  Unroller(MissionPlan& plan, std::vector<type::Value> inputs);
+  /// `every_end`: plans aborts and preemptions also where nothing handles them.
+  Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool every_end = false);
   Result<void> begin();
   /// Plans one node or a few; false if the plan must wait for a decision.
   bool step() { return step(main_); }
@@ -99,6 +100,7 @@ class Unroller {
   [[nodiscard]] bool finished() const { return main_.settled(); }
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
+  [[nodiscard]] const std::vector<type::Value>& given() const { return given_; }
   [[nodiscard]] const OpaqueSubtreeReason& subtree_reason(mission::StateIndex state) const {
     return subtrees_[state];
   }
@@ -162,7 +164,8 @@ class Unroller {
   }
 
   MissionPlan& plan_;
-  std::vector<type::Value> given_;
+  const std::vector<type::Value> given_;
+  const bool every_end_;
   PathConditions paths_;
   Track main_;
   std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state

@@ -387,12 +387,14 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   for (Outcome i = 0; i < own; ++i)
     outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
   if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
+  if (every_end_) outcomes.push_back(cdtn::kPreempted);
   const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
   const bool foreseen = leaf && !action(entry.state).expected_outcome.empty();
   const auto branch =
       paths_.add(id, entry.when, outcomes, foreseen ? std::optional(spec.expected) : std::nullopt);
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
+  if (every_end_) end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
   if (!entry.aborts_handled) return end;
   const BranchEdge aborted{branch, cdtn::kAborted};
   end.exits.push_back(

@@ -115,7 +115,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     overview_.succeeded = ended->outcome >= 0;
     if (!ended->error.empty()) overview_.error = Error{ErrorCode::HookFailed, ended->error, {}, {}, {}};
     const auto& ports = *run_->plan().program().node(0).output_ports;
-    for (std::size_t i = 0; overview_.succeeded && i < ports.size(); ++i)
+    for (std::size_t i = 0; i < ports.size(); ++i)
       overview_.outputs.append(ports[i].name, ended->outputs[i]);
   }
 

@@ -80,6 +80,13 @@ double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
+std::vector<std::string> outputs_of(const FinishedRun& run) {
+  std::vector<std::string> texts;
+  for (const auto& [name, value] : run.overview().outputs)
+    texts.push_back(name + ": " + type::to_json(value));
+  return texts;
+}
+
 TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {
   const Session session = load("m.yaml", kGrasp);
   EXPECT_FALSE(session.is_network());
@@ -154,6 +161,86 @@ TEST_F(Sessions, AnActionThatAbortsIsReportedWithItsError) {
     EXPECT_EQ(run->overview().error->message, "it slipped");
     EXPECT_THAT(errors, ElementsAre("aborted: it slipped"));
   }
+}
+
+/// Fails inside, with outputs of every origin. What comes after the failure is pure and runs ahead.
+constexpr const char* kFailing = R"j(mission: m
+actions:
+  look: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 1s, outputs: {pose: 7}}}}
+  count: {effects: ["+counted()"], outputs: {n: int}, run: {simulated: {duration: 1s, outputs: {n: 3}}}}
+  grasp: {effects: ["+held()"], outputs: {force: {type: int, default: 4}}, run: {callback: grasp}}
+  again: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 1s, outputs: {pose: 8}}}}
+start: look
+outputs: {pose: int, n: int, force: int, never: {type: int, default: 9}, error: string}
+flows: [look.pose -> outputs.pose, again.pose -> outputs.pose, inner.n -> outputs.n, inner.force -> outputs.force]
+states:
+  look: {on: {success: inner}}
+  inner:
+    outputs: {n: int, force: int}
+    flows: [count.n -> outputs.n, grasp.force -> outputs.force]
+    start: count
+    states:
+      count: {on: {success: grasp}}
+      grasp: {on: {success: return success}}
+    on: {success: again}
+  again: {on: {success: return success}}
+)j";
+
+TEST_F(Sessions, ARunThatAbortsKeepsItsOutputsInEitherMode) {
+  const Session session = load("m.yaml", kFailing);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall& call) {
+      call.set_output("force", type::Value(5));
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    const auto run = session.run(wanted).value();
+    EXPECT_EQ(run->overview().outcome, "aborted");
+    EXPECT_THAT(outputs_of(*run),
+                ElementsAre("pose: 7", "n: 3", "force: 5", "never: 9", "error: \"it slipped\""));
+  }
+}
+
+TEST_F(Sessions, AContainerThatAbortsGivesItsErrorInEitherMode) {
+  const Session session = load("m.yaml", R"j(mission: m
+actions:
+  grasp: {effects: ["+held()"], run: {callback: grasp}}
+  rest: {effects: ["+rested()"], run: {simulated: {duration: 1s}}}
+start: inner
+outputs: {why: string}
+flows: [inner.error -> outputs.why]
+states:
+  inner:
+    outputs: {error: string}
+    start: grasp
+    states: {grasp: {on: {success: return success}}}
+    on: {success: return success, aborted: rest}
+  rest: {on: {success: return success}}
+)j");
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    RunRequest wanted = request(mode);
+    wanted.runners.add("grasp", [](mission::ActionCall&) {
+      return mission::Ending{mission::kAborted, "it slipped"};
+    });
+    const auto run = session.run(wanted).value();
+    EXPECT_TRUE(run->overview().succeeded);
+    EXPECT_THAT(outputs_of(*run), ElementsAre("why: \"it slipped\""));
+  }
+}
+
+TEST_F(Sessions, WhatARunDoesNotReachHasNoOutcome) {
+  const Session session = load("m.yaml", kFailing);
+  RunRequest wanted = request(RunMode::Concurrent);
+  wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{mission::kAborted, "no"}; });
+  const auto run = session.run(wanted).value();
+  const type::Value json = run->to_value();
+  std::vector<std::string> outcomes;
+  for (const type::Value& node : json.find("nodes")->as_list())
+    outcomes.push_back(node.find("name")->as_string() + ": " + node.find("outcome")->as_string());
+  EXPECT_THAT(outcomes,
+              ElementsAre("look: success", "inner/count: success", "inner/grasp: aborted", "again: "));
+  EXPECT_THAT(run->rows().back().outcome, IsEmpty());
+  EXPECT_THAT(run->gantt().nodes.back().outcome, IsEmpty());
 }
 
 TEST_F(Sessions, AStopFromAnotherThreadEndsTheRun) {
