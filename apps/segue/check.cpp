@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/model/files.hpp>
@@ -51,7 +51,7 @@ class Checker {
  private:
   void read(const std::string& file) {
     ++files_;
-    const auto text = read_file(file);
+    const auto text = read_input_file(file);
     if (!text) {
       diagnostics_.error("unreadable-file", text.error().message, {file, 0, 0});
       return;

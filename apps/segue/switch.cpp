@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 
 #include <fmt/core.h>
@@ -113,7 +113,7 @@ Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptio
                             .who = fmt::format("segue switch (pid {}, uid {})", ::getpid(), ::getuid())},
                            deadline);
   }
-  const auto text = read_file(options.transition);
+  const auto text = read_input_file(options.transition);
   if (!text) return text.error();
   return robot.apply_transition(*text, options.transition, deadline);
 }

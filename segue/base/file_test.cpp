@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 
 namespace segue {
@@ -29,6 +31,25 @@ TEST_F(FileTest, ReplacesAFileAsAWholeAndLeavesNoTemporaryOne) {
   ASSERT_TRUE(write_file(folder_ / "x", "short"));
   EXPECT_EQ(read_file(folder_ / "x").value(), "short");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(FileTest, AnInputHasALimitThatTheEnvironmentRaises) {
+  ::unsetenv(kLargestInput);
+  ASSERT_TRUE(write_file(folder_ / "x", std::string((std::size_t{16} << 20) + 1, 'x')));
+  const auto refused = read_input_file(folder_ / "x");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::ResourceExhausted);
+  EXPECT_NE(refused.error().message.find("larger than 16MiB; to read it, set the environment variable "
+                                         "SEGUE_MAX_FILE_SIZE"),
+            std::string::npos)
+      << refused.error().message;
+  ::setenv(kLargestInput, "20MB", 1);
+  EXPECT_TRUE(read_input_file(folder_ / "x"));
+  ::setenv(kLargestInput, "much", 1);
+  const auto wrong = read_input_file(folder_ / "x");
+  ::unsetenv(kLargestInput);
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().message.rfind("SEGUE_MAX_FILE_SIZE: ", 0), 0U) << wrong.error().message;
 }
 
 TEST_F(FileTest, SaysWhatIsMissing) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "flat_file.hpp"
 
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/cdtn/flat_reader.hpp>
 #include <segue/type/json.hpp>
@@ -31,7 +31,7 @@ std::optional<FlatNetwork> read_flat_network(std::string_view text, const std::s
 }
 
 std::optional<FlatNetwork> load_flat_network(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  const auto text = read_file(file);
+  const auto text = read_input_file(file);
   if (!text) {
     diagnostics.error("unreadable-file", text.error().message, {file.string(), 0, 0});
     return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/unknown_key.hpp>
 #include <segue/model/reader.hpp>
 #include <segue/type/json.hpp>
@@ -40,7 +40,7 @@ std::optional<Value> Source::parse(std::string_view text) const {
 }
 
 std::optional<std::string> read_text(const std::filesystem::path& file, Diagnostics& diagnostics) {
-  auto text = read_file(file);
+  auto text = read_input_file(file);
   if (text) return std::move(*text);
   diagnostics.error("unreadable-file", text.error().message, {file.string(), 0, 0});
   return std::nullopt;

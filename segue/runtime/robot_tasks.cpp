@@ -2,6 +2,7 @@
 #include <segue/runtime/robot_tasks.hpp>
 
 #include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
@@ -86,7 +87,7 @@ Result<process::Launch> launch_of(const model::Robot& robot, const EmbeddedOptio
   launch.only_stand_ins = options.only_stand_ins;
   launch.log_level = to_string(options.log_level);
   if (!options.stand_ins.empty()) {
-    auto text = read_file(options.stand_ins);
+    auto text = read_input_file(options.stand_ins);
     if (!text) {
       return std::move(text.error());
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/draw/plan_diagram.hpp>
 #include <segue/mission/files.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 /// JSON with nodes at its top; also what is meant as such and cannot be parsed.
 bool is_task_network(const std::filesystem::path& file) {
-  const auto text = read_file(file);
+  const auto text = read_input_file(file);
   if (!text) return false;
   const auto first = text->find_first_not_of(" \t\r\n");
   if (first == std::string::npos || (*text)[first] != '{') return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
+#include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/type/collection.hpp>
 #include <segue/type/scalar_text.hpp>
@@ -277,7 +277,7 @@ Result<Value> parse_yaml(std::string_view text, const std::string& file) {
 }
 
 Result<Value> load_yaml(const std::filesystem::path& file) {
-  auto text = read_file(file);
+  auto text = read_input_file(file);
   if (!text) return text.error();
   return parse_yaml(*text, file.string());
 }

@@ -213,6 +213,23 @@ TEST_F(Files, CheckFindsNothingInGoodFiles) {
   EXPECT_EQ(*json({"check", "one.yaml"}).find("ok"), Value(true));
 }
 
+TEST_F(Files, AFileThatIsTooLargeIsRefusedByEveryReader) {
+  const std::string filler((std::size_t{17} << 20), '\n');
+  write("large.yaml", kOne + filler);
+  write("mission.yaml", "mission: m\naction: a\n" + filler);
+  write("nodes.json", R"({"nodes": []})" + filler);
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"check", "large.yaml"},
+                                             {"diff", "-", "large.yaml"},
+                                             {"mission", "run", "mission.yaml"},
+                                             {"mission", "run", "nodes.json"}}) {
+    const auto finished = segue(command);
+    EXPECT_EQ(finished.status, 1) << command.back();
+    EXPECT_TRUE(contains(finished.errors, "larger than 16MiB")) << finished.errors;
+    EXPECT_TRUE(contains(finished.errors, "SEGUE_MAX_FILE_SIZE")) << finished.errors;
+  }
+}
+
 TEST_F(Files, CheckReportsEveryProblemWithItsLocation) {
   write("bad.yaml",
         "network: bad\ntasks:\n  a: {component: \"demo::Drvie\"}\n  b: {component: \"demo::Odometry\"}\n"
