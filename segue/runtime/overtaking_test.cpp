@@ -184,21 +184,28 @@ class Overtaking : public ::testing::Test {
     }
   }
 
-  /// One more request gets the robot where it wants, and the leftovers are collected.
+  /// One more request gets the robot where it wants, and the leftovers are collected. Where processes died,
+  /// what that broke may be noticed only after the request, so another one may be needed.
   void expect_in_order() {
     const auto name = controller_name(robot_.random_below(kControllers));
-    SwitchResult result = robot_.runtime.switch_to(name);
-    for (int i = 0; i < 3 && deaths_ > 0 && result.outcome == Outcome::Failed; ++i) {
-      result = robot_.runtime.switch_to(name);  // a death may not have been noticed before
-    }
-    ASSERT_EQ(result.outcome, Outcome::Done) << story(result);
     const model::Network wanted = *robot_.runtime.controller(name);
-    const TimePoint limit = RealClock::instance().now() + 60s;
+    SwitchResult result;
+    for (int left = deaths_ > 0 ? 4 : 1; left > 0; --left) {
+      result = robot_.runtime.switch_to(name);
+      if (result.outcome == Outcome::Done && comes_about(wanted, left > 1 ? 3s : 60s)) {
+        return;
+      }
+    }
+    const auto wrong = model::differences(wanted, robot_.world.truth());
+    FAIL() << story(result) << "\n" << (wrong.empty() ? "" : wrong.front());
+  }
+
+  bool comes_about(const model::Network& wanted, Duration patience) {
+    const TimePoint limit = RealClock::instance().now() + patience;
     while (!equivalent(wanted, robot_.world.truth()) && RealClock::instance().now() < limit) {
       std::this_thread::sleep_for(1ms);
     }
-    const auto wrong = model::differences(wanted, robot_.world.truth());
-    ASSERT_TRUE(wrong.empty()) << story(result) << "\n" << wrong.front();
+    return equivalent(wanted, robot_.world.truth());
   }
 
   void run(bool with_deaths) {

@@ -139,6 +139,9 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
   auto& all = process_->connections;
   const auto found = std::find(all.begin(), all.end(), connection);
   if (action.kind == ActionKind::Connect) {
+    if (!process_->tasks.contains(connection.from.task) || !process_->tasks.contains(connection.to.task)) {
+      return no_such("task");
+    }
     if (found != all.end()) {
       return fail(ErrorCode::AlreadyExists, "is already connected");
     }
