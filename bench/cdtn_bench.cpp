@@ -197,6 +197,18 @@ void step_beside_waiting(benchmark::State& state, Lack lack) {
   }
 }
 
+/// Nodes that take turns with one resource: all wait until the first has ended, then run one after another.
+void take_turns(benchmark::State& state) {
+  const TaskNetwork network = make_crowd(Lack::Resource, state.range(0), std::chrono::seconds(1));
+  const Order order = derive_order(network);
+  for (auto _ : state) {
+    SimulatedEnvironment environment(network);
+    const RunResult result = ConcurrentEngine(network, order, environment).run();
+    if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
+  }
+  per_node(state);
+}
+
 /// The baseline: the minimum that any executor must do.
 void run_counters(benchmark::State& state) {
   const Graph graph(static_cast<std::uint32_t>(state.range(0)));
@@ -300,6 +312,7 @@ BENCHMARK_CAPTURE(run_engine, facts, Kind::Facts)->Apply(sizes);
 BENCHMARK_CAPTURE(append_nodes, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, facts, Kind::Facts)->Apply(sizes);
+BENCHMARK(take_turns)->RangeMultiplier(10)->Range(1000, 100'000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(step_beside_waiting, resource, Lack::Resource)->Apply(crowds);
 BENCHMARK_CAPTURE(step_beside_waiting, data, Lack::Data)->Apply(crowds);
 BENCHMARK_CAPTURE(step_beside_waiting, condition, Lack::Condition)->Apply(crowds);

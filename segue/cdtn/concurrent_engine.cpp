@@ -228,6 +228,7 @@ RunResult ConcurrentEngine::Implementation::result() {
   result.own_time = events_.own_time();
   result.wasted = std::move(wasted_);
   result.statistics = statistics_;
+  result.statistics.looked_at = pool_.looked_at();
   result.log = std::move(log_);
   return result;
 }

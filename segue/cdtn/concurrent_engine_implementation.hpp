@@ -35,6 +35,11 @@ class ConcurrentEngine::Implementation {
   using Phase = NodePhase;
   using State = NodeState;
   class RunContext;
+  /// The speculative runs that hold units of a resource, and how many they can give back.
+  struct SpeculativeHolders {
+    std::set<Rank> ranks;
+    std::uint64_t units = 0;
+  };
 
   // Setting up and the loop (concurrent_engine.cpp).
   void adopt();
@@ -79,6 +84,8 @@ class ConcurrentEngine::Implementation {
   // Preempting speculative runs (concurrent_engine_preempt.cpp).
   void note_speculative(NodeId node, bool speculative);
   void note_preempted(NodeId node, bool preempted);
+  [[nodiscard]] std::uint64_t blocked_units(NodeId node, ResourceId resource) const;
+  [[nodiscard]] bool speculation_holds(NodeId node) const;
   void preempt_for_units(NodeId node);
   void preempt_for_waiting();
   void preempt(NodeId node);
@@ -155,9 +162,9 @@ class ConcurrentEngine::Implementation {
   std::set<Rank> ready_speculative_;  ///< others
   std::set<Rank> copying_;
   std::uint32_t copies_ = 0;
-  std::vector<std::set<Rank>> speculative_;     ///< by resource: speculative runs that hold units of it
-  std::vector<std::uint64_t> preempted_units_;  ///< by resource: held by cancelled runs that have not ended
-  std::uint32_t preempted_workers_ = 0;         ///< likewise
+  std::vector<SpeculativeHolders> speculative_;  ///< by resource
+  std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
+  std::uint32_t preempted_workers_ = 0;          ///< likewise
   std::uint32_t passed_count_ = 0;
   std::uint32_t prefix_ = 0;        ///< all nodes before have passed
   std::uint32_t safe_ = 0;          ///< no node before can fail any more

@@ -14,12 +14,29 @@ namespace segue::cdtn {
 void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
   if (speculative && certain(node)) return;
   for (const Claim& claim : network_.claims(node)) {
-    std::set<Rank>& holders = speculative_[index(claim.resource)];
-    if (speculative)
-      holders.insert(rank(node));
-    else
-      holders.erase(rank(node));
+    SpeculativeHolders& holders = speculative_[index(claim.resource)];
+    if (speculative && holders.ranks.insert(rank(node)).second)
+      holders.units += blocked_units(node, claim.resource);
+    if (!speculative && holders.ranks.erase(rank(node)) > 0)
+      holders.units -= blocked_units(node, claim.resource);
   }
+}
+
+/// The units that a run of the node gives back when it ends.
+std::uint64_t ConcurrentEngine::Implementation::blocked_units(NodeId node, ResourceId resource) const {
+  std::uint64_t units = 0;
+  for (const Claim& claim : network_.claims(node)) {
+    if (claim.resource == resource && claim.op == ResourceOp::Block) units += claim.count;
+  }
+  return units;
+}
+
+/// Whether a later speculative run holds units of a resource that the node claims.
+bool ConcurrentEngine::Implementation::speculation_holds(NodeId node) const {
+  return std::ranges::any_of(network_.claims(node), [&](const Claim& claim) {
+    const auto& ranks = speculative_[index(claim.resource)].ranks;
+    return !ranks.empty() && rank(node) < *ranks.rbegin();
+  });
 }
 
 /// Records the units and the worker that a cancelled run still holds, until it ends.
@@ -36,30 +53,26 @@ void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempte
 /// that it claims. False if even all of them would not be enough.
 bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, const Claim& claim,
                                                                    std::vector<NodeId>& holders) {
-  const auto missing = pool_.missing(rank(node), claim);
-  if (!missing) return false;
   std::uint64_t coming = preempted_units_[index(claim.resource)];
-  const auto add_units_of = [&](NodeId holder) {
-    for (const Claim& claimed : network_.claims(holder)) {
-      if (claimed.resource == claim.resource && claimed.op == ResourceOp::Block) coming += claimed.count;
-    }
-  };
+  const auto& [candidates, held] = speculative_[index(claim.resource)];
+  const auto missing = pool_.missing(rank(node), claim, coming + held);
+  if (!missing) return false;
   for (const NodeId holder : holders)
-    add_units_of(holder);
-  const auto& candidates = speculative_[index(claim.resource)];
+    coming += blocked_units(holder, claim.resource);
   for (auto last = candidates.rbegin(); last != candidates.rend() && coming < *missing && rank(node) < *last;
        ++last) {
     // The holder may have become certain to count meanwhile.
     const bool known = std::ranges::find(holders, last->node) != holders.end();
     if (known || (at(last->node).phase == Phase::Running && certain(last->node))) continue;
     holders.push_back(last->node);
-    add_units_of(last->node);
+    coming += blocked_units(last->node, claim.resource);
   }
   return coming >= *missing;
 }
 
 /// Requires that the node is certain to count and waits for units.
 void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
+  if (!speculation_holds(node)) return;
   std::vector<NodeId> holders;
   for (const Claim& claim : network_.claims(node)) {
     if (!collect_speculative_holders(node, claim, holders)) return;

@@ -205,6 +205,50 @@ TEST(ConcurrentEngine, TakesEndsFromOtherThreads) {
     EXPECT_EQ(result.outputs[i]->as_uint(), i) << "each saw what came before it in the program";
 }
 
+/// Nodes that wait for the unit of the first. Speculating: they want two, of which one is held by a node that
+/// runs ahead, and preempting it would not help.
+RunResult run_crowd(std::uint32_t waiting, bool speculating) {
+  TaskNetwork network;
+  const ResourceId arm = network.resources.intern("arm");
+  network.resources[arm].count = speculating ? 2 : 1;
+  NodeSpec spec;
+  spec.kind = ActionClass::Pure;
+  spec.claims = {{arm}};
+  spec.duration = std::chrono::seconds(10);
+  network.append(spec);
+  NodeSpec first;
+  first.duration = std::chrono::seconds(1);
+  const NodeId signal = network.append(first);
+  spec.duration = std::chrono::seconds(0);
+  spec.claims = {{arm, ResourceOp::Block, network.resources[arm].count}};
+  spec.inputs = {{signal, 0, 0}};
+  for (std::uint32_t i = 0; i < waiting; ++i)
+    network.append(spec);
+  NodeSpec slow;
+  slow.branches = true;
+  slow.duration = std::chrono::seconds(20);
+  const NodeId decision = network.append(slow);
+  NodeSpec ahead;
+  ahead.kind = ActionClass::Pure;
+  ahead.claims = {{arm}};
+  ahead.duration = std::chrono::seconds(5);
+  ahead.conditions = {{decision, kSuccess}};
+  if (speculating) network.append(ahead);
+  const Order order = derive_order(network);
+  SimulatedEnvironment environment(network);
+  return ConcurrentEngine(network, order, environment).run();
+}
+
+TEST(ConcurrentEngine, ManyThatWaitForOneResourceCostNoMoreForEach) {
+  for (const bool speculating : {false, true}) {
+    const RunResult few = run_crowd(100, speculating);
+    const RunResult many = run_crowd(3'000, speculating);
+    ASSERT_TRUE(few.done() && many.done());
+    EXPECT_EQ(many.statistics.speculative > 0, speculating);
+    EXPECT_LE(many.statistics.looked_at, 35 * few.statistics.looked_at) << speculating;
+  }
+}
+
 TEST(Waits, WhatTheEngineTakesItselfIsNoWait) {
   const auto flat = read(R"j({"name": "a", "effects": ["+p()"]}, {"name": "b", "effects": ["+q()"]})j");
   const Order order = derive_order(flat.network);

@@ -64,6 +64,7 @@ bool ResourcePool::turn(const Rank& rank, std::uint64_t own, ResourceId id) cons
   if (own == 0 || units.wanted + own <= units.free) return true;
   std::uint64_t ahead = own;
   for (const Waiting& waiting : units.queue) {
+    ++looked_at_;
     if (!(waiting.rank < rank)) break;
     ahead += waiting.need;
     if (ahead > units.free) return false;
@@ -84,7 +85,8 @@ const Claim* ResourcePool::obstacle(std::span<const Claim> claims) const {
   return found == claims.end() ? nullptr : &*found;
 }
 
-std::optional<std::uint64_t> ResourcePool::missing(const Rank& rank, const Claim& claim) const {
+std::optional<std::uint64_t> ResourcePool::missing(const Rank& rank, const Claim& claim,
+                                                   std::uint64_t most) const {
   if (!fits_but_for_units(claim)) return std::nullopt;
   const Units& units = units_[index(claim.resource)];
   if (!can_wait(claim)) return 0;
@@ -93,9 +95,12 @@ std::optional<std::uint64_t> ResourcePool::missing(const Rank& rank, const Claim
   std::uint64_t wanted = own->need;
   if (wanted == 0) return 0;
   for (const Waiting& waiting : units.queue) {
+    ++looked_at_;
     if (!(waiting.rank < rank)) break;
     wanted += waiting.need;
+    if (wanted > units.free + most) return std::nullopt;
   }
+  if (wanted > units.free + most) return std::nullopt;
   return wanted <= units.free ? 0 : wanted - units.free;
 }
 
@@ -220,6 +225,7 @@ void ResourcePool::grant_waiting(ResourceId id) {
   Units& units = units_[index(id)];
   std::uint64_t ahead = 0;
   for (auto next = units.queue.begin(); next != units.queue.end() && ahead <= units.free;) {
+    ++looked_at_;
     const Waiting waiting = *next++;
     if (grantable(waiting.rank, *waiting.claims)) {
       dequeue(waiting.rank, *waiting.claims);

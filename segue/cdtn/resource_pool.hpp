@@ -50,12 +50,15 @@ class ResourcePool {
 
   [[nodiscard]] std::uint32_t total(ResourceId id) const { return units_[index(id)].total; }
   [[nodiscard]] std::uint32_t free(ResourceId id) const { return units_[index(id)].free; }
-  /// How many more units must become free before this claim is granted; nullopt if it waits for another
-  /// reason.
-  [[nodiscard]] std::optional<std::uint64_t> missing(const Rank& rank, const Claim& claim) const;
+  /// How many more units must become free before this claim is granted; nullopt if they are more than `most`,
+  /// or if it waits for another reason. Looks at no more waiting nodes than that takes.
+  [[nodiscard]] std::optional<std::uint64_t> missing(const Rank& rank, const Claim& claim,
+                                                     std::uint64_t most) const;
   /// Moves out, for each resource of which units became free since the last call, the first node that still
   /// has to wait.
   void still_waiting(std::vector<NodeId>& nodes);
+  /// How many waiting nodes it has looked at: what it costs, for tests.
+  [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
   /// The claim that could not be granted even if no other node waited; null if there is none.
   [[nodiscard]] const Claim* obstacle(std::span<const Claim> claims) const;
 
@@ -99,6 +102,7 @@ class ResourcePool {
   std::vector<Group> groups_;
   std::vector<NodeId> granted_;
   std::vector<NodeId> still_waiting_;
+  mutable std::uint64_t looked_at_ = 0;
 };
 
 }  // namespace segue::cdtn

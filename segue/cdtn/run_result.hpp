@@ -38,6 +38,7 @@ struct RunStatistics {
   std::uint64_t wasted = 0;       ///< of those, discarded
   std::uint64_t preempted = 0;    ///< of those, cancelled because a node that counts needed what they held
   std::uint64_t repeated = 0;     ///< further runs of nodes that had run before
+  std::uint64_t looked_at = 0;    ///< waiting nodes, each time that units are given out or preempted for
 };
 
 /// An event of a node. Start: with all its resources. End: the run has ended and released them. Commit: its
