@@ -212,9 +212,9 @@ std::optional<std::size_t> Fields::choose(const Value& value, std::string_view k
 
 void Fields::finish() {
   if (map_ == nullptr) return;
-  const std::vector<std::string> known(known_.begin(), known_.end());
   for (const auto& [key, value] : *map_) {
-    const auto problem = problem_of_key(key, known);
+    if (std::ranges::find(known_, key) != known_.end()) continue;  // nearly all: without a copy of the names
+    const auto problem = problem_of_key(key, std::vector<std::string>(known_.begin(), known_.end()));
     if (!problem) continue;
     if (source_.unknown_keys() == UnknownKeys::Refuse) {
       source_.error("unknown-key", what_ + ": " + *problem, value);

@@ -460,6 +460,18 @@ TEST_F(RuntimeTest, events_are_numbered_without_gaps) {
   EXPECT_EQ(runtime_.events(events.back().number - 1).size(), 1U);
 }
 
+/// The first action sets `entered` and waits for `go`, both of which outlive the robot.
+void hold_first_action(testing::StandInRobot& robot, std::promise<void>& entered, std::promise<void>& go) {
+  robot.asking.ask([&entered, gate = go.get_future().share(),
+                    first = std::make_shared<std::atomic<bool>>(true)](const model::Action&) -> Result<void> {
+    if (first->exchange(false)) {
+      entered.set_value();
+      gate.wait();
+    }
+    return {};
+  });
+}
+
 TEST(RuntimeEnd, a_preparation_that_waits_is_answered) {
   std::future<std::vector<Readiness>> prepared;
   std::promise<void> entered;
@@ -467,14 +479,7 @@ TEST(RuntimeEnd, a_preparation_that_waits_is_answered) {
   std::thread release;
   {
     testing::StandInRobot robot;
-    std::atomic<bool> first_action{true};
-    robot.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
-      if (first_action.exchange(false)) {
-        entered.set_value();
-        gate.wait();
-      }
-      return {};
-    });
+    hold_first_action(robot, entered, go);
     const auto running = robot.runtime.request(network_of(kFirst));
     entered.get_future().wait();
     prepared = robot.runtime.prepare({model::NetworkName("second")});
@@ -494,14 +499,7 @@ TEST(RuntimeEnd, requests_that_wait_are_answered) {
   std::thread release;
   {
     testing::StandInRobot robot;
-    std::atomic<bool> first_action{true};
-    robot.asking.ask([&, gate = go.get_future().share()](const model::Action&) -> Result<void> {
-      if (first_action.exchange(false)) {
-        entered.set_value();
-        gate.wait();
-      }
-      return {};
-    });
+    hold_first_action(robot, entered, go);
     running = robot.runtime.request(network_of(kFirst));
     entered.get_future().wait();
     waiting = robot.runtime.request(network_of(kSecond));
