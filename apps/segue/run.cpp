@@ -210,6 +210,7 @@ int run_robot(const RunOptions& options, const Context& context) {
   print_diagnostics(diagnostics);
   const int status = serve(*robot, options, stop, context);
   if (status == kDone && !context.json()) print_line("the robot is stopped");
+  robot->exit_if_hanging(status);
   return status;
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -40,8 +41,20 @@ struct Activity {
   /// Thread group: tasks of a process that name the same group share its thread. Empty: a thread of its own.
   std::string thread{};
   bool optional = false;  ///< fall back to Normal where the system does not permit the scheduler
+  /// How long an update or an operation may take before the task counts as hanging; 0: as deadline_of() says.
+  Duration update_deadline{0};
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };
+
+/// The deadline of each update: the declared one, else ten periods and at least 5 s, else 30 s. Generous,
+/// since a task that exceeds it is treated as one that has failed.
+inline Duration deadline_of(const Activity& activity) {
+  if (activity.update_deadline > Duration::zero()) return activity.update_deadline;
+  if (activity.trigger != Trigger::Periodic) return std::chrono::seconds(30);
+  constexpr Duration kLeast = std::chrono::seconds(5);
+  constexpr Duration kMost = std::chrono::hours(24);
+  return activity.period > kMost / 10 ? kMost : std::max<Duration>(activity.period * 10, kLeast);
+}
 
 }  // namespace segue

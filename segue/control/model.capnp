@@ -16,6 +16,7 @@ struct Activity {
   period @4 :Int64;
   cpus @5 :List(Int32);
   thread @6 :Text;
+  updateDeadline @7 :Int64;
 }
 
 struct PortRef {

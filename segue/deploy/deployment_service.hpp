@@ -46,7 +46,8 @@ struct Snapshot {
   std::vector<host::ConnectionReport> connections;  ///< within the process
   std::vector<EndpointReport> endpoints;
   link::MemoryUsage memory;
-  /// Tasks with a hook that has not returned although the deadline of its action has passed.
+  /// Tasks with a hook, an update or an operation that has not returned by its deadline. They are Fatal in
+  /// `network` and in `tasks`, which says what hangs.
   std::vector<model::TaskId> hanging;
 };
 

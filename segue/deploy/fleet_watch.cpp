@@ -224,11 +224,11 @@ void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& cha
     report_all_tasks(view, std::nullopt, "");
   }
   for (const auto& task : change.hanging) {
-    report_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(record.key()));
+    report_task(placements_.name(task, record.key()), TaskState::Fatal, hanging_text(view, task));
   }
   for (const auto& task : change.hanging_no_more) {
     if (const model::Task* found = view.snapshot->network.find_task(task)) {
-      report_task(placements_.name(task, record.key()), found->state, "its hook has returned");
+      report_task(placements_.name(task, record.key()), found->state, "what hung has returned");
     }
   }
 }

@@ -149,7 +149,9 @@ Result<Snapshot> LocalDeployment::snapshot() {
   snapshot.connections = host.connections();
   snapshot.endpoints = implementation_->endpoints.reports();
   snapshot.memory = implementation_->endpoints.usage();
-  snapshot.hanging = host.hanging();
+  for (const auto& [task, why] : host.hanging()) {
+    snapshot.hanging.push_back(task);
+  }
   return snapshot;
 }
 

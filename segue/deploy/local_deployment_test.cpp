@@ -44,6 +44,15 @@ model::Task stuck_in(std::string_view id, std::string_view hook) {
   return task_of(id, "hooks::Stuck", type::Value::map({{"hook", std::string(hook)}}));
 }
 
+/// With updates that are overdue after a millisecond.
+model::Task overdue_in(std::string_view id, std::string_view hook) {
+  model::Task task = stuck_in(id, hook);
+  task.activity = Activity{.trigger = Trigger::Periodic,
+                           .period = std::chrono::milliseconds(1),
+                           .update_deadline = std::chrono::milliseconds(1)};
+  return task;
+}
+
 class LocalDeploymentTest : public ::testing::Test {
  protected:
   LocalDeploymentTest() { hooks::reset(); }
@@ -230,6 +239,45 @@ TEST_F(LocalDeploymentTest, tells_which_task_hangs_in_its_update) {
   expect_done({on_task(ActionKind::Stop, "s")});
 }
 
+TEST_F(LocalDeploymentTest, reports_a_task_as_fatal_whose_update_exceeds_its_deadline) {
+  bring_to_running(overdue_in("s", "update"));
+  ASSERT_TRUE(hooks::wait_until_inside("s"));
+  EXPECT_TRUE(hang_now({model::TaskId("s")}));
+  EXPECT_EQ(state_of("s"), TaskState::Fatal);
+  const auto report = deployment_.snapshot()->tasks.front();
+  EXPECT_EQ(report.state, TaskState::Fatal);
+  EXPECT_EQ(report.error, "on_update has not returned within 1ms");
+  // A deadline that does not pass in this test: nothing waits for what is overdue.
+  const auto stopped = perform({on_task(ActionKind::Stop, "s")});
+  EXPECT_EQ(stopped.front().error().code, ErrorCode::DeadlineExceeded);
+  hooks::release("s");
+  EXPECT_TRUE(hang_now({}));
+  EXPECT_EQ(state_of("s"), TaskState::Running);
+}
+
+TEST(LocalHostOfOverdueTasks, removes_a_process_whose_task_hangs_and_destroys_the_task_when_it_returns) {
+  hooks::reset();
+  const model::ComponentCatalog catalog;
+  const host::LibrarySet libraries;
+  host::LocalTaskHost host{libraries, catalog, {}};
+  const auto done = [&](const model::Action& action) { return host.perform(action, soon()).has_value(); };
+  ASSERT_TRUE(done(on_process(ActionKind::Deploy, "p")));
+  ASSERT_TRUE(done(apply(overdue_in("s", "update"), "p")));
+  ASSERT_TRUE(done(on_task(ActionKind::Configure, "s")));
+  ASSERT_TRUE(done(on_task(ActionKind::Start, "s")));
+  ASSERT_TRUE(hooks::wait_until_inside("s"));
+  while (!host.hanging().contains(model::TaskId("s")))
+    std::this_thread::yield();
+  EXPECT_TRUE(done(on_process(ActionKind::Undeploy, "p")));
+  EXPECT_TRUE(host.observe().empty());
+  EXPECT_FALSE(host.at_rest());
+  hooks::release("s");
+  const TimePoint limit = soon();
+  while (!host.at_rest() && RealClock::instance().now() < limit)
+    std::this_thread::yield();
+  EXPECT_TRUE(host.at_rest());
+}
+
 TEST_F(LocalDeploymentTest, tells_of_a_task_that_fails_by_itself) {
   std::mutex mutex;
   std::condition_variable reported;
@@ -282,7 +330,7 @@ TEST(LocalDeploymentGoing, gives_up_what_hangs_and_stops_the_rest) {
   }
   EXPECT_FALSE(deployment.shut_down(in(std::chrono::seconds(2))));
   EXPECT_EQ(host.observe().find_task(model::TaskId("a"))->state, TaskState::PreOperational);
-  EXPECT_EQ(host.observe().find_task(model::TaskId("s"))->state, TaskState::Running);
+  EXPECT_EQ(host.observe().find_task(model::TaskId("s"))->state, TaskState::Fatal) << "it hangs";
   hooks::release_all();
 }
 

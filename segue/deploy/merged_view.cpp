@@ -71,7 +71,7 @@ class Merger {
       deployment.tasks.push_back({id, name == names.end() ? task.id.str() : name->second});
       merged_.network.tasks.push_back(task);
       merged_.network.tasks.back().id = id;
-      if (!trouble(process, task.id).empty()) {
+      if (!process.answers) {
         merged_.network.tasks.back().state = TaskState::Fatal;
       }
     }
@@ -109,7 +109,7 @@ class Merger {
     }
     const auto& hanging = process.snapshot->hanging;
     const bool hangs = std::find(hanging.begin(), hanging.end(), task) != hanging.end();
-    return hangs ? hanging_text(process.deployment.key()) : std::string();
+    return hangs ? hanging_text(process, task) : std::string();
   }
 
   [[nodiscard]] model::TaskId called(const model::TaskId& task, const ProcessView& process) const {
@@ -220,12 +220,18 @@ std::string silence_text(const model::DeploymentKey& process, int pid) {
          ") does not answer; a transition replaces it";
 }
 
-std::string hanging_text(const model::DeploymentKey& process) {
-  return process.is_runtime()
-             ? "one of its hooks has not returned, and it lives in the runtime's own process: restart the "
-               "runtime, and give the task a deployment of its own"
-             : "one of its hooks has not returned; a transition replaces process " +
-                   quote(to_string(process));
+std::string hanging_text(const ProcessView& process, const model::TaskId& task) {
+  const auto& reports = process.snapshot->tasks;
+  const auto report = std::find_if(reports.begin(), reports.end(),
+                                   [&](const host::TaskReport& one) { return one.id == task; });
+  const std::string what = report == reports.end() ? "it does not return" : report->error;
+  const model::DeploymentKey key = process.deployment.key();
+  if (key.is_runtime()) {
+    return what +
+           "; no transition can replace it in the runtime's own process: restart the runtime, and give the "
+           "task a deployment of its own";
+  }
+  return what + "; a transition replaces process " + quote(to_string(key));
 }
 
 }  // namespace segue::deploy::detail

@@ -45,14 +45,14 @@ using FindName = std::function<model::TaskId(const model::TaskId& task, const mo
 
 /// Merges the processes into one view; tasks are named by `name_of`.
 ///
-/// A process that does not answer keeps its last known tasks, in state Fatal, and loses its connections. Its
-/// deployer becomes "unknown", which makes it differ from every wanted deployment, so that a transition
-/// replaces it.
+/// A task that hangs is Fatal in its process's snapshot already; here, its error gets what helps. A process
+/// that does not answer keeps its last known tasks, in state Fatal, and loses its connections. Its deployer
+/// becomes "unknown", which makes it differ from every wanted deployment, so that a transition replaces it.
 MergedView merge(const std::vector<ProcessView>& processes, const FindName& name_of);
 
 /// Why tasks of a process that does not answer are Fatal.
 std::string silence_text(const model::DeploymentKey& process, int pid);
-/// Why a task with a hanging hook is Fatal.
-std::string hanging_text(const model::DeploymentKey& process);
+/// Why a task that hangs is Fatal: what the process reports about it, and what helps.
+std::string hanging_text(const ProcessView& process, const model::TaskId& task);
 
 }  // namespace segue::deploy::detail

@@ -77,7 +77,11 @@ bool shut_down(const host::LocalTaskHost& host, host::ActionPool& pool, TimePoin
   perform_on_all(host, pool, model::ActionKind::Stop, &runs, now + (deadline - now) / 2);
   // Includes tasks whose stop is still under way: the cleanup waits for it.
   perform_on_all(host, pool, model::ActionKind::Cleanup, &is_configured, deadline);
-  bool at_rest = host.hanging().empty();
+  bool at_rest = true;
+  for (const auto& [task, why] : host.hanging()) {
+    log(LogLevel::Warning, "deploy", "task " + quote(task.str()) + " is given up: " + why);
+    at_rest = false;
+  }
   for (const auto& task : host.observe().tasks) {
     if (is_configured(task.state)) {
       log(LogLevel::Warning, "deploy",

@@ -108,9 +108,10 @@ model::Network LocalTaskHost::observe() const {
   for (auto& deployment : network.deployments) {
     deployments.emplace(deployment.key(), &deployment);
   }
+  const auto hanging = implementation_->actions.hanging();
   for (auto& entry : implementation_->table.all()) {
     network.tasks.push_back(entry.definition);
-    network.tasks.back().state = entry.state();
+    network.tasks.back().state = hanging.contains(entry.definition.id) ? TaskState::Fatal : entry.state();
     if (const auto found = deployments.find(entry.process); found != deployments.end()) {
       found->second->tasks.push_back({entry.definition.id, entry.name});
     }
@@ -122,6 +123,7 @@ model::Network LocalTaskHost::observe() const {
 
 std::vector<TaskReport> LocalTaskHost::tasks() const {
   std::vector<TaskReport> reports;
+  const auto hanging = implementation_->actions.hanging();
   for (const auto& entry : implementation_->table.all()) {
     TaskReport report;
     report.id = entry.definition.id;
@@ -134,6 +136,11 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
     report.stand_in = entry.stand_in;
     report.activity = entry.task->activity();
     report.timing = entry.task->timing();
+    if (const auto found = hanging.find(entry.definition.id); found != hanging.end()) {
+      report.state = TaskState::Fatal;
+      report.state_name = to_string(TaskState::Fatal);
+      report.error = found->second;
+    }
     reports.push_back(std::move(report));
   }
   return reports;
@@ -175,11 +182,7 @@ Result<void> LocalTaskHost::set_property(const model::TaskId& task, std::string_
 
 Result<type::Value> LocalTaskHost::call(const model::TaskId& task, std::string_view operation,
                                         const type::Value& arguments, TimePoint deadline) {
-  const auto entry = implementation_->table.find(task);
-  if (!entry) {
-    return entry.error();
-  }
-  return entry->task->call(operation, arguments, deadline);
+  return implementation_->actions.call(task, operation, arguments, deadline);
 }
 
 Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::PortRef& port,
@@ -225,8 +228,12 @@ Result<void> LocalTaskHost::restore_state(const model::TaskId& task, const task:
   return implementation_->actions.restore_state(task, state, deadline);
 }
 
-std::vector<model::TaskId> LocalTaskHost::hanging() const {
+std::map<model::TaskId, std::string> LocalTaskHost::hanging() const {
   return implementation_->actions.hanging();
+}
+
+bool LocalTaskHost::at_rest() const {
+  return implementation_->actions.at_rest();
 }
 
 void LocalTaskHost::set_listener(Listener listener) {

@@ -6,8 +6,10 @@
 #include <segue/host/task_host.hpp>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace segue::host {
@@ -70,8 +72,11 @@ class LocalTaskHost final : public TaskHost {
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
 
-  /// Tasks with a hook that has not returned by the deadline of its action.
-  [[nodiscard]] std::vector<model::TaskId> hanging() const;
+  /// Tasks with a hook, an update or an operation that has not returned by its deadline, and which it is.
+  /// observe() and tasks() report them as Fatal.
+  [[nodiscard]] std::map<model::TaskId, std::string> hanging() const;
+  /// False while something that hangs keeps a task, removed ones included: the destructor waits for it.
+  [[nodiscard]] bool at_rest() const;
 
  private:
   struct Implementation;

@@ -6,6 +6,7 @@
 #include <segue/type/type_info.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <new>
@@ -78,6 +79,13 @@ Result<void> check_behaviour(const type::Value& value, std::string_view path) {
   return {};
 }
 
+/// What a stand-in does that is specified to hang.
+[[noreturn]] void hang() {
+  while (true) {
+    std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+}
+
 class StandIn final : public task::Component {
  public:
   explicit StandIn(const StandInPlan& plan);
@@ -115,6 +123,7 @@ class StandIn final : public task::Component {
   std::vector<std::unique_ptr<task::DynamicProperty>> properties_;
   std::vector<std::unique_ptr<task::DynamicOperation>> operations_;
   task::DynamicProperty* behaviour_property_ = nullptr;
+  std::atomic<bool> operations_hang_;  ///< as now_ says; operations may run in their callers' threads
   TimePoint last_write_{};
   Duration interval_ = kShortestInterval;
 };
@@ -124,7 +133,8 @@ StandIn::StandIn(const StandInPlan& plan)
       now_(plan.behaviour),
       model_(plan.model == nullptr ? std::nullopt : std::optional(*plan.model)),
       types_(plan.types),
-      expected_(plan.ports) {
+      expected_(plan.ports),
+      operations_hang_(plan.behaviour.hangs("operation")) {
   set_component_name(plan.component.str());
   doc("stands in for " + plan.component.str());
   default_activity(stand_in_activity(plan.model, plan.behaviour));
@@ -213,7 +223,10 @@ void StandIn::add_operation(const model::OperationModel& operation, const type::
   const type::Value result = initial_value(operation.result, types);
   operations_.push_back(std::make_unique<task::DynamicOperation>(
       *this, std::move(info),
-      [result](const std::vector<type::Value>& /*arguments*/) -> Result<type::Value> { return result; }));
+      [this, result](const std::vector<type::Value>& /*arguments*/) -> Result<type::Value> {
+        if (operations_hang_.load(std::memory_order_relaxed)) hang();
+        return result;
+      }));
 }
 
 Result<void> StandIn::grow(const ExpectedPort& port, bool configured) {
@@ -244,9 +257,11 @@ Result<void> StandIn::pass(Duration StandInBehaviour::*time, std::string_view ho
     return std::move(behaviour.error());
   }
   now_ = std::move(*behaviour);
+  operations_hang_.store(now_.hangs("operation"), std::memory_order_relaxed);
   if (now_.*time > Duration::zero()) {
     std::this_thread::sleep_for(now_.*time);
   }
+  if (now_.hangs(hook)) hang();
   if (now_.fails(hook)) {
     return fail(ErrorCode::HookFailed, "stand_in.fail names " + quote(hook));
   }
@@ -282,6 +297,7 @@ void StandIn::on_update() {
   for (auto* input : inputs()) {
     input->drain();
   }
+  if (now_.hangs("update")) hang();
   if (now_.fails("update")) {
     exception("stand_in.fail names 'update'");
     return;

@@ -26,11 +26,14 @@
 /// A map specifies its behaviour. By default everything takes no time and succeeds:
 ///
 ///     stand_in: {configure: 30ms, start: 5ms, stop: 1.3s, cleanup: 2ms, rate: 10, fail: [configure,
-///     connect]}
+///     connect],
+///     hang: [update]}
 ///
 /// `configure`, `start`, `stop` and `cleanup` are how long the hooks take. `rate` (Hz) is how often it writes
 /// each output port, 0 never; default: the component's period, else 10; a port-driven component of a model
 /// writes when it gets a sample. `fail` names what fails: configure, start, stop, cleanup, update, connect.
+/// `hang` names what never returns: configure, start, stop, cleanup, update, operation; only the end of the
+/// process ends it.
 /// The map stands as the reserved property `stand_in` of a task, or per component or task in a stand-in file
 /// (the task's own property wins, then the task's entry, then the component's, then `default`):
 ///
@@ -50,13 +53,17 @@ struct StandInBehaviour {
   Duration cleanup{0};
   std::optional<double> rate;     ///< Hz; nothing: by the model
   std::vector<std::string> fail;  ///< of kStandInFailures
+  std::vector<std::string> hang;  ///< of kStandInHangs
 
   friend bool operator==(const StandInBehaviour&, const StandInBehaviour&) = default;
   [[nodiscard]] bool fails(std::string_view what) const;
+  [[nodiscard]] bool hangs(std::string_view what) const;
 };
 
 inline constexpr std::array<std::string_view, 6> kStandInFailures = {"configure", "start",  "stop",
                                                                      "cleanup",   "update", "connect"};
+inline constexpr std::array<std::string_view, 6> kStandInHangs = {"configure", "start",  "stop",
+                                                                  "cleanup",   "update", "operation"};
 
 /// The entries of `value` (a map as above) over `base`. Unknown keys, wrong types, negative durations and
 /// rates beyond 10 kHz are errors; `path` begins the message.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace segue::host {
 
@@ -45,25 +46,29 @@ Result<double> read_rate(const type::Value& value, std::string_view path) {
   return rate;
 }
 
-Result<std::string> read_failure(const type::Value& value, std::string_view path) {
-  static const std::vector<std::string> kKnown(kStandInFailures.begin(), kStandInFailures.end());
-  if (!value.is_string() || std::find(kKnown.begin(), kKnown.end(), value.as_string()) == kKnown.end()) {
-    return at(value, path, "expected one of " + listed(kKnown) + ", got " + type::describe(value));
+using Choices = std::span<const std::string_view>;
+
+Result<std::string> read_choice(const type::Value& value, std::string_view path, Choices choices) {
+  const std::vector<std::string> known(choices.begin(), choices.end());
+  if (!value.is_string() || std::find(known.begin(), known.end(), value.as_string()) == known.end()) {
+    return at(value, path, "expected one of " + listed(known) + ", got " + type::describe(value));
   }
   return value.as_string();
 }
 
-Result<std::vector<std::string>> read_failures(const type::Value& value, std::string_view path) {
+/// A list of choices, or a single one.
+Result<std::vector<std::string>> read_choices(const type::Value& value, std::string_view path,
+                                              Choices choices) {
   const type::Value::List single{value};
-  std::vector<std::string> failures;
+  std::vector<std::string> chosen;
   for (const auto& item : value.is_list() ? value.as_list() : single) {
-    auto failure = read_failure(item, path);
-    if (!failure) {
-      return std::move(failure.error());
+    auto choice = read_choice(item, path, choices);
+    if (!choice) {
+      return std::move(choice.error());
     }
-    failures.push_back(std::move(*failure));
+    chosen.push_back(std::move(*choice));
   }
-  return failures;
+  return chosen;
 }
 
 /// Result<To> assigned to a member, its error handed on.
@@ -83,8 +88,10 @@ Result<void> read_entry(StandInBehaviour& behaviour, const std::string& key, con
   if (key == "stop") return assign(behaviour.stop, read_hook_time(value, path));
   if (key == "cleanup") return assign(behaviour.cleanup, read_hook_time(value, path));
   if (key == "rate") return assign(behaviour.rate, read_rate(value, path));
-  if (key == "fail") return assign(behaviour.fail, read_failures(value, path));
-  static const std::vector<std::string> kKeys = {"configure", "start", "stop", "cleanup", "rate", "fail"};
+  if (key == "fail") return assign(behaviour.fail, read_choices(value, path, kStandInFailures));
+  if (key == "hang") return assign(behaviour.hang, read_choices(value, path, kStandInHangs));
+  static const std::vector<std::string> kKeys = {"configure", "start", "stop", "cleanup",
+                                                 "rate",      "fail",  "hang"};
   const std::string hint = did_you_mean(key, kKeys);
   return at(value, path, "no such setting" + (hint.empty() ? "; there are " + listed(kKeys) : hint));
 }
@@ -93,6 +100,10 @@ Result<void> read_entry(StandInBehaviour& behaviour, const std::string& key, con
 
 bool StandInBehaviour::fails(std::string_view what) const {
   return std::find(fail.begin(), fail.end(), what) != fail.end();
+}
+
+bool StandInBehaviour::hangs(std::string_view what) const {
+  return std::find(hang.begin(), hang.end(), what) != hang.end();
 }
 
 Result<StandInBehaviour> read_behaviour(const type::Value& value, StandInBehaviour base,

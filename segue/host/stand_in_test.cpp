@@ -63,16 +63,18 @@ TEST(StandIn, behaviour_is_read_and_hostile_values_are_refused) {
   const auto read = [](const char* text) {
     return read_behaviour(type::parse_yaml(text).value_or(type::Value()), {}, "stand_in");
   };
-  const auto good = read("{configure: 30ms, stop: 1.3s, rate: 20, fail: [start, connect]}");
+  const auto good = read("{configure: 30ms, stop: 1.3s, rate: 20, fail: [start, connect], hang: update}");
   ASSERT_TRUE(good);
   EXPECT_EQ(good->configure, std::chrono::milliseconds(30));
   EXPECT_EQ(good->stop, std::chrono::milliseconds(1300));
   EXPECT_EQ(good->rate, 20.0);
   EXPECT_TRUE(good->fails("connect"));
   EXPECT_FALSE(good->fails("stop"));
+  EXPECT_TRUE(good->hangs("update"));
+  EXPECT_FALSE(good->hangs("stop"));
   for (const char* bad : {"3", "[a]", "{configure: 30}", "{configure: -1s}", "{configure: 99999h}",
                           "{rate: .nan}", "{rate: -1}", "{rate: 1e9}", "{rate: far}", "{fail: everything}",
-                          "{fail: [[start]]}", "{fial: start}", "{stop: {}}"}) {
+                          "{fail: [[start]]}", "{hang: connect}", "{fial: start}", "{stop: {}}"}) {
     const auto refused = read(bad);
     ASSERT_FALSE(refused) << bad;
     EXPECT_THAT(refused.error().message, HasSubstr("stand_in")) << bad;

@@ -12,6 +12,10 @@ namespace {
 
 using model::ActionKind;
 
+/// A call that waits for the task's thread ends at its deadline by itself; only an operation in the caller's
+/// thread can exceed it.
+constexpr Duration kCallGrace = std::chrono::seconds(1);
+
 /// The task on which this thread carries out an action: changes of its state are not reported as events.
 thread_local const task::Task* acting_on = nullptr;
 
@@ -131,11 +135,7 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
       return self.hand_over(what, deadline);
     }
     Result<void> operator()(const model::CallAction& what) const {
-      auto entry = self.table_.find(what.task);
-      if (!entry) {
-        return std::move(entry.error());
-      }
-      auto answer = entry->task->call(what.operation, what.arguments, deadline);
+      auto answer = self.call(what.task, what.operation, what.arguments, deadline);
       return answer ? Result<void>{} : Result<void>(std::move(answer.error()));
     }
   };
@@ -156,7 +156,7 @@ Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& 
       return free;
     }
   }
-  const VerbWatch::Verb verb(verbs_, id, deadline);
+  const VerbWatch::Verb verb(verbs_, id, to_string(kind), deadline);
   auto done = run_verb(kind, *entry, deadline);
   if (!done && done.error().code == ErrorCode::DeadlineExceeded) {
     verbs_.blocked(id, entry->task);
@@ -185,12 +185,33 @@ Result<void> TaskActions::run_verb(ActionKind kind, const TaskEntry& entry, Time
   return done;
 }
 
+Result<type::Value> TaskActions::call(const model::TaskId& id, std::string_view operation,
+                                      const type::Value& arguments, TimePoint deadline) {
+  auto entry = table_.find(id);
+  if (!entry) {
+    return std::move(entry.error());
+  }
+  const TimePoint overdue = deadline < TimePoint::max() - kCallGrace ? deadline + kCallGrace : deadline;
+  const VerbWatch::Verb calling(verbs_, id, operation, overdue);
+  return entry->task->call(operation, arguments, deadline);
+}
+
+std::map<model::TaskId, std::string> TaskActions::hanging() {
+  auto hanging = verbs_.overdue();
+  for (const TaskEntry& entry : table_.all()) {
+    if (auto overdue = entry.task->overdue()) {
+      hanging.insert_or_assign(entry.definition.id, std::move(*overdue));
+    }
+  }
+  return hanging;
+}
+
 Result<std::optional<task::SavedState>> TaskActions::save_state(const model::TaskId& id, TimePoint deadline) {
   auto entry = table_.find(id);
   if (!entry) {
     return std::move(entry.error());
   }
-  const VerbWatch::Verb saving(verbs_, id, deadline);
+  const VerbWatch::Verb saving(verbs_, id, "save_state", deadline);
   return entry->task->save_state(deadline);
 }
 
@@ -200,7 +221,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
   if (!entry) {
     return std::move(entry.error());
   }
-  const VerbWatch::Verb restoring(verbs_, id, deadline);
+  const VerbWatch::Verb restoring(verbs_, id, "restore_state", deadline);
   const Acting acting(*entry->task);
   // A component in which restoring fails is cleaned up, which removes its ports.
   const std::unique_lock ports(*entry->ports, deadline);
@@ -260,8 +281,9 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
     return fail(ErrorCode::NotFound, "process " + quote(to_string(key)) + " is not deployed");
   }
   const auto tasks = table_.in_process(key);
+  const auto hangs = hanging();
   for (const TaskEntry& entry : tasks) {
-    if (entry.configured() && !kill) {
+    if (entry.configured() && !kill && !hangs.contains(entry.definition.id)) {
       return fail(ErrorCode::InvalidState, "task " + quote(entry.definition.id.str()) + " in process " +
                                                quote(to_string(key)) + " is still " + state_text(entry) +
                                                "; stop it and clean it up first");
@@ -270,13 +292,13 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
   table_.remove_process(key);
   for (const TaskEntry& entry : tasks) {
     table_.take_connections_of(entry.definition.id);
-    table_.take(entry.definition.id);
+    abandoned_.destroy(table_.take(entry.definition.id));
   }
   return {};
 }
 
 Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePoint deadline) {
-  const VerbWatch::Verb verb(verbs_, action.definition.id, deadline);
+  const VerbWatch::Verb verb(verbs_, action.definition.id, "creating or setting properties", deadline);
   std::optional<ProcessEntry> process;
   if (!action.process.is_runtime()) {
     process = table_.find_process(action.process);
@@ -322,7 +344,7 @@ Result<void> TaskActions::create(const model::ConfigAction& action, const Proces
     return set;
   }
   listen_to(*entry);
-  table_.put(std::move(*entry));
+  abandoned_.destroy(table_.put(std::move(*entry)));
   return {};
 }
 
@@ -378,11 +400,12 @@ Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, cons
 }
 
 void TaskActions::conclude(const model::Transition& transition) {
+  const auto hangs = hanging();
   for (const auto& id : transition.removes) {
     const auto entry = table_.find(id);
-    if (entry && !entry->configured()) {
+    if (entry && (!entry->configured() || hangs.contains(id))) {
       table_.take_connections_of(id);
-      table_.take(id);
+      abandoned_.destroy(table_.take(id));
     }
   }
   for (const auto& task : transition.redefines) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/concurrent/notifier.hpp>
+#include <segue/host/abandoned_tasks.hpp>
 #include <segue/host/task_connections.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
@@ -27,8 +28,12 @@ class TaskActions {
   Result<void> restore_state(const model::TaskId& id, const task::SavedState& state, TimePoint deadline);
   Result<void> set_property(const model::TaskId& id, std::string_view path, const type::Value& value,
                             TimePoint deadline);
-  /// Tasks with a hook that has not returned by the deadline of its action.
-  [[nodiscard]] std::vector<model::TaskId> hanging() { return verbs_.overdue(); }
+  Result<type::Value> call(const model::TaskId& id, std::string_view operation, const type::Value& arguments,
+                           TimePoint deadline);
+  /// Tasks with a hook, an update or an operation that has not returned by its deadline, and which it is.
+  [[nodiscard]] std::map<model::TaskId, std::string> hanging();
+  /// Whether nothing that hangs keeps a task of this host, removed ones included.
+  [[nodiscard]] bool at_rest() { return abandoned_.empty() && hanging().empty(); }
 
  private:
   Result<void> perform_on_task(model::ActionKind kind, const model::TaskId& id, TimePoint deadline);
@@ -52,6 +57,7 @@ class TaskActions {
   TaskConnections& connections_;
   EventNotifier& notifier_;
   VerbWatch verbs_;
+  AbandonedTasks abandoned_;
 };
 
 }  // namespace segue::host::detail

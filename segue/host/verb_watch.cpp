@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/host/verb_watch.hpp>
 
-#include <set>
+#include <utility>
 
 namespace segue::host::detail {
 
@@ -12,8 +12,8 @@ constexpr Duration kPatience = std::chrono::milliseconds(20);
 
 }  // namespace
 
-VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId task, TimePoint deadline)
-    : watch_(watch), task_(std::move(task)), deadline_(deadline) {
+VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId task, std::string_view name, TimePoint deadline)
+    : watch_(watch), task_(std::move(task)), name_(name), deadline_(deadline) {
   const std::lock_guard lock(watch_.mutex_);
   place_ = watch_.verbs_.insert(watch_.verbs_.end(), this);
 }
@@ -28,15 +28,15 @@ void VerbWatch::blocked(const model::TaskId& id, const std::shared_ptr<task::Tas
   blocked_.insert_or_assign(id, task);
 }
 
-std::vector<model::TaskId> VerbWatch::overdue() {
+std::map<model::TaskId, std::string> VerbWatch::overdue() {
   const TimePoint now = RealClock::instance().now();
-  std::set<model::TaskId> late;
+  std::map<model::TaskId, std::string> late;
   std::map<model::TaskId, std::weak_ptr<task::Task>> blocked;
   {
     const std::lock_guard lock(mutex_);
     for (const Verb* verb : verbs_) {
       if (verb->deadline_ < now) {
-        late.insert(verb->task_);
+        late.emplace(verb->task_, verb->name_ + " has not returned by its deadline");
       }
     }
     blocked = blocked_;
@@ -44,13 +44,13 @@ std::vector<model::TaskId> VerbWatch::overdue() {
   for (const auto& [id, weak] : blocked) {
     const auto task = weak.lock();
     if (task != nullptr && !task->settle(now + kPatience)) {
-      late.insert(id);
+      late.emplace(id, "a hook or an update has not returned");
       continue;
     }
     const std::lock_guard lock(mutex_);
     blocked_.erase(id);
   }
-  return {late.begin(), late.end()};
+  return late;
 }
 
 }  // namespace segue::host::detail

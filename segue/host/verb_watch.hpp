@@ -9,7 +9,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <vector>
+#include <string>
+#include <string_view>
 
 namespace segue::host::detail {
 
@@ -20,7 +21,8 @@ class VerbWatch {
   /// A verb, from its begin to its end.
   class Verb {
    public:
-    Verb(VerbWatch& watch, model::TaskId task, TimePoint deadline);
+    /// `name`: of the verb, such as "configure".
+    Verb(VerbWatch& watch, model::TaskId task, std::string_view name, TimePoint deadline);
     Verb(const Verb&) = delete;
     Verb& operator=(const Verb&) = delete;
     ~Verb();
@@ -29,6 +31,7 @@ class VerbWatch {
     friend class VerbWatch;
     VerbWatch& watch_;
     const model::TaskId task_;
+    const std::string name_;
     const TimePoint deadline_;
     std::list<const Verb*>::iterator place_;
   };
@@ -36,8 +39,8 @@ class VerbWatch {
   /// Notes that a verb could not begin because another hook of the task had not returned by its deadline.
   void blocked(const model::TaskId& id, const std::shared_ptr<task::Task>& task);
 
-  /// Tasks with a verb that is overdue, or still blocked; each once, in order.
-  [[nodiscard]] std::vector<model::TaskId> overdue();
+  /// Tasks with a verb that is overdue, or still blocked, and why: "configure has not returned".
+  [[nodiscard]] std::map<model::TaskId, std::string> overdue();
 
  private:
   std::mutex mutex_;

@@ -66,11 +66,31 @@ std::optional<std::string> problem_of_priority(Scheduler scheduler, int priority
   return std::nullopt;
 }
 
+std::optional<std::string> problem_of_deadline(Duration deadline) {
+  constexpr Duration kMost = std::chrono::hours(24);
+  if (deadline >= Duration::zero() && deadline <= kMost) return std::nullopt;
+  return "'update_deadline' must be longer than nothing and at most 24h, not " + format_duration(deadline);
+}
+
+/// Zero: none is given.
+Duration read_update_deadline(Fields& fields, const Source& source) {
+  const auto deadline = fields.duration("update_deadline");
+  if (!deadline) return {};
+  const auto problem = *deadline == Duration::zero() ? std::optional<std::string>(
+                                                           "'update_deadline' must be "
+                                                           "longer than nothing")
+                                                     : problem_of_deadline(*deadline);
+  if (!problem) return *deadline;
+  source.error("bad-duration", fields.what() + ": " + *problem, *fields.find("update_deadline"));
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::string> problem_of(const Activity& activity) {
   const bool periodic = activity.trigger == Trigger::Periodic;
   if (periodic && activity.period <= Duration::zero()) return "the period must be longer than nothing";
+  if (auto problem = problem_of_deadline(activity.update_deadline)) return problem;
   return problem_of_priority(activity.scheduler, activity.priority);
 }
 
@@ -103,6 +123,7 @@ std::optional<Activity> read_activity(const Value& value, const std::string& wha
   activity.cpus = std::move(scheduling.cpus);
   activity.thread = fields.name("thread");
   activity.optional = fields.boolean("optional", false);
+  activity.update_deadline = read_update_deadline(fields, source);
   fields.finish();
   if (!trigger) return std::nullopt;
   activity.trigger = *trigger;

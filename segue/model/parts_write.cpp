@@ -27,6 +27,9 @@ Value write_activity(const Activity& activity) {
   write_scheduling(map, activity.scheduler, activity.priority, activity.cpus);
   if (!activity.thread.empty()) map.append("thread", activity.thread);
   if (activity.optional) map.append("optional", true);
+  if (activity.update_deadline > Duration::zero()) {
+    map.append("update_deadline", format_duration(activity.update_deadline));
+  }
   const bool plain = map.size() == 1 && activity.trigger != Trigger::Periodic;
   return plain ? Value(to_string(activity.trigger)) : Value(std::move(map));
 }

@@ -12,6 +12,8 @@
 #include <segue/runtime/robot_tasks.hpp>
 #include <segue/task/realtime_log.hpp>
 
+#include <cstdio>
+#include <cstdlib>
 #include <functional>
 
 namespace segue::runtime {
@@ -215,13 +217,24 @@ SwitchResult EmbeddedRobot::shut_down() {
   implementation_->runtime->prepare({});  // end standby
   SwitchResult result = implementation_->runtime->switch_to(model::Network{});
   if (result.outcome != Outcome::Done) {
-    // The new snapshot shows what failed, such as a process that hangs, so another transition may succeed.
+    // The new snapshot shows what failed, such as a task that hangs, so another transition may succeed.
     result = implementation_->runtime->switch_to(model::Network{});
   }
   if (result.outcome != Outcome::Done) {
     implementation_->tasks->end_processes();
   }
   return result;
+}
+
+void EmbeddedRobot::exit_if_hanging(int status) {
+  if (implementation_->tasks->at_rest()) {
+    return;
+  }
+  log(LogLevel::Error, implementation_->robot.name,
+      "a task in the runtime's own process has not returned; the process ends without it");
+  implementation_->runtime.reset();  // its journal is complete then
+  std::fflush(nullptr);
+  std::_Exit(status);
 }
 
 }  // namespace segue::runtime

@@ -42,8 +42,8 @@ struct EmbeddedOptions {
 /// With TaskPlacement::Processes, deployments of this robot that already run are adopted into the
 /// belief. They outlive this object and this process; tasks of this process do not.
 ///
-/// Functions may be called from any thread. The destructor ends this process's tasks at once; shut_down()
-/// stops and cleans up everything first.
+/// Functions may be called from any thread. The destructor ends this process's tasks at once, and waits for
+/// those that hang; shut_down() stops and cleans up everything first.
 class EmbeddedRobot {
  public:
   /// Loads the robot file, its component libraries, models and controllers. Puts the problems of all files
@@ -65,6 +65,10 @@ class EmbeddedRobot {
   /// Switches to the empty network: stops and cleans up every task and ends every deployment process. After a
   /// failure it tries once more and then kills the processes; the result says what failed. Blocks.
   SwitchResult shut_down();
+
+  /// Ends this process with `status` if one of its tasks hangs: the destructor would wait for it for ever.
+  /// Nothing is destroyed but the runtime, so that its journal is complete. Call it last, after shut_down().
+  void exit_if_hanging(int status);
 
  private:
   struct Implementation;

@@ -25,6 +25,8 @@ class RobotTasks {
                                                     host::LocalOptions local, const EmbeddedOptions& options);
 
   [[nodiscard]] host::TaskHost& host();
+  /// False while something that hangs keeps a task of this process: the destructor waits for it.
+  [[nodiscard]] bool at_rest() const { return local_.at_rest(); }
   /// Kills the remaining deployment processes. Blocks, at most ten seconds.
   void end_processes();
 

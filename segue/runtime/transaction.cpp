@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::array kPhases = {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire};
 
-/// Tasks in Fatal in the runtime's own process, which no transition can replace.
-std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
+/// Tasks of the target that are in Fatal in the runtime's own process, where no transition can replace them.
+std::set<model::TaskId> stuck_tasks(const model::Network& target, const model::Network& observed) {
   std::set<model::TaskId> stuck;
   for (const auto& task : observed.tasks) {
-    if (task.state == TaskState::Fatal) {
+    if (task.state == TaskState::Fatal && target.find_task(task.id) != nullptr) {
       stuck.insert(task.id);
     }
   }
@@ -35,7 +35,7 @@ std::set<model::TaskId> stuck_tasks(const model::Network& observed) {
 
 /// The target with stuck tasks left as they are, so that everything else can be reached.
 model::Network with_stuck(model::Network target, const model::Network& observed) {
-  const auto stuck = stuck_tasks(observed);
+  const auto stuck = stuck_tasks(target, observed);
   if (stuck.empty()) {
     return target;
   }
@@ -229,13 +229,6 @@ bool Transaction::replan(const ActionRecord& failed, SwitchResult& result) {
   const model::Network observed = context_.host.observe();
   if (error || !includes(observed, plan_.target)) {
     return false;
-  }
-  if (const auto stuck = stuck_tasks(observed); !stuck.empty()) {
-    result.leftover =
-        fail(ErrorCode::Unsupported,
-             "could not be retired: it hangs in the runtime's own process, which no transition can restart",
-             stuck.begin()->str())
-            .because_of(error_of(failed));
   }
   return true;
 }

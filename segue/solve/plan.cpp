@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/solve/component_facts.hpp>
+#include <segue/solve/placement_index.hpp>
 #include <segue/solve/plan.hpp>
+
+#include <algorithm>
 
 namespace segue::solve::detail {
 
@@ -90,12 +93,14 @@ class Planner {
     if (fate == ProcessFate::Kept) fate = ProcessFate::Redeployed;
   }
 
-  /// No action leads out of Fatal: the process has to be replaced or removed.
+  /// No action leads out of Fatal: the process has to be replaced or removed. Nobody can do that with the
+  /// runtime's own, so a task there can only be dropped.
   Result<> redeploy_fatal() {
     for (std::size_t i = 0; i < index_.current_tasks; ++i) {
       const TaskIncarnation& task = index_.tasks[i].current();
       if (task.task->state != TaskState::Fatal || stays_fatal(index_.tasks[i])) continue;
       if (task.process == kRuntime) {
+        if (can_be_dropped(index_.tasks[i])) continue;
         return fail(
             ErrorCode::Unsupported,
             "task " + quote(task.task->id.str()) + " is in a fatal error inside the runtime's own " +
@@ -106,6 +111,23 @@ class Planner {
       redeploy(task.process);
     }
     return {};
+  }
+
+  /// Whether the target neither has the task nor needs a device that it may hold for ever.
+  [[nodiscard]] bool can_be_dropped(const IndexedTask& entry) const {
+    if (entry.target().task != nullptr) return false;
+    const auto held = devices_of(entry, kCurrent);
+    if (held.empty()) return true;
+    return std::ranges::none_of(index_.target_order, [&](int number) {
+      const auto wanted = devices_of(index_.task(number), kTarget);
+      return std::ranges::find_first_of(held, wanted) != held.end();
+    });
+  }
+  [[nodiscard]] std::vector<std::string> devices_of(const IndexedTask& entry, Side side) const {
+    const TaskIncarnation& task = entry.on[side];
+    const model::Deployment* process = index_.process(task.process).on[side];
+    const auto key = process == nullptr ? model::DeploymentKey{} : process->key();
+    return exclusive_devices(*task.task, task.component, key);
   }
 
   static bool stays_fatal(const IndexedTask& entry) {

@@ -85,7 +85,8 @@ bool exists(const Index& index, const IndexedConnection& connection);
 /// Whether a running process of this deployer can create any component; others have a fixed set of tasks.
 bool holds_any_component(const model::Deployment& deployment);
 
-/// Fails (Unsupported) if a task in Fatal lives in the runtime's own process, which cannot be restarted.
+/// Fails (Unsupported) if the target needs a task, or a device of one, that is Fatal in the runtime's own
+/// process, which cannot be restarted. One that it does not need is dropped.
 /// Plans a hand-over wherever both tasks have suitable states; whether the order allows it is checked later.
 /// The paper's order never allows any.
 Result<ChangeSet> make_plan(const Index& index, const Options& options);

@@ -34,8 +34,8 @@ struct Options {
 /// PreOperational, Stopped or Running, or keep the error that they are in. Minimal under graceful semantics,
 /// unless with `force`. Both networks must have passed validation of structure; unknown components are
 /// assumed to have static ports and no live properties. Fails (Unsupported) if there is no transition: for a
-/// task in Fatal in the runtime's own process, or a target that keeps an error which the transition has to
-/// end.
+/// target that needs a task, or a device of a task, in Fatal in the runtime's own process, or that keeps an
+/// error which the transition has to end.
 Result<model::Transition> diff(const model::Network& current, const model::Network& target,
                                const model::ComponentCatalog& catalog, const Options& options = {});
 

@@ -92,12 +92,22 @@ TEST(Diff, CopesWithAVeryLongChain) {
   EXPECT_EQ(found->actions.back().label(), "start t0");
 }
 
-TEST(Diff, RefusesAFatalTaskInTheRuntimesOwnProcess) {
+TEST(Diff, DropsAFatalTaskInTheRuntimesOwnProcessButCannotReplaceIt) {
   Network current;
   current.tasks = {task("a", TaskState::Fatal)};
-  const Error error = error_of(current, {});
+  Network target;
+  target.tasks = {task("a")};
+  const Error error = error_of(current, target);
   EXPECT_EQ(error.code, ErrorCode::Unsupported);
   EXPECT_EQ(error.subject, "a");
+  target.tasks = {task("b")};
+  const auto dropped = diff(current, target, {});
+  ASSERT_TRUE(dropped);
+  EXPECT_EQ(dropped->removes, std::vector{TaskId("a")});
+  current.tasks[0].exclusive = {"/dev/x"};
+  ASSERT_TRUE(diff(current, target, {}));
+  target.tasks[0].exclusive = {"/dev/x"};
+  EXPECT_EQ(error_of(current, target).subject, "a") << "it may hold the device for ever";
 }
 
 TEST(Diff, RefusesAnErrorAsTarget) {

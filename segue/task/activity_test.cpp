@@ -76,6 +76,77 @@ TEST_F(Periodic, StopsAndStartsAnewInPhaseWithTheStart) {
   EXPECT_EQ(task->timing().cycles, 2U) << "timing begins with the start";
 }
 
+TEST(UpdateDeadline, IsTheDeclaredOneOrDependsOnThePeriod) {
+  EXPECT_EQ(deadline_of({.trigger = Trigger::Periodic, .period = 10ms}), 5s);
+  EXPECT_EQ(deadline_of({.trigger = Trigger::Periodic, .period = 2s}), 20s);
+  EXPECT_EQ(deadline_of({.trigger = Trigger::Periodic, .period = 1000h}), 24h);
+  EXPECT_EQ(deadline_of({.trigger = Trigger::PortDriven}), 30s);
+  EXPECT_EQ(deadline_of({.trigger = Trigger::Periodic, .period = 10ms, .update_deadline = 7ms}), 7ms);
+}
+
+class OverdueUpdate : public test::TaskTest {
+ protected:
+  OverdueUpdate() {
+    make({.trigger = Trigger::Periodic, .period = 10ms, .update_deadline = 20ms});
+    bring_to(TaskState::Running);
+  }
+};
+
+TEST_F(OverdueUpdate, IsReportedAndItsMissedCyclesAreCountedWhileItRuns) {
+  probe->act = [this](const std::string& hook) -> Result<void> {
+    if (hook != "update" || probe->hooks.size() > 1) return {};
+    EXPECT_EQ(task->timing().missed, 0U);
+    clock.advance(19ms);
+    EXPECT_EQ(task->timing().missed, 0U) << "the update that is due at 10 can still begin late";
+    EXPECT_FALSE(task->overdue());
+    clock.advance(1ms);
+    EXPECT_EQ(task->timing().missed, 1U);
+    EXPECT_EQ(task->overdue(), "on_update has not returned within 20ms");
+    return {};
+  };
+  executor->run_ready();
+  EXPECT_FALSE(task->overdue());
+  executor->run_ready();
+  EXPECT_EQ(probe->hooks.size(), 2U);
+  EXPECT_EQ(task->timing().missed, 1U) << "as it was counted before";
+}
+
+TEST_F(OverdueUpdate, KeepsNoVerbWaiting) {
+  std::binary_semaphore inside(0);
+  std::binary_semaphore release(0);
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook != "update" || probe->hooks.size() > 1) return {};
+    clock.advance(20ms);
+    inside.release();
+    release.acquire();
+    return {};
+  };
+  std::thread updating([&] { executor->run_ready(); });
+  inside.acquire();
+  const auto stopped = task->stop(TimePoint::max() - 1ns);
+  EXPECT_THAT(to_string(stopped.error()),
+              HasSubstr("cannot stop now: on_update has not returned within 20ms"));
+  EXPECT_FALSE(task->set_properties(type::Value::map({{"gain", 2.0}}), soon()));
+  EXPECT_EQ(task->state(), TaskState::Running);
+  release.release();
+  updating.join();
+  EXPECT_FALSE(task->overdue());
+  EXPECT_TRUE(task->stop(soon()));
+}
+
+TEST_F(OverdueUpdate, OfAnErrorIsNamedAsSuch) {
+  probe->act = [this](const std::string& hook) -> Result<void> {
+    if (hook == "update") probe->error("TOO_HOT", "too hot");
+    if (hook != "error") return {};
+    clock.advance(20ms);
+    EXPECT_EQ(task->overdue(), "on_error has not returned within 20ms");
+    return {};
+  };
+  executor->run_ready();
+  executor->advance(10ms);
+  EXPECT_THAT(probe->hooks, ::testing::Contains("error"));
+}
+
 using PortDriven = test::TaskTest;
 
 TEST_F(PortDriven, OnlyTriggerPortsTrigger) {

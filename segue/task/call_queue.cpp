@@ -38,11 +38,11 @@ void PendingCall::finish() noexcept {
   futex_wake(state_, 1);
 }
 
-Result<type::Value> PendingCall::wait(TimePoint deadline) {
+Result<type::Value> PendingCall::wait() {
   while (true) {
     std::uint32_t state = state_.load(std::memory_order_acquire);
     if (state == kDone) break;
-    if (futex_wait(state_, state, deadline)) continue;
+    if (futex_wait(state_, state, deadline_)) continue;
     if (state == kWaiting && state_.compare_exchange_strong(state, kAbandoned, std::memory_order_acq_rel)) {
       return fail(ErrorCode::DeadlineExceeded, "operation " + quote(operation_) + " did not begin in time");
     }

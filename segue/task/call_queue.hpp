@@ -20,21 +20,25 @@ namespace segue::task::detail {
 /// was written and loaded with acquire before it is read; an abandoned call's result is never touched.
 class PendingCall {
  public:
-  explicit PendingCall(std::unique_ptr<OperationCall> call, std::string operation)
-      : call_(std::move(call)), operation_(std::move(operation)) {}
+  PendingCall(std::unique_ptr<OperationCall> call, std::string operation, TimePoint deadline)
+      : call_(std::move(call)), operation_(std::move(operation)), deadline_(deadline) {}
+
+  /// Until when the caller waits; real time.
+  [[nodiscard]] TimePoint deadline() const noexcept { return deadline_; }
 
   /// In the task's thread. Does nothing if the caller has abandoned the call.
   void run() noexcept;
   /// Ends the call because the task goes away before its turn.
   void cancel() noexcept;
   /// In the caller's thread: waits for the result. A call that has not begun by the deadline never will.
-  Result<type::Value> wait(TimePoint deadline);
+  Result<type::Value> wait();
 
  private:
   enum State : std::uint32_t { kWaiting, kRunning, kDone, kAbandoned };
   void finish() noexcept;
   std::unique_ptr<OperationCall> call_;
   std::string operation_;
+  const TimePoint deadline_;
   std::optional<Error> error_;
   std::atomic<std::uint32_t> state_{kWaiting};
 };

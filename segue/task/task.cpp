@@ -53,6 +53,7 @@ Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Compon
       activity(std::move(wanted)),
       executor(std::move(runner)),
       component(std::move(made)),
+      update_deadline(deadline_of(activity)),
       properties_mutex(std::make_shared<std::mutex>()) {
   RealtimeLog::instance();
   ComponentAccess::set_context(*component, this);
@@ -65,6 +66,7 @@ Task::Implementation::Implementation(const Implementation& old, Activity wanted,
       activity(std::move(wanted)),
       executor(std::move(runner)),
       component(old.component),
+      update_deadline(deadline_of(activity)),
       properties_mutex(old.properties_mutex) {
   ComponentAccess::set_context(*component, this);
   executor->add(*this);
@@ -86,6 +88,27 @@ Task::Implementation::~Implementation() {
   executor->remove(*this);
   calls.take_all([](detail::PendingCall& call) { call.cancel(); });
   if (!retired) ComponentAccess::set_context(*component, nullptr);
+}
+
+TimePoint Task::Implementation::patience(TimePoint deadline) const {
+  const TimePoint overdue_at = progress.overdue_at();
+  if (deadline == detail::kNever || overdue_at == detail::kNever) return deadline;
+  const TimePoint now = RealClock::instance().now();
+  const Duration left = overdue_at - executor->clock().now();
+  return left < deadline - now ? now + left : deadline;
+}
+
+Error Task::Implementation::too_late(std::string_view verb) const {
+  return fail(
+      ErrorCode::DeadlineExceeded,
+      "cannot " + std::string(verb) + " now: " + overdue().value_or("an update or a hook runs too long"),
+      name);
+}
+
+std::optional<std::string> Task::Implementation::overdue() const {
+  const auto what = progress.overdue(executor->clock().now());
+  if (!what) return std::nullopt;
+  return std::string(*what) + " has not returned within " + format_duration(update_deadline);
 }
 
 std::string Task::Implementation::state_name() const {
@@ -121,7 +144,7 @@ Result<type::Value> Task::Implementation::call(std::string_view operation, const
 
 Result<type::Value> Task::Implementation::call_in_thread(std::unique_ptr<OperationCall> prepared,
                                                          const std::string& operation, TimePoint deadline) {
-  auto pending = std::make_shared<detail::PendingCall>(std::move(prepared), operation);
+  auto pending = std::make_shared<detail::PendingCall>(std::move(prepared), operation, deadline);
   if (!calls.push(pending)) {
     return fail(ErrorCode::ResourceExhausted, "too many calls wait for the task; try again later", name);
   }
@@ -135,7 +158,7 @@ Result<type::Value> Task::Implementation::call_in_thread(std::unique_ptr<Operati
   } else {
     executor->trigger(*this, Job::kCall);
   }
-  return pending->wait(deadline);
+  return pending->wait();
 }
 
 Result<std::unique_ptr<Task>> Task::create(std::string id, std::unique_ptr<Component> component,
@@ -307,7 +330,14 @@ const Activity& Task::activity() const {
 }
 
 Timing Task::timing() const {
-  return implementation_->recorder.timing(*implementation_->executor);
+  const Implementation& self = *implementation_;
+  Timing timing = self.recorder.timing(*self.executor);
+  timing.missed += self.progress.missed(self.executor->clock().now(), self.activity.period);
+  return timing;
+}
+
+std::optional<std::string> Task::overdue() const {
+  return implementation_->overdue();
 }
 
 void Task::set_state_listener(StateListener listener) {

@@ -26,7 +26,8 @@ namespace segue::task {
 /// until `deadline` for an update in progress, then fails with DeadlineExceeded and leaves the task
 /// unchanged. A hook that throws leads to Exception; a hook that returns an error keeps the previous state
 /// (HookFailed). InvalidState where the state does not allow the change, and for calls from one of the task's
-/// own hooks. Deadlines are real time, whatever clock the executor has.
+/// own hooks. Deadlines are real time, whatever clock the executor has. No function but the destructor waits
+/// for an update or an operation that is overdue().
 class Task {
  public:
   /// Uses the component's default activity where `activity` is null. Creates the thread; tasks that name the
@@ -89,6 +90,9 @@ class Task {
 
   [[nodiscard]] const Activity& activity() const;
   [[nodiscard]] Timing timing() const;
+  /// What exceeds its deadline (deadline_of() the activity; an operation also has that of its call) in the
+  /// task's thread: "on_update has not returned within 5 s". Nothing if nothing does.
+  [[nodiscard]] std::optional<std::string> overdue() const;
 
   /// Called after every change of state or sub-state, in the thread that caused it. Must not block or call
   /// the task.

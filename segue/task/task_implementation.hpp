@@ -5,6 +5,7 @@
 #include <segue/task/component.hpp>
 #include <segue/task/executor.hpp>
 #include <segue/task/ownership.hpp>
+#include <segue/task/progress.hpp>
 #include <segue/task/realtime_text.hpp>
 #include <segue/task/task.hpp>
 #include <segue/task/timing.hpp>
@@ -93,6 +94,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   void retrigger_if_pending() noexcept;
   [[nodiscard]] std::uint64_t trigger_samples_read() const noexcept;
   void serve_calls() noexcept;
+  void note_operation(TimePoint caller_deadline) noexcept;
   void release() noexcept;
 
   [[nodiscard]] TaskState state() const {
@@ -103,6 +105,10 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   /// DeadlineExceeded.
   template <class Body>
   Result<void> exclusive(std::string_view verb, TimePoint deadline, Body body);
+  /// Until when a verb with this deadline waits: what is in progress may be overdue before.
+  [[nodiscard]] TimePoint patience(TimePoint deadline) const;
+  [[nodiscard]] Error too_late(std::string_view verb) const;
+  [[nodiscard]] std::optional<std::string> overdue() const;
   Result<type::Value> call(std::string_view operation, const type::Value& arguments, TimePoint deadline);
   Result<type::Value> call_in_thread(std::unique_ptr<OperationCall> prepared, const std::string& operation,
                                      TimePoint deadline);
@@ -121,7 +127,9 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   std::atomic<std::uint32_t> state_word{0};
   detail::RealtimeText message;     ///< any thread reads
   detail::TimingRecorder recorder;  ///< any thread reads
-  detail::CallQueue calls;          ///< any thread
+  detail::Progress progress;        ///< any thread reads
+  const Duration update_deadline;
+  detail::CallQueue calls;  ///< any thread
   /// Guards the properties against concurrent setting and reading from outside; shared along with the
   /// component.
   const std::shared_ptr<std::mutex> properties_mutex;
@@ -145,10 +153,9 @@ Result<void> Task::Implementation::exclusive(std::string_view verb, TimePoint de
                 "cannot " + std::string(verb) + " a task from inside its own hook; use another thread", name);
   }
   bool retry = false;
-  if (!ownership.acquire(deadline, retry)) {
+  if (!ownership.acquire(patience(deadline), retry)) {
     if (retry) executor->trigger(*this, Job::kRetry);
-    return fail(ErrorCode::DeadlineExceeded,
-                "cannot " + std::string(verb) + " now: an update or a hook runs too long", name);
+    return too_late(verb);
   }
   struct Releaser {
     Implementation& owned;

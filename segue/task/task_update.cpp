@@ -9,6 +9,9 @@ namespace segue::task {
 
 namespace {
 
+/// Some callers wait for ever.
+constexpr Duration kLongestOperation = std::chrono::hours(24);
+
 /// Index + 1 of a declared sub-state; 0 for "" and for names that were not declared.
 std::uint32_t number_of(const std::vector<std::string>& declared, std::string_view name) {
   const auto found = std::ranges::find(declared, name);
@@ -59,6 +62,10 @@ void Task::Implementation::update(TimePoint& now) noexcept {
   request = Request::None;
   const bool in_error = state() == TaskState::RunTimeError;
   const std::string_view hook_name = in_error ? "on_error" : "on_update";
+  using What = detail::Progress::What;
+  const bool periodic = activity.trigger == Trigger::Periodic;
+  progress.begin(in_error ? What::Error : What::Update, begin + update_deadline,
+                 periodic ? due_at : detail::kNever);
   try {
     if (in_error) {
       ComponentAccess::error(*component);
@@ -104,7 +111,10 @@ void Task::Implementation::serve_calls() noexcept {
     return;
   }
   request = Request::None;
-  calls.take_all([](detail::PendingCall& call) { call.run(); });
+  calls.take_all([this](detail::PendingCall& call) {
+    note_operation(call.deadline());
+    call.run();
+  });
   if (request == Request::None) return;
   const Reached reached = active()                 ? Reached::Started
                           : is_configured(state()) ? Reached::Configured
@@ -112,7 +122,17 @@ void Task::Implementation::serve_calls() noexcept {
   static_cast<void>(collapse("an operation", reached));
 }
 
+/// An operation may take as long as its caller waits, and as an update.
+void Task::Implementation::note_operation(TimePoint caller_deadline) noexcept {
+  const TimePoint now = executor->clock().now();
+  const Duration wanted = caller_deadline - RealClock::instance().now();
+  const Duration limit = std::min(std::max(wanted, update_deadline), kLongestOperation);
+  const bool periodic = active() && activity.trigger == Trigger::Periodic;
+  progress.begin(detail::Progress::What::Operation, now + limit, periodic ? due_at : detail::kNever);
+}
+
 void Task::Implementation::release() noexcept {
+  progress.end();
   std::uint32_t reasons = std::exchange(trigger_on_release, 0);
   if (ownership.release()) reasons |= Job::kRetry;
   if (reasons != 0) executor->trigger(*this, static_cast<Job::Reason>(reasons));

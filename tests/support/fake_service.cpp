@@ -61,11 +61,14 @@ Result<Snapshot> FakeService::snapshot() {
     Snapshot snapshot;
     model::Deployment deployment = process_->deployment;
     for (const auto& [id, task] : process_->tasks) {
+      const bool hangs = process_->hanging.contains(id);
       snapshot.network.tasks.push_back(task);
+      if (hangs) snapshot.network.tasks.back().state = TaskState::Fatal;
       deployment.tasks.push_back({id, id.str()});
       host::TaskReport report;
       report.id = id;
-      report.state = task.state;
+      report.state = snapshot.network.tasks.back().state;
+      if (hangs) report.error = "on_update has not returned within 5 s";
       snapshot.tasks.push_back(report);
     }
     snapshot.network.deployments.push_back(deployment);

@@ -129,6 +129,7 @@ inline Activity random_activity(Random& random) {
   activity.cpus = random_cpus(random);
   if (one_in(random, 3)) activity.thread = "group" + std::to_string(up_to(random, 2));
   activity.optional = one_in(random, 4);
+  if (one_in(random, 4)) activity.update_deadline = Duration(1 + up_to(random, 2'000'000'000));
   return activity;
 }
 

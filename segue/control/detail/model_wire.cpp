@@ -162,6 +162,7 @@ void encode(const Activity& activity, wire::Activity::Builder builder) {
   builder.setPeriod(activity.period.count());
   encode_numbers(activity.cpus, builder.initCpus(count_of(activity.cpus)));
   builder.setThread(as_text(activity.thread));
+  builder.setUpdateDeadline(activity.update_deadline.count());
 }
 
 Activity decode(wire::Activity::Reader reader) {
@@ -173,6 +174,7 @@ Activity decode(wire::Activity::Reader reader) {
   activity.period = Duration(reader.getPeriod());
   activity.cpus = decode_numbers(reader.getCpus());
   activity.thread = as_string(reader.getThread());
+  activity.update_deadline = Duration(reader.getUpdateDeadline());
   return activity;
 }
 
