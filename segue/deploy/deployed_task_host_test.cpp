@@ -7,10 +7,12 @@
 #include <segue/solve/solve.hpp>
 #include <support/fake_world.hpp>
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
+#include <latch>
 #include <thread>
 
 namespace segue::deploy {
@@ -705,6 +707,35 @@ TEST(DeployedTaskHost, RemovesEndpointsThatADeadProcessLeft) {
   EXPECT_EQ(text(robot.wrong()), "");
   ASSERT_EQ(text(robot.switch_to(kOne)), "done");
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
+}
+
+TEST(DeployedTaskHost, ConnectsOthersWhileAProcessDoesNotAnswer) {
+  FakeWorld world;
+  Robot robot(world, {60s, 10ms});  // orphaned endpoints are looked for all the time
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const model::Network one = network_of(kOne);
+  const auto on = [&](ActionKind kind, std::size_t connection) {
+    return action(kind, model::ConnectionAction{one.connections.at(connection)});
+  };
+  std::latch silent(1);
+  std::latch answers(1);
+  std::atomic<bool> held{false};
+  world.on_call([&](const std::string& what, const FakePtr& process) {
+    if (what == "describe_outputs" && process == world.find("p1") && !held.exchange(true)) {
+      silent.count_down();
+      answers.wait();
+    }
+  });
+  ASSERT_EQ(text(robot.host.perform(on(ActionKind::Disconnect, 1), soon())), "done");
+  std::thread slow([&] { EXPECT_EQ(text(robot.host.perform(on(ActionKind::Connect, 1), soon())), "done"); });
+  silent.wait();
+  EXPECT_EQ(text(robot.host.perform(on(ActionKind::Disconnect, 2), soon())), "done");
+  EXPECT_EQ(text(robot.host.perform(on(ActionKind::Connect, 2), soon())), "done");
+  const auto same = robot.host.perform(on(ActionKind::Connect, 1), RealClock::instance().now() + 10ms);
+  EXPECT_THAT(text(same), ::testing::HasSubstr("the same connections are still being made or ended"));
+  answers.count_down();
+  slow.join();
+  EXPECT_TRUE(equivalent(robot.host.observe(), one)) << text(robot.wrong());
 }
 
 TEST(DeployedTaskHost, CanBeObservedByManyThreadsWhileItSwitches) {

@@ -17,6 +17,8 @@ constexpr Duration kLittlePatience = std::chrono::milliseconds(200);
 /// most, and usually.
 constexpr Duration kNewsLag = std::chrono::milliseconds(300);
 constexpr Duration kUsualLag = std::chrono::milliseconds(20);
+/// How long the end of a process waits for the others to forget its memory.
+constexpr Duration kForgetting = std::chrono::milliseconds(200);
 constexpr Duration kReconnect = std::chrono::milliseconds(500);
 
 bool is_silence(const Error& error) {
@@ -209,7 +211,9 @@ void Fleet::release(const RecordPtr& record) {
       }
     });
   }
-  pool_.run_all(std::move(jobs));
+  // Others wait for this: they do not wait for a process that does not answer.
+  static_cast<void>(pool_.run([&pool = pool_, jobs = std::move(jobs)] { pool.run_all(jobs); },
+                              monotonic_now() + kForgetting));
 }
 
 void Fleet::report(const ProcessRecord& record, const ProcessRecord::Change& change) {

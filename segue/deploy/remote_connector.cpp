@@ -291,30 +291,28 @@ bool is_of(const OrphanedEndpoint& endpoint, const RemoteConnection& remote) {
          endpoint.peer == other->incarnation();
 }
 
+ConnectionClaims::Key key_of(const model::Connection& connection) {
+  return {connection.from, connection.to};
+}
+
+std::vector<ConnectionClaims::Key> keys_of(std::span<const RemoteConnection> connections) {
+  std::vector<ConnectionClaims::Key> keys;
+  for (const auto& remote : connections) {
+    keys.push_back(key_of(remote.connection));
+  }
+  return keys;
+}
+
 Error another_batch_runs() {
-  return fail(ErrorCode::DeadlineExceeded, "other connections are still being made or ended");
+  return fail(ErrorCode::DeadlineExceeded, "the same connections are still being made or ended");
 }
 
 }  // namespace
 
-RemoteConnector::Turn::Turn(RemoteConnector& connector, TimePoint deadline) : connector_(connector) {
-  std::unique_lock lock(connector.mutex_);
-  mine_ = connector.changed_.wait_until(lock, deadline, [&] { return !connector.taken_; });
-  connector.taken_ = connector.taken_ || mine_;
-}
-
-RemoteConnector::Turn::~Turn() {
-  if (mine_) {
-    const std::lock_guard lock(connector_.mutex_);
-    connector_.taken_ = false;
-    connector_.changed_.notify_one();
-  }
-}
-
 std::vector<Result<void>> RemoteConnector::connect(std::span<const RemoteConnection> connections,
                                                    TimePoint deadline) {
-  const Turn turn(*this, deadline);
-  if (!turn) {
+  const ConnectionClaims::Claim claim(claims_, keys_of(connections), deadline);
+  if (!claim) {
     return {connections.size(), another_batch_runs()};
   }
   auto outcomes = ConnectionBatch(fleet_.pool(), connections, deadline).connect();
@@ -356,25 +354,30 @@ void RemoteConnector::remove_blocking_endpoints(std::span<const RemoteConnection
 }
 
 void RemoteConnector::map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline) {
-  if (const Turn turn(*this, deadline); turn) {
-    (void)detail::map_peers(fleet_.pool(), pairs, deadline);
-  }
+  (void)detail::map_peers(fleet_.pool(), pairs, deadline);
 }
 
 std::vector<Result<void>> RemoteConnector::disconnect(std::span<const RemoteConnection> connections,
                                                       TimePoint deadline) {
-  const Turn turn(*this, deadline);
-  if (!turn) {
+  const ConnectionClaims::Claim claim(claims_, keys_of(connections), deadline);
+  if (!claim) {
     return {connections.size(), another_batch_runs()};
   }
   return ConnectionBatch(fleet_.pool(), connections, deadline).disconnect();
 }
 
 void RemoteConnector::remove_orphaned(TimePoint deadline) {
-  const Turn turn(*this, deadline);
-  if (turn) {
-    close_orphaned(fleet_.poll_merged().orphaned, deadline);
+  const ConnectionClaims::Claim::Watch watch(claims_);
+  auto orphaned = fleet_.poll_merged().orphaned;
+  std::vector<ConnectionClaims::Key> keys;
+  for (const auto& endpoint : orphaned) {
+    keys.push_back(key_of(endpoint.connection));
   }
+  const ConnectionClaims::Claim claim(claims_, std::move(keys), watch);
+  std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
+    return !endpoint.peer_gone && !claim.has(key_of(endpoint.connection));
+  });
+  close_orphaned(orphaned, deadline);
 }
 
 void RemoteConnector::close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline) {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/deploy/connection_claims.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/peer_mapping.hpp>
 #include <segue/model/network.hpp>
 
-#include <condition_variable>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -20,9 +19,10 @@ struct RemoteConnection {
   RecordPtr reader;
 };
 
-/// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Works
-/// on one batch at a time, since remove_orphaned() would take the first endpoint of a connection that is just
-/// being made for an orphan. Thread safe; functions block until their deadline at most.
+/// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Each
+/// batch claims its connections, since remove_orphaned() would take the first endpoint of one that is just
+/// being made for an orphan; batches with other connections go on beside it. Thread safe; functions block
+/// until their deadline at most.
 class RemoteConnector {
  public:
   explicit RemoteConnector(Fleet& fleet) : fleet_(fleet) {}
@@ -36,32 +36,16 @@ class RemoteConnector {
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Closes the writers' endpoints, then the readers'. NotFound where neither existed.
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// Closes endpoints whose counterparts are gone. Does nothing if another batch takes until `deadline`.
+  /// Closes endpoints whose counterparts are gone, but none of a connection that is just being worked on.
   void remove_orphaned(TimePoint deadline);
 
  private:
-  /// Exclusive use of the connector by one batch; false where it was not free until the deadline.
-  class Turn {
-   public:
-    Turn(RemoteConnector& connector, TimePoint deadline);
-    ~Turn();
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-    explicit operator bool() const { return mine_; }
-
-   private:
-    RemoteConnector& connector_;
-    bool mine_ = false;
-  };
-
   void close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
   void remove_blocking_endpoints(std::span<const RemoteConnection> connections,
                                  const std::vector<Result<void>>& outcomes, TimePoint deadline);
 
   Fleet& fleet_;
-  std::mutex mutex_;  ///< protects taken_; never held during a batch
-  std::condition_variable changed_;
-  bool taken_ = false;  ///< a batch is under way
+  ConnectionClaims claims_;
 };
 
 }  // namespace segue::deploy::detail

@@ -51,11 +51,11 @@ struct LocalTaskHost::Implementation {
   Implementation(const LibrarySet& libraries, const model::ComponentCatalog& catalog, LocalOptions options)
       : maker(libraries, catalog, std::move(options)) {}
 
-  detail::EventNotifier notifier;
+  detail::TaskEvents events;
   detail::TaskMaker maker;
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
-  detail::TaskActions actions{table, maker, connections, notifier};
+  detail::TaskActions actions{table, maker, connections, events};
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     return actions.perform(action, deadline);
@@ -67,7 +67,7 @@ LocalTaskHost::LocalTaskHost(const LibrarySet& libraries, const model::Component
     : implementation_(std::make_unique<Implementation>(libraries, catalog, std::move(options))) {}
 
 LocalTaskHost::~LocalTaskHost() {
-  implementation_->notifier.set_listener({});
+  implementation_->events.set_listener({});
   implementation_->pool.close();
   implementation_->table.clear();
 }
@@ -238,14 +238,11 @@ bool LocalTaskHost::at_rest() const {
 
 void LocalTaskHost::set_listener(Listener listener) {
   if (!listener) {
-    implementation_->notifier.set_listener({});
+    implementation_->events.set_listener({});
     return;
   }
-  implementation_->notifier.set_listener([listener = std::move(listener)](const detail::LateEvent& make) {
-    if (const auto event = make()) {
-      listener(*event);
-    }
-  });
+  implementation_->events.set_listener(
+      [listener = std::move(listener)](const TaskEvent& event) { listener(event); });
 }
 
 }  // namespace segue::host

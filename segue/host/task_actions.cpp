@@ -432,22 +432,15 @@ Result<void> TaskActions::set_property(const model::TaskId& id, std::string_view
   return {};
 }
 
+/// The listener runs in updates too: it is real-time safe.
 void TaskActions::listen_to(const TaskEntry& entry) {
-  const std::weak_ptr<task::Task> weak = entry.task;
-  const model::TaskId id = entry.definition.id;
+  const auto source = std::make_shared<TaskEvents::Source>(entry.definition.id, entry.task);
   auto last = std::make_shared<std::atomic<TaskState>>(entry.state());
-  entry.task->set_state_listener([this, weak, id, last](const task::Task& task, TaskState state) {
+  entry.task->set_state_listener([this, source, last](const task::Task& task, TaskState state) {
     const bool changed = last->exchange(state) != state;
-    if (!changed || acting_on == &task) {
-      return;
+    if (changed && acting_on != &task) {
+      events_.note(source, state);
     }
-    notifier_.post([weak, id, state]() -> std::optional<TaskEvent> {
-      const auto alive = weak.lock();
-      if (!alive) {
-        return std::nullopt;
-      }
-      return TaskEvent{id, state, alive->error_message()};
-    });
   });
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/concurrent/notifier.hpp>
 #include <segue/host/abandoned_tasks.hpp>
 #include <segue/host/task_connections.hpp>
+#include <segue/host/task_events.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
 #include <segue/host/verb_watch.hpp>
@@ -11,16 +11,12 @@
 
 namespace segue::host::detail {
 
-/// An event that is only read on the notifier's thread, where it may wait; nothing where it no longer holds.
-using LateEvent = std::function<std::optional<TaskEvent>()>;
-using EventNotifier = concurrent::Notifier<LateEvent>;
-
 /// Carries out the eleven actions on the tasks of a table. Thread safe; hooks run without any lock of the
 /// table.
 class TaskActions {
  public:
-  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, EventNotifier& notifier)
-      : table_(table), maker_(maker), connections_(connections), notifier_(notifier) {}
+  TaskActions(TaskTable& table, TaskMaker& maker, TaskConnections& connections, TaskEvents& events)
+      : table_(table), maker_(maker), connections_(connections), events_(events) {}
 
   Result<void> perform(const model::Action& action, TimePoint deadline);
   void conclude(const model::Transition& transition);
@@ -55,7 +51,7 @@ class TaskActions {
   TaskTable& table_;
   TaskMaker& maker_;
   TaskConnections& connections_;
-  EventNotifier& notifier_;
+  TaskEvents& events_;
   VerbWatch verbs_;
   AbandonedTasks abandoned_;
 };

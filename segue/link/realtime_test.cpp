@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replaces malloc: every allocation passes through here, and none may come from a trapped thread.
 #include <segue/link/local.hpp>
 #include <segue/link/shared_connection.hpp>
 #include <segue/link/shared_memory.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/task.hpp>
 #include <segue/type/describe.hpp>
+#include <support/allocation_trap.hpp>
 
 #include <gtest/gtest.h>
 
@@ -15,47 +15,11 @@
 #include <string>
 #include <vector>
 
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-void __libc_free(void* memory);
-}
-
-namespace {
-thread_local bool trapped = false;
-std::atomic<int> caught{0};
-void look() {
-  if (trapped) caught.fetch_add(1);
-}
-}  // namespace
-
-extern "C" {
-void* malloc(std::size_t size) {
-  look();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) {
-  look();
-  return __libc_calloc(count, size);
-}
-void* realloc(void* memory, std::size_t size) {
-  look();
-  return __libc_realloc(memory, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  look();
-  return __libc_memalign(alignment, size);
-}
-void free(void* memory) {
-  if (memory != nullptr) look();
-  __libc_free(memory);
-}
-}
-
 namespace segue::link {
 namespace {
+
+using testing::caught;
+using testing::trapped;
 
 using namespace std::chrono_literals;
 using task::Component;

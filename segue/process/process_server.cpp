@@ -225,34 +225,44 @@ Result<ProcessInfo> ProcessServer::Implementation::start(const Launch& what, Tim
 }
 
 /// So that the log of a process that crashed says so. On a full disk the line is missing.
-void note_in_log(const ProcessInfo& ended) {
+void note_in_log(const ProcessInfo& ended, const ExitReason& reason) {
   const auto log_file = ended.log.empty() ? Result<Descriptor>(Descriptor()) : open_log(ended.log);
   if (!log_file || !log_file->valid()) return;
-  const std::string line = "segue: the process (pid " + std::to_string(ended.pid) + ") " +
-                           to_string(ended.exit.value_or(ExitReason{})) + '\n';
+  const std::string line =
+      "segue: the process (pid " + std::to_string(ended.pid) + ") " + to_string(reason) + '\n';
   const ssize_t written = ::write(log_file->get(), line.data(), line.size());
   static_cast<void>(written);
 }
 
 /// The process group is killed before its leader is reaped: until then the pid cannot belong to another
-/// process.
+/// process. All that may take long is done without the mutex; an entry that is `ending` belongs to this
+/// thread, and its name stays taken.
 void ProcessServer::Implementation::finish(std::uint64_t id) {
-  ProcessInfo ended;
+  ExitReason asked;
+  Entry entry;
   {
     const std::lock_guard lock(mutex);
-    const auto entry = table.find(id);
+    entry = table.find(id);
     if (!entry) return;
+    entry->ending = true;
+    asked.requested = entry->stop_requested;
+    asked.killed = entry->killed;
     watch->remove(entry->pidfd.get());
-    if (!entry->info.adopted) detail::kill_group(entry->info.pid);
-    detail::kill_cgroup(entry->cgroup);
-    ExitReason reason = entry->zygote ? zygote->reap(entry->info.pid) : detail::reap(entry->pidfd.get());
-    reason.requested = entry->stop_requested;
-    reason.killed = entry->killed && (!reason.known || reason.signal == SIGKILL);
+  }
+  const ProcessInfo& info = entry->info;
+  if (!info.adopted) detail::kill_group(info.pid);
+  detail::kill_cgroup(entry->cgroup);
+  ExitReason reason = entry->zygote ? zygote->reap(info.pid) : detail::reap(entry->pidfd.get());
+  reason.requested = asked.requested;
+  reason.killed = asked.killed && (!reason.known || reason.signal == SIGKILL);
+  detail::remove_cgroup(entry->cgroup);
+  detail::remove_if_stale(info.socket);
+  if (!reason.requested) note_in_log(info, reason);
+  ProcessInfo ended = info;
+  ended.exit = reason;
+  {
+    const std::lock_guard lock(mutex);
     entry->info.exit = reason;
-    detail::remove_cgroup(entry->cgroup);
-    detail::remove_if_stale(entry->info.socket);
-    if (!reason.requested) note_in_log(entry->info);
-    ended = entry->info;
     table.remove(*entry);
     changed.notify_all();
   }
@@ -278,7 +288,7 @@ Result<ExitReason> ProcessServer::Implementation::stop(const ProcessInfo& info, 
   }
   if (orderly ? changed.wait_until(lock, deadline, ended) : ended()) return *entry->info.exit;
   entry->killed = true;
-  detail::kill_group(entry->info.pid);
+  if (!entry->ending) detail::kill_group(entry->info.pid);
   if (changed.wait_until(lock, RealClock::instance().now() + kKillTime, ended)) return *entry->info.exit;
   return fail(ErrorCode::DeadlineExceeded,
               named(info) + " (pid " + std::to_string(entry->info.pid) +

@@ -20,7 +20,8 @@ namespace segue::process {
 ///
 /// Locks: `mutex` protects the table and its entries; `listener_mutex` protects the listener and is held
 /// while it is called. They are never held together. An entry with `starting` set may be changed by the
-/// thread that starts it without `mutex`, except for its pid, which others read.
+/// thread that starts it without `mutex`, except for its pid, which others read; one with `ending` set is
+/// read by the watching thread without `mutex`, and nobody changes what it reads.
 struct ProcessServer::Implementation {
   using Entry = detail::ProcessTable::Entry;
   static constexpr std::string_view kSoftware = SEGUE_VERSION;

@@ -487,6 +487,25 @@ TEST_F(ProcessServerTest, whyAChildOfTheZygoteEndedIsTold) {
   EXPECT_EQ(heard.end_of("leaves").value().exit.value().status, 3);
 }
 
+TEST_F(ProcessServerTest, aZygoteThatDoesNotAnswerHoldsUpNoOtherRequest) {
+  const auto processes = server(with_zygote(options()));
+  Heard heard;
+  processes->set_listener([&](const ProcessInfo& process) { heard.hear(process); });
+  const auto victim = ready(*processes, launch("victim"));
+  const auto other = ready(*processes, launch("other"));
+  const int zygote = parent_of(victim.pid);
+  ::kill(zygote, SIGSTOP);
+  ::kill(victim.pid, SIGKILL);
+  // Once its death has been noticed, the answer of the zygote is waited for.
+  ASSERT_TRUE(eventually([&] { return !lives(victim.pid); }));
+  for (int i = 0; i < 100; ++i)
+    EXPECT_GE(processes->processes("rover").value().size(), 1U);
+  ::kill(zygote, SIGCONT);
+  // If a request had waited for the zygote, its answer would have come too late to be used.
+  EXPECT_EQ(heard.end_of("victim").value().exit.value().signal, SIGKILL);
+  EXPECT_TRUE(lives(other.pid));
+}
+
 TEST_F(ProcessServerTest, withoutItsZygoteProcessesGoOnAndOthersStart) {
   const auto processes = server(with_zygote(options()));
   const auto before = ready(*processes, launch("before"));

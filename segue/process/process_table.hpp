@@ -23,6 +23,7 @@ struct ProcessEntry {
   bool starting = false;         ///< its name is taken, but it is not watched yet
   bool zygote = false;           ///< it is a child of the zygote
   std::filesystem::path cgroup;  ///< empty: none
+  bool ending = false;           ///< it has ended; its pid may belong to another process
   bool stop_requested = false;
   bool killed = false;
 };

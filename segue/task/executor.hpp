@@ -4,9 +4,9 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/task/futex.hpp>
+#include <segue/task/timer_heap.hpp>
 
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -21,7 +21,7 @@ class RunQueue;
 }
 
 /// Something that an executor runs when triggered. Tasks are jobs.
-class Job {
+class Job : private detail::Timer {
  public:
   enum Reason : std::uint32_t {
     kSample = 1,
@@ -54,10 +54,7 @@ class Job {
   std::atomic<std::uint32_t> retired_{0};
   Job* next_ = nullptr;
   TimePoint wanted_since_{};   ///< written by whoever set kQueued
-  TimePoint running_since_{};  ///< used by the runner only, like the members below
-  TimePoint due_{};
-  std::size_t timer_ = kNoTimer;
-  static constexpr std::size_t kNoTimer = static_cast<std::size_t>(-1);
+  TimePoint running_since_{};  ///< used by the runner only
 };
 
 /// Runs jobs sequentially on one thread.
@@ -70,8 +67,6 @@ class Executor {
 
   /// Requests a run; requests before the run are merged. Any thread; real-time safe.
   virtual void trigger(Job& job, Job::Reason reason) noexcept = 0;
-  /// Adds a job and reserves memory, so that running it allocates nothing. Not real-time.
-  virtual void add(Job& job) = 0;
   /// Removes a job, which nobody may trigger any more; waits while it runs, unless called from inside it.
   virtual void remove(Job& job) = 0;
   /// Triggers the job (kDescriptor) once when the descriptor becomes readable; rearm() after each run.

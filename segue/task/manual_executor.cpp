@@ -29,7 +29,6 @@ struct ManualExecutor::Implementation {
   std::mutex doorbell_mutex;           ///< guards doorbell
   std::shared_ptr<Doorbell> doorbell;  ///< set once
   std::atomic<Doorbell*> rung{nullptr};
-  std::size_t jobs = 0;
 };
 
 ManualExecutor::ManualExecutor(VirtualClock& clock)
@@ -75,10 +74,6 @@ void ManualExecutor::trigger(Job& job, Job::Reason reason) noexcept {
   } else {
     implementation_->queue.post(job, reason, implementation_->clock.now());
   }
-}
-
-void ManualExecutor::add(Job& /*job*/) {
-  implementation_->queue.make_room(++implementation_->jobs);
 }
 
 void ManualExecutor::remove(Job& job) {

@@ -26,7 +26,6 @@ class ManualExecutor final : public Executor {
   void advance(Duration step);
 
   void trigger(Job& job, Job::Reason reason) noexcept override;
-  void add(Job& job) override;
   void remove(Job& job) override;
   /// Descriptors are polled in run_ready().
   Result<void> watch(Job& job, int descriptor) override;

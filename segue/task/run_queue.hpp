@@ -4,12 +4,11 @@
 #include <segue/task/executor.hpp>
 
 #include <atomic>
-#include <vector>
 
 namespace segue::task::detail {
 
 /// The jobs that are ready to run, and those that will be at a given time. Any thread may post(); everything
-/// else is for the thread that runs the jobs (the runner). Only make_room() allocates.
+/// else is for the thread that runs the jobs (the runner). Nothing allocates.
 ///
 /// Memory order: whoever sets kQueued in Job::flags_ (acquire-release) alone writes the job's next_ and
 /// wanted_since_ and pushes it to the stack posted_; the runner takes the whole stack with an acquiring
@@ -33,9 +32,7 @@ class RunQueue {
   bool run_one(TimePoint& now) noexcept;
   /// Queues the jobs whose time has come.
   void fire(TimePoint now) noexcept;
-  [[nodiscard]] TimePoint next_due() const noexcept {
-    return timers_.empty() ? kNever : timers_.front()->due_;
-  }
+  [[nodiscard]] TimePoint next_due() const noexcept { return timers_.next_due(); }
 
   /// From any thread: asks the runner to forget the job; wait_retired() waits until it has. True as for
   /// post().
@@ -44,22 +41,13 @@ class RunQueue {
   /// From the runner's thread: forgets the job at once.
   void forget(Job& job) noexcept;
 
-  /// Reserves room for the timers of so many jobs. From the runner's thread, or before it runs.
-  void make_room(std::size_t jobs) { timers_.reserve(jobs); }
-  [[nodiscard]] std::size_t room() const { return timers_.capacity(); }
-
  private:
   void fetch() noexcept;
   void append(Job* job) noexcept;
-  void set_timer(Job& job, TimePoint due) noexcept;
-  void clear_timer(Job& job) noexcept;
-  void sift_up(std::size_t position) noexcept;
-  void sift_down(std::size_t position) noexcept;
-  void place(Job* job, std::size_t position) noexcept;
 
   Job* first_ = nullptr;  ///< ready jobs, oldest first
   Job* last_ = nullptr;
-  std::vector<Job*> timers_;                       ///< binary heap by due time
+  TimerHeap timers_;
   alignas(64) std::atomic<Job*> posted_{nullptr};  ///< a stack, newest first
 };
 

@@ -57,7 +57,6 @@ Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Compon
       properties_mutex(std::make_shared<std::mutex>()) {
   RealtimeLog::instance();
   ComponentAccess::set_context(*component, this);
-  executor->add(*this);
 }
 
 Task::Implementation::Implementation(const Implementation& old, Activity wanted,
@@ -69,7 +68,6 @@ Task::Implementation::Implementation(const Implementation& old, Activity wanted,
       update_deadline(deadline_of(activity)),
       properties_mutex(old.properties_mutex) {
   ComponentAccess::set_context(*component, this);
-  executor->add(*this);
 }
 
 Task::Implementation::~Implementation() {

@@ -55,7 +55,6 @@ struct ThreadExecutor::State {
   void sleep(TimePoint& now) noexcept;
   void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
   void collect_events(const timespec* timeout, TimePoint now) noexcept;
-  void make_room() noexcept;
   void sleep_in_futex(Doorbell* ringing, TimePoint until) noexcept;
   void note_sleep(TimePoint begin) noexcept;
   Result<void> prepare_poll(const std::shared_ptr<State>& self);
@@ -68,8 +67,7 @@ struct ThreadExecutor::State {
   TimePoint now{};  ///< used by the thread only, for jobs that trigger each other
   alignas(64) std::atomic<std::uint32_t> sleeping{kAwake};
   std::atomic<bool> stop{false};
-  std::atomic<bool> polls{false};  ///< the thread must wait for descriptors, too
-  std::atomic<std::size_t> jobs{0};
+  std::atomic<bool> polls{false};            ///< the thread must wait for descriptors, too
   std::atomic<std::int64_t> busy_before{0};  ///< nanoseconds awake up to the last sleep
   std::atomic<std::int64_t> awake_since{0};  ///< 0 while asleep
   std::atomic<Doorbell*> doorbell{nullptr};  ///< set once
@@ -155,7 +153,6 @@ void ThreadExecutor::State::wake() noexcept {
 }
 
 void ThreadExecutor::State::loop() noexcept {
-  queue.make_room(16);
   now = RealClock::instance().now();
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
@@ -174,7 +171,6 @@ void ThreadExecutor::State::loop() noexcept {
 }
 
 void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
-  make_room();
   const TimePoint until = queue.next_due();
   const bool in_poll = polls.load(std::memory_order_acquire);
   Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
@@ -198,7 +194,6 @@ void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   time = RealClock::instance().now();
   if (stays) return;
   awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
-  make_room();
 }
 
 void ThreadExecutor::State::note_sleep(TimePoint begin) noexcept {
@@ -238,16 +233,6 @@ void ThreadExecutor::State::collect_events(const timespec* timeout, TimePoint ti
   }
 }
 
-void ThreadExecutor::State::make_room() noexcept {
-  const std::size_t wanted = jobs.load(std::memory_order_relaxed);
-  if (wanted > queue.room()) queue.make_room(2 * wanted);
-}
-
-void ThreadExecutor::add(Job& /*job*/) {
-  state_->jobs.fetch_add(1, std::memory_order_relaxed);
-  if (!is_current()) state_->wake();  // to make room before the job is started
-}
-
 void ThreadExecutor::remove(Job& job) {
   if (is_current()) {
     state_->queue.forget(job);
@@ -255,7 +240,6 @@ void ThreadExecutor::remove(Job& job) {
     if (state_->queue.post_retire(job)) state_->wake();
     detail::RunQueue::wait_retired(job);
   }
-  state_->jobs.fetch_sub(1, std::memory_order_relaxed);
 }
 
 Result<void> ThreadExecutor::State::open_poll() {

@@ -20,7 +20,6 @@ class ThreadExecutor final : public Executor {
   ~ThreadExecutor() override;
 
   void trigger(Job& job, Job::Reason reason) noexcept override;
-  void add(Job& job) override;
   void remove(Job& job) override;
   Result<void> watch(Job& job, int descriptor) override;
   void rearm(Job& job, int descriptor) noexcept override;
