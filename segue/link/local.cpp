@@ -39,6 +39,12 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   }
 
   void disconnect() override;
+  /// The port stores the listener before (sequentially consistent, as its loads in notify() and the writer's
+  /// section), so only a write that has begun already may still notify the previous one.
+  void set_listener(task::SampleListener* listener) override {
+    const std::lock_guard lock(mutex_);
+    if (listener == nullptr && attached_) from_.wait_until_written();
+  }
   [[nodiscard]] bool connected() const override {
     const std::lock_guard lock(mutex_);
     return attached_;

@@ -9,8 +9,11 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <atomic>
+#include <latch>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace demo {
@@ -460,6 +463,43 @@ TEST_F(Chain, DestroyedTaskTakesItsConnectionsAlong) {
   tasks.clear();
   EXPECT_FALSE(connection->connected());
   EXPECT_EQ(source.out.write(1), WriteResult::NotConnected);
+}
+
+/// Holds up whoever notifies it.
+struct HeldListener final : task::SampleListener {
+  std::latch inside{1};
+  std::latch go_on{1};
+  std::atomic<bool> left{false};
+  std::shared_ptr<task::ManualExecutor> executor;
+
+  void sample_arrived() noexcept override {
+    inside.count_down();
+    go_on.wait();
+    left = true;
+  }
+  [[nodiscard]] task::Executor& runner() noexcept override { return *executor; }
+};
+
+/// A task that is renewed is destroyed as soon as its ports have another listener.
+TEST_F(Local, NobodyNotifiesAListenerThatWasReplaced) {
+  OutputPort<int> out{writer, "out"};
+  InputPort<int> in{reader, "in"};
+  ASSERT_NE(connected(out, in), nullptr);
+  HeldListener listener;
+  in.set_listener(&listener);
+  std::thread writing([&] { out.write(1); });
+  listener.inside.wait();
+  std::atomic<bool> replaced{false};
+  std::thread replacing([&] {
+    in.set_listener(nullptr);
+    EXPECT_TRUE(listener.left) << "the writer still used it";
+    replaced = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // without waiting it would be replaced by now
+  EXPECT_FALSE(replaced);
+  listener.go_on.count_down();
+  replacing.join();
+  writing.join();
 }
 
 }  // namespace

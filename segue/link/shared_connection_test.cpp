@@ -271,6 +271,45 @@ TEST(SharedConnection, ReadersThatLeftWithSamplesDoNotStarveTheWriter) {
   }
 }
 
+/// A port at the address of another one, whose samples have not all come back.
+template <class Before, class After>
+void replace_port(const Before& before, const After& after) {
+  Pair pair;
+  struct Holder : Component {
+  } holder;
+  union Place {
+    Place() {}
+    ~Place() {}
+    OutputPort<Before> before;
+    OutputPort<After> after;
+  } place;
+  Sink<Before> keeper("keeper");
+  Sink<After> reader("reader");
+  auto* const old = new (&place.before) OutputPort<Before>(holder, "out");
+  Link first = pair.connect(*old, keeper.in, {BufferKind::Buffer, 4});
+  ASSERT_TRUE(first.ok);
+  ASSERT_EQ(old->write(before), WriteResult::Written);
+  const auto kept = keeper.in.take();
+  ASSERT_TRUE(kept);
+  old->~OutputPort<Before>();
+  auto* const next = new (&place.after) OutputPort<After>(holder, "out");
+  Link second = pair.connect(*next, reader.in, {BufferKind::Buffer, 4});
+  ASSERT_TRUE(second.ok) << to_string(second.error);
+  ASSERT_EQ(next->write(after), WriteResult::Written);
+  After got{};
+  EXPECT_EQ(reader.in.read(got), ReadStatus::NewData);
+  EXPECT_EQ(got, after);
+  EXPECT_EQ(*kept, before);
+  next->~OutputPort<After>();
+}
+
+TEST(SharedConnection, APortAtTheAddressOfAnotherOneSendsItsOwnSamples) {
+  replace_port(Text{"old"}, Text{"new"});
+  replace_port(Text{"old"}, std::vector<double>{1.5, 2.5});
+  replace_port(Text{"old"}, Pose(5));
+  replace_port(Pose(5), Text{"new"});
+}
+
 TEST(SharedConnection, WhatWaitsIsStillReadAfterTheWriterLeft) {
   Pair pair;
   Sink<Pose> sink;

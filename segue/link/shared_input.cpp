@@ -155,6 +155,8 @@ void SharedInput::set_listener(task::SampleListener* listener) {
   std::atomic<std::uint64_t>& announced = (*ring_)->header().doorbell;
   if (listener == nullptr) {
     announced.store(0, std::memory_order_seq_cst);
+    // The port has stored its listener before, so only an answer that has begun may still notify it.
+    if (doorbell_) doorbell_->wait_until_answered();
     return;
   }
   take_line(listener->runner());

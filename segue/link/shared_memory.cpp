@@ -169,7 +169,7 @@ std::size_t SharedState::in_flight(const task::OutputPortBase& port) const {
 
 std::shared_ptr<PayloadSource> SharedState::source_of(const task::OutputPortBase& port) {
   const std::lock_guard lock(mutex_);
-  std::weak_ptr<PayloadSource>& known = sources_[&port];
+  std::weak_ptr<PayloadSource>& known = sources_[port.number()];
   std::shared_ptr<PayloadSource> source = known.lock();
   if (source) return source;
   source = std::make_shared<PayloadSource>(payload_, port.type());

@@ -17,6 +17,7 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
     : state_(std::move(state)),
       reader_(std::move(reader)),
       port_(port),
+      port_number_(port.number()),
       policy_(policy),
       reader_port_(place.port),
       untyped_(place.any_type),
@@ -55,7 +56,7 @@ std::size_t SharedOutput::capacity() const {
 
 std::size_t SharedOutput::in_flight(const task::OutputPortBase& port) const {
   const std::lock_guard lock(mutex_);
-  return attached_ || &port != &port_ ? 0 : count_lent();
+  return attached_ || port.number() != port_number_ ? 0 : count_lent();
 }
 
 bool SharedOutput::same_as(const WriterEnd& other) const {

@@ -68,6 +68,7 @@ class SharedOutput final : public RegisteredEndpoint,
   const std::shared_ptr<SharedState> state_;
   const std::shared_ptr<const PeerMemory> reader_;
   task::OutputPortBase& port_;  ///< valid while attached
+  const std::uint64_t port_number_;
   const Policy policy_;
   const std::string reader_port_;
   const bool untyped_;

@@ -74,7 +74,9 @@ class SharedState final {
   std::map<Incarnation, std::shared_ptr<const PeerMemory>> peers_;
   Endpoints connected_;
   Endpoints ended_;
-  std::map<const task::OutputPortBase*, std::weak_ptr<PayloadSource>> sources_;
+  /// By port number: a source outlives its port until all readers have returned its samples, and another port
+  /// may have got the address meanwhile.
+  std::map<std::uint64_t, std::weak_ptr<PayloadSource>> sources_;
 };
 
 }  // namespace segue::link

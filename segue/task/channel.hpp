@@ -38,9 +38,9 @@ class ReaderEnd {
   /// Whether pull() would find a sample. Any thread that holds this end.
   [[nodiscard]] virtual bool pending() const noexcept = 0;
   virtual void disconnect() = 0;
-  /// The listener to notify of samples from now on; nullptr: none. For links whose writers cannot call the
-  /// port. Any thread, one at a time.
-  virtual void set_listener(SampleListener* /*listener*/) {}
+  /// The port has got a new listener to notify of samples; nullptr: none. When this returns, no writer calls
+  /// the previous one any more through this connection. Any thread, one at a time.
+  virtual void set_listener(SampleListener* listener) = 0;
   /// Unique within the process.
   [[nodiscard]] virtual std::uint64_t number() const noexcept = 0;
 };
@@ -122,13 +122,18 @@ class ConnectionList {
     return now == nullptr ? Ends{} : *now;
   }
 
+  /// Waits until the reader has left the section that it is in, if any.
+  void wait_for_reader() const noexcept {
+    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
+    if (seen % 2 == 1) detail::wait_until_left(section_, seen);
+  }
+
   [[nodiscard]] bool empty() const noexcept { return ends_.load(std::memory_order_acquire) == nullptr; }
 
  private:
   void swap(const Ends* next) {
     const std::unique_ptr<const Ends> old(ends_.exchange(next, std::memory_order_seq_cst));
-    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
-    if (seen % 2 == 1) detail::wait_until_left(section_, seen);
+    wait_for_reader();
   }
 
   alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the reader is inside

@@ -79,9 +79,13 @@ std::optional<unsigned> Doorbell::add(InputPortBase& port) {
 void Doorbell::remove(unsigned line) {
   const std::lock_guard lock(mutex_);
   ports_[line].store(nullptr, std::memory_order_seq_cst);
+  wait_until_answered();
+  free_.push_back(line);
+}
+
+void Doorbell::wait_until_answered() const noexcept {
   const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
   if (seen % 2 == 1) detail::wait_until_left(section_, seen);
-  free_.push_back(line);
 }
 
 // remove() stores nullptr and then loads section_; this stores section_ and then loads the port (both

@@ -57,6 +57,8 @@ class Doorbell {
   /// Frees a line. After this has returned, the port is not notified any more. Any thread; waits for
   /// answer().
   void remove(unsigned line);
+  /// Waits for the answer() in progress, if any. Any thread but from inside answer().
+  void wait_until_answered() const noexcept;
   [[nodiscard]] const std::shared_ptr<DoorbellWords>& words() const { return words_; }
 
   [[nodiscard]] bool rung() const noexcept { return words_->summary.load(std::memory_order_seq_cst) != 0; }

@@ -17,6 +17,11 @@ std::string declared_name(const type::TypeInfo* type, std::string type_name) {
   return type == nullptr ? std::move(type_name) : std::string(type->name());
 }
 
+std::uint64_t next_port_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 /// For counters with one writing thread; readers may see an older value.
 void increment(std::atomic<std::uint64_t>& counter) {
   counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -31,6 +36,7 @@ PortBase::PortBase(Component& component, Direction direction, std::string name, 
       type_name_(declared_name(type, std::move(type_name))),
       options_(std::move(options)),
       type_(type),
+      number_(next_port_number()),
       direction_(direction) {
   if (type != nullptr) type::register_type_info(*type);
 }
@@ -146,6 +152,11 @@ Error OutputPortBase::out_of_memory() const {
   return fail(ErrorCode::ResourceExhausted,
               "the shared memory of this process has no room for the samples of " + full_name() +
                   "; connect with smaller buffers");
+}
+
+void OutputPortBase::wait_until_written() {
+  const std::lock_guard lock(attach_mutex_);
+  ends_.wait_for_reader();
 }
 
 void OutputPortBase::detach(const WriterEnd& end) {

@@ -67,6 +67,8 @@ class PortBase {
   [[nodiscard]] const std::string& doc() const { return options_.doc; }
   [[nodiscard]] const PortOptions& options() const { return options_; }
   [[nodiscard]] Component& component() const { return component_; }
+  /// Unique within the process: no port ever has the number of another one, whatever their addresses.
+  [[nodiscard]] std::uint64_t number() const { return number_; }
   /// "task.port" once the component belongs to a task.
   [[nodiscard]] std::string full_name() const;
 
@@ -81,6 +83,7 @@ class PortBase {
   std::string type_name_;
   PortOptions options_;
   const type::TypeInfo* type_;
+  const std::uint64_t number_;
   Direction direction_;
 };
 
@@ -109,6 +112,8 @@ class OutputPortBase : public PortBase {
   /// policy); removes it and waits for the write in progress.
   Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader);
   void detach(const WriterEnd& end);
+  /// For links: waits until a write or show_last() that is in progress has ended.
+  void wait_until_written();
   /// For links: from now on samples lie in `memory`, unless another memory was set before. ResourceExhausted.
   Result<void> share(const std::shared_ptr<SampleMemory>& memory);
   /// For links: passes the last sample to `accept`, if there is one. The sample is taken out of last_
@@ -171,7 +176,8 @@ class InputPortBase : public PortBase {
   void notify() noexcept {
     if (SampleListener* listener = listener_.load(std::memory_order_seq_cst)) listener->sample_arrived();
   }
-  /// For the task: sets the listener of notify(); nullptr for none.
+  /// For the task: sets the listener of notify(); nullptr for none. The previous one is not being called any
+  /// more when this returns.
   void set_listener(SampleListener* listener);
 
  protected:
