@@ -130,6 +130,8 @@ struct EndpointReport {
   read @5 :UInt64;
   dropped @6 :UInt64;
   overwritten @7 :UInt64;
+  corrupt @8 :UInt64;
+  damaged @9 :Bool;
 }
 
 struct MemoryUsage {

@@ -709,6 +709,31 @@ TEST(DeployedTaskHost, RemovesEndpointsThatADeadProcessLeft) {
   EXPECT_TRUE(equivalent(robot.host.observe(), network_of(kOne)));
 }
 
+TEST(DeployedTaskHost, MakesADamagedConnectionAgain) {
+  FakeWorld world;
+  for (const char* process : {"p1", "p2"}) {
+    Robot robot(world);
+    ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+    const model::Network whole = network_of(kOne);
+    const auto damage = world.find(process);
+    const auto between = [&](const EndpointReport& endpoint) {
+      return endpoint.connection == whole.connections[1];  // b in p1 to c in p2
+    };
+    world.change([&] {
+      const auto found = std::find_if(damage->endpoints.begin(), damage->endpoints.end(), between);
+      ASSERT_NE(found, damage->endpoints.end());
+      found->damaged = true;
+      found->corrupt = 3;
+    });
+    auto broken = whole;
+    broken.connections.erase(broken.connections.begin() + 1);
+    EXPECT_TRUE(equivalent(robot.host.observe(), broken)) << "with an endpoint damaged in " << process;
+    EXPECT_EQ(text(robot.switch_to(kOne)), "done");
+    EXPECT_TRUE(equivalent(robot.host.observe(), whole)) << "with an endpoint damaged in " << process;
+    EXPECT_EQ(world.orphaned_endpoints(), 0U);
+  }
+}
+
 TEST(DeployedTaskHost, ConnectsOthersWhileAProcessDoesNotAnswer) {
   FakeWorld world;
   Robot robot(world, {60s, 10ms});  // orphaned endpoints are looked for all the time

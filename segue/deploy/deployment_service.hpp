@@ -37,6 +37,8 @@ struct EndpointReport {
   link::Incarnation peer = 0;
   link::InputPlace place;  ///< identifies the connection: both of its endpoints name the same place
   link::Counters counters;
+  std::uint64_t corrupt = 0;  ///< invalid entries and claims of the peer; see SharedEndpoint
+  bool damaged = false;       ///< the connection must be made again
 };
 
 /// Everything that a process holds at one moment.

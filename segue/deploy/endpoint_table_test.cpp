@@ -24,6 +24,7 @@ class FakeEndpoint final : public link::SharedEndpoint {
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] link::Incarnation peer() const override { return 0; }
   [[nodiscard]] std::uint64_t corrupt() const override { return 0; }
+  [[nodiscard]] bool damaged() override { return false; }
 
  private:
   std::atomic<bool> connected_ = true;

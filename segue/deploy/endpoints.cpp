@@ -151,7 +151,8 @@ std::vector<EndpointReport> Endpoints::reports() {
   std::vector<EndpointReport> reports;
   for (auto& endpoint : table_.connected()) {
     reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
-                       std::move(endpoint.place), endpoint.shared->counters()});
+                       std::move(endpoint.place), endpoint.shared->counters(), endpoint.shared->corrupt(),
+                       endpoint.shared->damaged()});
   }
   return reports;
 }

@@ -145,18 +145,28 @@ class Merger {
   }
 
   void add_endpoints() {
-    std::map<EndpointKey, const ProcessView*> inputs;
+    struct Input {
+      const ProcessView* process;
+      const EndpointReport* report;
+    };
+    std::map<EndpointKey, Input> inputs;
     for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
       if (endpoint.side == Side::Input) {
-        inputs.emplace(key_of(endpoint, process.incarnation), &process);
+        inputs.emplace(key_of(endpoint, process.incarnation), Input{&process, &endpoint});
       }
     });
     std::set<EndpointKey> whole;
-    for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
-      const EndpointKey key = key_of(endpoint, process.incarnation);
-      const auto input = endpoint.side == Side::Output ? inputs.find(key) : inputs.end();
-      if (input != inputs.end() && whole.insert(key).second) {
-        add_connection(endpoint, called(endpoint.connection, process, *input->second));
+    for_each_endpoint([&](const ProcessView& process, const EndpointReport& output) {
+      const EndpointKey key = key_of(output, process.incarnation);
+      const auto input = output.side == Side::Output ? inputs.find(key) : inputs.end();
+      if (input == inputs.end()) {
+        return;
+      }
+      const model::Connection connection = called(output.connection, process, *input->second.process);
+      if (output.damaged || input->second.report->damaged) {
+        merged_.damaged.push_back({connection, output.corrupt + input->second.report->corrupt});
+      } else if (whole.insert(key).second) {
+        add_connection(output, connection);
       }
     });
     for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {

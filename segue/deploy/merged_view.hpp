@@ -31,12 +31,20 @@ struct OrphanedEndpoint {
   bool peer_gone = false;  ///< the other process has ended
 };
 
+/// A connection whose memory was overwritten. Its endpoints are among the orphaned ones, and it is not part
+/// of the network.
+struct DamagedConnection {
+  model::Connection connection;
+  std::uint64_t corrupt = 0;  ///< invalid entries that both endpoints have found
+};
+
 /// The tasks and connections of all processes together.
 struct MergedView {
   model::Network network;
   std::vector<host::TaskReport> tasks;
   std::vector<host::ConnectionReport> connections;
   std::vector<OrphanedEndpoint> orphaned;
+  std::vector<DamagedConnection> damaged;
 };
 
 /// Names a task of a process towards callers: where two processes hold a task, only one of them has the plain

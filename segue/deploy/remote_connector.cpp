@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/remote_connector.hpp>
 
+#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
@@ -368,15 +369,22 @@ std::vector<Result<void>> RemoteConnector::disconnect(std::span<const RemoteConn
 
 void RemoteConnector::remove_orphaned(TimePoint deadline) {
   const ConnectionClaims::Claim::Watch watch(claims_);
-  auto orphaned = fleet_.poll_merged().orphaned;
+  MergedView merged = fleet_.poll_merged();
+  auto& orphaned = merged.orphaned;
+  for (const auto& damaged : merged.damaged) {
+    log(LogLevel::Error, "deploy",
+        to_string(damaged.connection) + " is ended: its shared memory was overwritten (" +
+            std::to_string(damaged.corrupt) + " invalid entries)");
+  }
   std::vector<ConnectionClaims::Key> keys;
   for (const auto& endpoint : orphaned) {
     keys.push_back(key_of(endpoint.connection));
   }
   const ConnectionClaims::Claim claim(claims_, std::move(keys), watch);
-  std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
-    return !endpoint.peer_gone && !claim.has(key_of(endpoint.connection));
-  });
+  // Also where the peer seems to be gone: one that was started and connected during the poll is not in its
+  // list.
+  std::erase_if(orphaned,
+                [&](const OrphanedEndpoint& endpoint) { return !claim.has(key_of(endpoint.connection)); });
   close_orphaned(orphaned, deadline);
 }
 

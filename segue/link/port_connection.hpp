@@ -15,6 +15,7 @@ struct Counters {
   std::uint64_t read = 0;
   std::uint64_t dropped = 0;      ///< refused by a full buffer, or pushed out of a circular one
   std::uint64_t overwritten = 0;  ///< data: replaced by a newer value before it was read
+  friend bool operator==(const Counters&, const Counters&) = default;
 };
 
 /// A connection between two ports, whatever link carries it. It lasts until disconnect() or until one of its

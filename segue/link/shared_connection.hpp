@@ -46,6 +46,10 @@ class SharedEndpoint : public PortConnection {
   /// Samples dropped and entries ignored because the peer wrote invalid data. Always 0 unless the peer is
   /// broken or hostile.
   [[nodiscard]] virtual std::uint64_t corrupt() const = 0;
+  /// Whether somebody overwrote what only the endpoints may write, so that samples are lost or do not flow
+  /// any more: the connection must be made again. Detected by invalid data, by a header that is not as the
+  /// reader left it, and by samples that wait for seconds although the reader finds none.
+  [[nodiscard]] virtual bool damaged() = 0;
 };
 
 struct InputEndpoint {

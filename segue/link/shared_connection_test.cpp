@@ -13,6 +13,7 @@
 
 #include <deque>
 #include <functional>
+#include <latch>
 #include <memory>
 #include <string>
 #include <vector>
@@ -555,6 +556,41 @@ struct Waiting : Component {
  protected:
   Result<void> on_start() override { return trigger_fd(never.get()); }
 };
+
+/// Keeps its thread busy.
+struct Blocker : Component {
+  InputPort<int> in{*this, "in"};
+  std::latch inside{1};
+  std::latch go_on{1};
+
+ protected:
+  void on_update() override {
+    in.drain();
+    inside.count_down();
+    go_on.wait();
+  }
+};
+
+TEST(SharedConnection, LatencyCountsFromTheWriteInTheOtherProcess) {
+  constexpr auto kBusy = std::chrono::milliseconds(5);
+  Pair pair;
+  Source<Pose> source;
+  Source<int> start;
+  const Activity shared{.trigger = Trigger::PortDriven, .thread = "latency"};
+  auto [blocking, blocker] = running<Blocker>("blocker", shared);
+  auto [counting, counter] = running<Counter>("counter", shared);
+  ASSERT_TRUE(pair.connect(source.out, counter->in, {BufferKind::Buffer, 4}).ok);
+  ASSERT_TRUE(connect(start.out, blocker->in, {}));
+  start.out.write(1);
+  blocker->inside.wait();
+  source.out.write(Pose(1));
+  std::this_thread::sleep_for(kBusy);
+  blocker->go_on.count_down();
+  ASSERT_TRUE(eventually([&, &seen = *counter] { return seen.updates > 0; }));
+  ASSERT_TRUE(counting->stop(soon()));
+  EXPECT_GE(counting->timing().latency_worst, kBusy);
+  EXPECT_LT(counting->timing().latency_worst, std::chrono::minutes(1));
+}
 
 TEST(SharedConnection, ThreadThatWaitsForDescriptorsIsWokenToo) {
   for (const bool polls_first : {true, false}) {

@@ -6,13 +6,32 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
+#include <cstring>
 #include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
+namespace shared_hostile_test {
+
+enum class Mode : std::uint8_t { Slow, Medium, Fast };
+struct Switches {
+  bool on = false;
+  Mode mode = Mode::Slow;
+};
+
+}  // namespace shared_hostile_test
+
+SEGUE_TYPE(shared_hostile_test::Mode, Slow, Medium, Fast)
+SEGUE_TYPE(shared_hostile_test::Switches, on, mode)
+
 namespace segue::link {
 namespace {
+
+using shared_hostile_test::Mode;
+using shared_hostile_test::Switches;
 
 using namespace shared_test;
 using Text = std::vector<std::string>;
@@ -200,6 +219,54 @@ TEST(SharedHostile, GarbageAnywhereInTheControlPoolHarmsNobodyElse) {
       ASSERT_EQ(*sample, Pose(i));
     }
     EXPECT_TRUE(task->stop(soon()));
+  }
+}
+
+/// A boolean and an enum in a sample that travels as bytes.
+TEST(SharedHostile, SamplesWithImpossibleBytesAreNotDelivered) {
+  Attacked<Switches> attacked(Policy{BufferKind::Buffer, 4});
+  auto& [pair, hostile, source, sink, link, ring] = attacked;
+  source.out.write(Switches{true, Mode::Fast});
+  EXPECT_TRUE(sink.in.take());
+  EXPECT_FALSE(link.input->damaged());
+  for (const auto& [on, mode] : {std::pair{2, 0}, std::pair{1, 77}}) {
+    auto sample = source.out.loan();
+    ASSERT_TRUE(sample);
+    std::memset(&sample->on, on, 1);
+    std::memset(&sample->mode, mode, 1);
+    source.out.publish(std::move(sample));
+    EXPECT_FALSE(sink.in.take());
+  }
+  EXPECT_EQ(link.input->corrupt(), 2U);
+  EXPECT_TRUE(link.input->damaged());
+  source.out.write(Switches{false, Mode::Slow});
+  EXPECT_TRUE(sink.in.take());
+}
+
+TEST(SharedHostile, AHeaderThatWasOverwrittenIsNoticed) {
+  for (int word = 0; word < 5; ++word) {
+    Attacked<Pose> attacked(Policy{BufferKind::Buffer, 4});
+    auto& [pair, hostile, source, sink, link, ring] = attacked;
+    source.out.write(Pose(1));
+    EXPECT_FALSE(link.input->damaged());
+    auto& header = ring.header();
+    const std::array<std::atomic<std::uint64_t>*, 5> words = {&header.generation, &header.closed,
+                                                              &header.size, &header.kind, &header.init};
+    words.at(static_cast<std::size_t>(word))->fetch_xor(1);
+    EXPECT_TRUE(link.input->damaged()) << word;
+  }
+}
+
+TEST(SharedHostile, ASampleThatWasErasedIsNoticed) {
+  for (const BufferKind kind : {BufferKind::Buffer, BufferKind::CircularBuffer, BufferKind::Data}) {
+    const Policy policy{kind, kind == BufferKind::Data ? 1U : 4U};
+    Attacked<Pose> attacked(policy);
+    auto& [pair, hostile, source, sink, link, ring] = attacked;
+    source.out.write(Pose(1));
+    EXPECT_FALSE(link.input->damaged());
+    EXPECT_NE(ring.words().remove(0), 0U);
+    EXPECT_FALSE(sink.in.take());
+    EXPECT_TRUE(eventually([&] { return link.input->damaged(); }));
   }
 }
 

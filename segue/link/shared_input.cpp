@@ -13,6 +13,13 @@ namespace segue::link {
 using task::SampleRef;
 using task::SampleSlot;
 
+namespace {
+
+/// A writer counts a sample shortly before it pushes it; one that takes longer has lost it.
+constexpr Duration kLongestPush = std::chrono::seconds(2);
+
+}  // namespace
+
 SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
                          std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy,
                          bool untyped)
@@ -109,6 +116,7 @@ SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
   }
   // The last sample from before the connection may arrive after a newer one was read.
   if (policy_.kind == BufferKind::Data && sequence <= newest_read_) {
+    count_one((*ring_)->header().read);
     (*ring_)->give_back(entry);
     return {};
   }
@@ -116,7 +124,7 @@ SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
   if (form_ != SampleForm::Untyped) {
     const bool fits = flat || size == info_->size;
     value = fits ? writer_->payload(offset, size, flat ? BlockPool::kUnit : info_->alignment) : nullptr;
-    if (value == nullptr) {
+    if (value == nullptr || (!flat && !type::are_valid_bytes(*info_, value))) {
       reject(entry);
       return {};
     }
@@ -210,6 +218,35 @@ bool SharedInput::connected() const {
 Counters SharedInput::counters() const {
   const std::lock_guard lock(mutex_);
   return open_ ? (*ring_)->counters() : final_;
+}
+
+bool SharedInput::damaged() {
+  const std::lock_guard lock(mutex_);
+  return open_ && (corrupt() > 0 || !header_is_ours() || stalls());
+}
+
+/// Requires mutex_ and that it is open.
+bool SharedInput::header_is_ours() const noexcept {
+  const RingHeader& header = (*ring_)->header();
+  const auto is = [](const std::atomic<std::uint64_t>& word, std::uint64_t value) {
+    return word.load(std::memory_order_acquire) == value;
+  };
+  return is(header.generation, generation_) && is(header.closed, 0) && is(header.size, policy_.size) &&
+         is(header.kind, static_cast<std::uint64_t>(policy_.kind)) && is(header.init, policy_.init ? 1 : 0);
+}
+
+/// Requires mutex_ and that it is open.
+bool SharedInput::stalls() {
+  const Counters now = (*ring_)->counters();
+  const bool waits = now.written > now.read + now.dropped + now.overwritten;
+  const TimePoint time = RealClock::instance().now();
+  if (!waits || pending()) {
+    stalled_.reset();
+  } else if (!stalled_ || *stalled_ != now) {
+    stalled_ = now;
+    stalled_since_ = time;
+  }
+  return stalled_ && time - stalled_since_ > kLongestPush;
 }
 
 void SharedInput::abandon() {

@@ -37,6 +37,7 @@ class SharedInput final : public RegisteredEndpoint,
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return writer_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool damaged() override;
 
   void abandon() override;
   bool settle() override;
@@ -51,6 +52,8 @@ class SharedInput final : public RegisteredEndpoint,
   void reject(std::size_t entry) noexcept;
   void take_line(task::Executor& runner);
   void give_line_back();
+  [[nodiscard]] bool header_is_ours() const noexcept;
+  [[nodiscard]] bool stalls();
 
   const std::shared_ptr<SharedState> state_;
   const std::shared_ptr<const PeerMemory> writer_;
@@ -71,7 +74,9 @@ class SharedInput final : public RegisteredEndpoint,
   mutable std::mutex mutex_;         ///< guards the members below
   std::shared_ptr<OwnedRing> ring_;  ///< reset only after detach(), so the reader's thread needs no lock
   bool open_ = false;
-  bool released_ = false;  ///< the writer's endpoint is closed: the place may be reused
+  bool released_ = false;            ///< the writer's endpoint is closed: the place may be reused
+  std::optional<Counters> stalled_;  ///< the counters when samples waited first that pending() did not find
+  TimePoint stalled_since_{};
   std::shared_ptr<task::Doorbell> doorbell_;
   unsigned line_ = 0;
   Counters final_;

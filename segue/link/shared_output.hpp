@@ -38,6 +38,7 @@ class SharedOutput final : public RegisteredEndpoint,
   [[nodiscard]] const Policy& policy() const override { return policy_; }
   [[nodiscard]] Incarnation peer() const override { return reader_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool damaged() override { return corrupt() > 0; }
 
   void abandon() override;
   bool settle() override;

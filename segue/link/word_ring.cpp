@@ -40,11 +40,12 @@ std::uint64_t WordRing::pull_newest() noexcept {
 }
 
 std::uint64_t WordRing::pull_next() noexcept {
-  std::atomic<Word>& place = word(tail_);
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  std::atomic<Word>& place = word(tail);
   const Word found = place.load(std::memory_order_acquire);
   if (found == 0) return 0;
   place.store(0, std::memory_order_release);  // only the reader takes out, so no exchange is needed
-  ++tail_;
+  tail_.store(tail + 1, std::memory_order_relaxed);
   return found >> kPositionBits;
 }
 
@@ -52,25 +53,29 @@ std::uint64_t WordRing::pull_oldest() noexcept {
   // A writer at full rate overtakes now and then. The limit is for words that no proper writer wrote: they
   // could keep the reader busy for ever.
   const std::size_t most_tries = 2 * size_ + 16;
+  std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  std::uint64_t token = 0;
   for (std::size_t tries = 0; tries < most_tries; ++tries) {
     const std::uint64_t head = head_->load(std::memory_order_acquire);
-    if (head > size_) tail_ = std::max(tail_, head - size_);
-    std::atomic<Word>& place = word(tail_);
+    if (head > size_) tail = std::max(tail, head - size_);
+    std::atomic<Word>& place = word(tail);
     Word found = place.load(std::memory_order_acquire);
-    if (found == 0) return 0;
-    const std::uint64_t ahead = (found - tail_) & kPositionMask;
+    if (found == 0) break;
+    const std::uint64_t ahead = (found - tail) & kPositionMask;
     if (ahead != 0) {
       // Overtaken since head was read: the oldest token left is the one after the last that was overwritten.
       // (Only a multiple of 2^22 pushes since then would go unnoticed.)
-      tail_ += ahead - size_ + 1;
+      tail += ahead - size_ + 1;
       continue;
     }
     // Fails where the writer has just replaced the word: whoever takes it out owns the token.
     if (!place.compare_exchange_strong(found, 0, std::memory_order_acq_rel)) continue;
-    ++tail_;
-    return found >> kPositionBits;
+    ++tail;
+    token = found >> kPositionBits;
+    break;
   }
-  return 0;
+  tail_.store(tail, std::memory_order_relaxed);
+  return token;
 }
 
 bool WordRing::offer(std::uint64_t token) noexcept {

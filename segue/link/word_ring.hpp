@@ -45,8 +45,10 @@ class WordRing {
   /// The reader only; real-time safe: the next token; 0 where nothing waits, or where the words make no
   /// sense.
   std::uint64_t pull() noexcept;
-  /// Whether a token waits. The reader's thread; with policy data, any thread.
-  [[nodiscard]] bool pending() const noexcept { return word(tail_).load(std::memory_order_seq_cst) != 0; }
+  /// Whether a token waits. Any thread; exact in the reader's, and with policy data.
+  [[nodiscard]] bool pending() const noexcept {
+    return word(tail_.load(std::memory_order_relaxed)).load(std::memory_order_seq_cst) != 0;
+  }
   /// Policy data only; one thread at a time, concurrently with push(): puts a token in unless one waits.
   /// True: it is in.
   bool offer(std::uint64_t token) noexcept;
@@ -73,7 +75,8 @@ class WordRing {
   std::atomic<Word>* const words_;
   std::atomic<std::uint64_t>* const head_;  ///< written by the writer, read by the reader
   alignas(64) std::uint64_t next_ = 0;      ///< writer only: its own copy of *head_
-  alignas(64) std::uint64_t tail_ = 0;      ///< reader only: the position that it reads next
+  /// The position that the reader reads next; written by the reader only.
+  alignas(64) std::atomic<std::uint64_t> tail_{0};
 };
 
 }  // namespace segue::link

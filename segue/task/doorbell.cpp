@@ -4,6 +4,7 @@
 #include <segue/task/futex.hpp>
 #include <segue/task/port.hpp>
 
+#include <algorithm>
 #include <bit>
 
 namespace segue::task {
@@ -32,6 +33,9 @@ std::size_t take_lowest(std::uint64_t& bits) {
 
 void ring(DoorbellWords& words, unsigned line) noexcept {
   const std::size_t leaf = line / 64 % DoorbellWords::kLeaves;
+  if (words.rung_at.load(std::memory_order_relaxed) == 0) {
+    words.rung_at.store(RealClock::instance().now().time_since_epoch().count(), std::memory_order_relaxed);
+  }
   words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
   words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
   std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
@@ -86,6 +90,12 @@ void Doorbell::remove(unsigned line) {
 void Doorbell::wait_until_answered() const noexcept {
   const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
   if (seen % 2 == 1) detail::wait_until_left(section_, seen);
+}
+
+TimePoint Doorbell::rung_since(TimePoint now) noexcept {
+  constexpr Duration kLongest = std::chrono::hours(1);
+  const std::int64_t rung_at = words_->rung_at.exchange(0, std::memory_order_relaxed);
+  return rung_at == 0 ? now : std::clamp(TimePoint(Duration(rung_at)), now - kLongest, now);
 }
 
 // remove() stores nullptr and then loads section_; this stores section_ and then loads the port (both

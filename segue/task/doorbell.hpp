@@ -31,7 +31,8 @@ struct DoorbellWords {
   /// The lowest two bits say how the executor sleeps (Doorbell::Sleep); the bits above count its sleeps, so
   /// that a ringer delayed since an earlier sleep cannot change the word of a later one.
   alignas(64) std::atomic<std::uint32_t> sleeping{0};
-  std::atomic<std::uint32_t> rings{0};  ///< counts rings while the executor waits for descriptors
+  std::atomic<std::uint32_t> rings{0};   ///< counts rings while the executor waits for descriptors
+  std::atomic<std::int64_t> rung_at{0};  ///< monotonic time of the first ring that was not answered; 0: none
   alignas(64) std::atomic<std::uint64_t> summary{0};         ///< the leaves that have bits set
   std::array<std::atomic<std::uint64_t>, kLeaves> leaves{};  ///< one bit for each line, set when it was rung
 };
@@ -62,6 +63,8 @@ class Doorbell {
   [[nodiscard]] const std::shared_ptr<DoorbellWords>& words() const { return words_; }
 
   [[nodiscard]] bool rung() const noexcept { return words_->summary.load(std::memory_order_seq_cst) != 0; }
+  /// Since when a ring waits for answer(), at most `now`, and an hour ago at the earliest.
+  [[nodiscard]] TimePoint rung_since(TimePoint now) noexcept;
   /// Notifies the ports whose lines were rung. Bounded, whatever the words contain.
   void answer() noexcept;
   /// Announces how the thread is going to sleep; rung() must be checked afterwards.

@@ -52,6 +52,7 @@ struct ThreadExecutor::State {
 
   void wake() noexcept;
   void loop() noexcept;
+  void answer(Doorbell& ringing) noexcept;
   void sleep(TimePoint& now) noexcept;
   void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
   void collect_events(const timespec* timeout, TimePoint now) noexcept;
@@ -158,7 +159,7 @@ void ThreadExecutor::State::loop() noexcept {
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
     Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
-    if (ringing != nullptr && ringing->rung()) ringing->answer();
+    if (ringing != nullptr && ringing->rung()) answer(*ringing);
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
       sleep(now);
@@ -168,6 +169,14 @@ void ThreadExecutor::State::loop() noexcept {
       if (polls.load(std::memory_order_relaxed)) collect_events(&at_once, now);
     }
   }
+}
+
+/// Jobs that are triggered by it have been wanted since the ring.
+void ThreadExecutor::State::answer(Doorbell& ringing) noexcept {
+  const TimePoint present = now;
+  now = ringing.rung_since(present);
+  ringing.answer();
+  now = present;
 }
 
 void ThreadExecutor::State::sleep(TimePoint& time) noexcept {

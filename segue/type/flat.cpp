@@ -228,6 +228,21 @@ bool sanitize_enum(const Type& type, void* object) {
   return false;
 }
 
+bool are_valid(const DescribedType& described, const std::byte* object) noexcept {
+  if (!described.flat.checked) return true;
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Enum) {
+    return shape.type.symbols.empty() || is_expressible(shape.type, load_enum(shape.type, object));
+  }
+  if (shape.type.kind == TypeKind::Numeric) return *object <= std::byte{1};
+  for (std::size_t i = 0; shape.type.kind == TypeKind::Array && i < shape.type.count; ++i) {
+    if (!are_valid(*shape.element, object + i * shape.element->info.size)) return false;
+  }
+  return std::ranges::all_of(shape.fields, [object](const DescribedField& field) {
+    return are_valid(*field.type, object + field.offset);
+  });
+}
+
 bool sanitize(const DescribedType& described, void* object) {
   if (!described.flat.checked) return true;
   const Shape& shape = *described.shape;
@@ -359,6 +374,10 @@ bool read_flat(const TypeInfo& info, void* object, std::span<const std::byte> by
   if (!can_flatten(info)) return false;
   Source source(bytes);
   return get(*info.described, object, source) && source.left() == 0;
+}
+
+bool are_valid_bytes(const TypeInfo& info, const void* object) noexcept {
+  return info.described == nullptr || are_valid(*info.described, static_cast<const std::byte*>(object));
 }
 
 }  // namespace segue::type

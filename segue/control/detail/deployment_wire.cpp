@@ -85,6 +85,8 @@ void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointRepor
   builder.setRead(endpoint.counters.read);
   builder.setDropped(endpoint.counters.dropped);
   builder.setOverwritten(endpoint.counters.overwritten);
+  builder.setCorrupt(endpoint.corrupt);
+  builder.setDamaged(endpoint.damaged);
 }
 
 deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
@@ -94,6 +96,8 @@ deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
   endpoint.peer = reader.getPeer();
   endpoint.place = decode(reader.getPlace());
   endpoint.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
+  endpoint.corrupt = reader.getCorrupt();
+  endpoint.damaged = reader.getDamaged();
   return endpoint;
 }
 
