@@ -52,6 +52,10 @@ struct TransitionEntry {
   std::string from;
   std::string to;
   std::string runs;  ///< the controller that runs since then
+  /// Of those three, model::Network::version; empty: none, or not known.
+  std::string from_version{};
+  std::string to_version{};
+  std::string runs_version{};
   std::string order;
   std::string outcome;  ///< "done", "superseded", "refused", "failed" ...
   std::string undone;   ///< if it failed: "restored", "fell back to 'safe'" ...
@@ -83,6 +87,16 @@ struct DifferenceEntry {
   std::string sentence;  ///< "task 'slam' is in exception"
   std::string done;      ///< "reported", "restarted" ...; may be empty
   friend bool operator==(const DifferenceEntry&, const DifferenceEntry&) = default;
+};
+
+/// A version of a controller that a robot loaded or was sent. Recorded once, however often it is loaded.
+struct VersionEntry {
+  std::chrono::system_clock::time_point time;  ///< when it was first loaded
+  std::string controller;                      ///< its name
+  std::string version;                         ///< model::Network::version
+  std::string file;                            ///< where it was read from
+  std::string text;                            ///< the network as a file; empty where it has more than 1 MiB
+  friend bool operator==(const VersionEntry&, const VersionEntry&) = default;
 };
 
 /// Entries were lost, because the disk was full or the file could not be written.

@@ -67,6 +67,7 @@ class Journal {
   void add(TransitionEntry entry);
   void add(RequestEntry entry);
   void add(DifferenceEntry entry);
+  void add(VersionEntry entry);
 
   /// The statistics of all transitions written so far, removed ones included; never null.
   [[nodiscard]] std::shared_ptr<const model::ActionTimes> times() const;

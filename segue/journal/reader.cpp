@@ -66,6 +66,9 @@ TransitionEntry transition_in(const Statement& row) {
   const auto total = range_in(row, 17);
   const auto commit = range_in(row, 20);
   if (total && commit) entry.predicted = Prediction{*total, *commit};
+  entry.from_version = row.text(23);
+  entry.to_version = row.text(24);
+  entry.runs_version = row.text(25);
   return entry;
 }
 
@@ -184,8 +187,8 @@ Result<std::vector<TransitionEntry>> JournalReader::transitions(std::size_t limi
     auto entries = latest<TransitionEntry>(
         self.database,
         R"(SELECT id, request, time, cause, who, source, target, runs, "order", outcome, undone, error, solve, total,
-           prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high
-           FROM "transition")",
+           prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical, commit_high,
+           source_version, target_version, runs_version FROM "transition")",
         limit, [&](const Statement& row) {
           ids.push_back(row.integer(0));
           return transition_in(row);
@@ -216,6 +219,17 @@ Result<std::vector<DifferenceEntry>> JournalReader::differences(std::size_t limi
         self.database, "SELECT time, subject, sentence, done FROM difference", limit,
         [](const Statement& row) {
           return DifferenceEntry{time_in(row, 0), row.text(1), row.text(2), row.text(3)};
+        });
+  });
+}
+
+Result<std::vector<VersionEntry>> JournalReader::versions(std::size_t limit) {
+  Implementation& self = *implementation_;
+  return self.at_one_moment([&] {
+    return latest<VersionEntry>(
+        self.database, "SELECT time, controller, version, file, text FROM version", limit,
+        [](const Statement& row) {
+          return VersionEntry{time_in(row, 0), row.text(1), row.text(2), row.text(3), row.text(4)};
         });
   });
 }

@@ -50,6 +50,54 @@ TEST(JournalReader, GivesTheLatestEntries) {
   EXPECT_TRUE(latest->at(1).actions.empty());
 }
 
+TEST(JournalReader, AVersionIsRecordedOnce) {
+  const Folder folder;
+  const VersionEntry first{std::chrono::system_clock::time_point(std::chrono::seconds(1)), "explore", "1f",
+                           "a/explore.yaml", "network: explore\ntasks: {}\n"};
+  VersionEntry again = first;
+  again.time += std::chrono::hours(1);
+  VersionEntry long_one = first;
+  long_one.version = "2f";
+  long_one.text.assign((std::size_t{1} << 20) + 1, '#');
+  TransitionEntry done = transition(1);
+  done.from_version = "1f";
+  done.to_version = "2f";
+  done.runs_version = "2f";
+  {
+    Journal journal(folder / "j");
+    for (const VersionEntry& entry : {first, again, long_one})
+      journal.add(entry);
+    journal.add(done);
+    ASSERT_TRUE(journal.flush(soon()));
+  }
+  auto reader = JournalReader::open(folder / "j");
+  ASSERT_TRUE(reader);
+  const auto versions = reader->versions(10);
+  ASSERT_TRUE(versions);
+  ASSERT_EQ(versions->size(), 2U);
+  EXPECT_EQ(versions->at(0), first);
+  EXPECT_EQ(versions->at(1).version, "2f");
+  EXPECT_EQ(versions->at(1).text, "") << "it is too long";
+  EXPECT_EQ(all_of(folder / "j").at(0), done);
+}
+
+TEST(JournalReader, AFileOfTheFirstVersionIsBroughtUpToDate) {
+  const Folder folder;
+  {
+    auto old = detail::Database::open(folder / "j", detail::Database::Mode::Write);
+    ASSERT_TRUE(old && detail::bring_up_to_date(*old, detail::schema_steps().first(1)));
+    ASSERT_TRUE(old->execute(
+        R"(INSERT INTO "transition" VALUES (1, 7, 0, '', '', 'a', 'b', 'b', '', 'done', '', '', 0, 0, 0, 0, 0,
+           NULL, NULL, NULL, NULL, NULL, NULL, 0))"));
+  }
+  EXPECT_EQ(code_of(folder / "j"), ErrorCode::Unsupported);
+  write_some(folder / "j");
+  const auto entries = all_of(folder / "j");
+  ASSERT_EQ(entries.size(), 6U);
+  EXPECT_EQ(entries.front().request, 7U);
+  EXPECT_EQ(entries.front().runs_version, "");
+}
+
 TEST(JournalReader, RefusesOtherFiles) {
   const Folder folder;
   std::ofstream(folder / "text") << "this is no database, though it is long enough to be looked at: "

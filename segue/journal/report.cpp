@@ -48,6 +48,9 @@ Value to_value(const TransitionEntry& entry) {
                             {"from", entry.from},
                             {"to", entry.to},
                             {"runs", entry.runs},
+                            {"from_version", entry.from_version},
+                            {"to_version", entry.to_version},
+                            {"runs_version", entry.runs_version},
                             {"order", entry.order},
                             {"solve_s", seconds(entry.solve)},
                             {"duration_s", seconds(entry.total)},
@@ -70,6 +73,14 @@ Value to_value(const DifferenceEntry& entry) {
                      {"subject", entry.subject},
                      {"sentence", entry.sentence},
                      {"done", entry.done}});
+}
+
+Value to_value(const VersionEntry& entry) {
+  return Value::map({{"time", iso_time(entry.time)},
+                     {"controller", entry.controller},
+                     {"version", entry.version},
+                     {"file", entry.file},
+                     {"text", entry.text}});
 }
 
 Value to_value(const GapEntry& entry) {

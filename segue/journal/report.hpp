@@ -15,6 +15,8 @@ type::Value to_value(const Prediction& prediction);
 type::Value to_value(const TransitionEntry& entry);
 /// {"time", "subject", "sentence", "done"}
 type::Value to_value(const DifferenceEntry& entry);
+/// {"time", "controller", "version", "file", "text"}
+type::Value to_value(const VersionEntry& entry);
 /// {"time", "lost", "reason"}
 type::Value to_value(const GapEntry& entry);
 

@@ -34,7 +34,16 @@ CREATE TABLE duration (
   recent TEXT NOT NULL, time INTEGER NOT NULL, PRIMARY KEY (component, kind, host)) WITHOUT ROWID;
 )";
 
-constexpr std::array kSteps = {kFirst};
+constexpr std::string_view kVersions = R"(
+ALTER TABLE "transition" ADD COLUMN source_version TEXT NOT NULL DEFAULT '';
+ALTER TABLE "transition" ADD COLUMN target_version TEXT NOT NULL DEFAULT '';
+ALTER TABLE "transition" ADD COLUMN runs_version TEXT NOT NULL DEFAULT '';
+CREATE TABLE version (
+  id INTEGER PRIMARY KEY, time INTEGER NOT NULL, controller TEXT NOT NULL, version TEXT NOT NULL, file TEXT NOT NULL,
+  text TEXT NOT NULL, UNIQUE (controller, version));
+)";
+
+constexpr std::array kSteps = {kFirst, kVersions};
 
 Error not_ours() {
   return fail(ErrorCode::InvalidArgument, "it is a database of another program, not a journal of Segue");

@@ -17,6 +17,8 @@ namespace {
 
 /// Longer texts are cut.
 constexpr std::size_t kLongestText = 4096;
+/// Longer networks are not kept.
+constexpr std::size_t kLongestNetwork = std::size_t{1} << 20;
 /// The write-ahead log is truncated to this limit after a checkpoint.
 constexpr std::string_view kSetUp = R"(
 PRAGMA journal_mode = WAL;
@@ -61,6 +63,15 @@ Result<void> write_row(Database& database, const DifferenceEntry& entry) {
   return row->run(since_1970(entry.time), cut(entry.subject), cut(entry.sentence), cut(entry.done));
 }
 
+Result<void> write_row(Database& database, const VersionEntry& entry) {
+  auto row = database.prepare(
+      "INSERT OR IGNORE INTO version (time, controller, version, file, text) VALUES (?, ?, ?, ?, ?)");
+  if (!row) return row.error();
+  const bool is_short = entry.text.size() <= kLongestNetwork;
+  return row->run(since_1970(entry.time), cut(entry.controller), cut(entry.version), cut(entry.file),
+                  is_short ? std::string_view(entry.text) : std::string_view(""));
+}
+
 Result<void> write_row(Database& database, const GapEntry& entry) {
   auto row = database.prepare("INSERT INTO gap (time, lost, reason) VALUES (?, ?, ?)");
   if (!row) return row.error();
@@ -71,7 +82,8 @@ Result<void> write_head(Database& database, const TransitionEntry& entry) {
   auto row = database.prepare(
       R"(INSERT INTO "transition" (request, time, cause, who, source, target, runs, "order", outcome, undone, error,
          solve, total, prepare, "commit", retire, total_low, total_typical, total_high, commit_low, commit_typical,
-         commit_high, actions) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
+         commit_high, actions, source_version, target_version, runs_version)
+         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?))");
   if (!row) return row.error();
   using Optional = std::optional<std::int64_t>;
   const auto predicted = [&](model::DurationRange Prediction::*range, Duration model::DurationRange::*part) {
@@ -87,7 +99,8 @@ Result<void> write_head(Database& database, const TransitionEntry& entry) {
       predicted(&Prediction::total, &DurationRange::high),
       predicted(&Prediction::commit, &DurationRange::low),
       predicted(&Prediction::commit, &DurationRange::typical),
-      predicted(&Prediction::commit, &DurationRange::high), static_cast<std::int64_t>(entry.actions.size()));
+      predicted(&Prediction::commit, &DurationRange::high), static_cast<std::int64_t>(entry.actions.size()),
+      cut(entry.from_version), cut(entry.to_version), cut(entry.runs_version));
 }
 
 Result<void> write_actions(Database& database, const TransitionEntry& entry) {
@@ -173,6 +186,8 @@ Result<void> Store::insert(std::span<const AnyEntry> entries, model::ActionTimes
       done = write_row(database_, *request);
     } else if (const auto* difference = std::get_if<DifferenceEntry>(&entry)) {
       done = write_row(database_, *difference);
+    } else if (const auto* version = std::get_if<VersionEntry>(&entry)) {
+      done = write_row(database_, *version);
     } else {
       done = write_row(database_, std::get<GapEntry>(entry));
     }
@@ -193,7 +208,7 @@ Result<void> Store::learn(const TransitionEntry& entry, model::ActionTimes& time
 Result<void> Store::remove_old(std::size_t added) {
   kept_ += added;
   const auto few = static_cast<std::int64_t>(std::max<std::size_t>(keep_actions_ / 10, 1));
-  for (const std::string table : {"request", "difference", "gap"}) {
+  for (const std::string table : {"request", "difference", "version", "gap"}) {
     auto row =
         database_.prepare("DELETE FROM " + table + " WHERE id <= (SELECT max(id) FROM " + table + ") - ?");
     if (!row) return row.error();

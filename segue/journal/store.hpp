@@ -15,7 +15,7 @@
 /// Writes entries to the tables of the file.
 namespace segue::journal::detail {
 
-using AnyEntry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, GapEntry>;
+using AnyEntry = std::variant<TransitionEntry, RequestEntry, DifferenceEntry, VersionEntry, GapEntry>;
 
 /// The number of rows of an entry, which limits count.
 inline std::size_t weight_of(const AnyEntry& entry) {

@@ -173,7 +173,7 @@ TEST(JournalTrouble, AFileOfANewerSegueIsNotTouched) {
   EXPECT_EQ(failed.error().code, ErrorCode::Unsupported);
   EXPECT_THAT(troubles.wait_for(Kind::Refused).message, HasSubstr("newer Segue"));
   EXPECT_FALSE(std::filesystem::exists(folder / "j.broken-1"));
-  change(folder / "j", "PRAGMA user_version = 1");
+  change(folder / "j", "PRAGMA user_version = 2");
   EXPECT_TRUE(journal.flush(soon()));
   EXPECT_THAT(requests_in(folder / "j"), ElementsAre(1, 2));
 }

@@ -17,18 +17,37 @@ using type::Value;
 
 namespace {
 
+/// How the two networks relate, which decides the words.
+enum class Wording {
+  Drift,  ///< what is expected, and what was found
+  Edit    ///< before and after a change
+};
+
 /// Collects sentences up to a limit; the comparison stops early once it is full().
 class Findings {
  public:
-  explicit Findings(std::size_t limit) : limit_(limit) {}
+  Findings(Wording wording, std::size_t limit) : wording_(wording), limit_(limit) {}
   [[nodiscard]] bool full() const { return sentences_.size() >= limit_; }
   [[nodiscard]] std::size_t size() const { return sentences_.size(); }
   void add(std::string sentence) {
     if (!full()) sentences_.push_back(std::move(sentence));
   }
+  /// Only the first network has it.
+  void add_missing(const std::string& what) {
+    add(what + (wording_ == Wording::Drift ? " is missing" : " is removed"));
+  }
+  /// Only the second network has it.
+  void add_extra(const std::string& what) {
+    add(what + (wording_ == Wording::Drift ? " is not expected" : " is added"));
+  }
+  void add_changed(const std::string& what, const std::string& first, const std::string& second) {
+    add(wording_ == Wording::Drift ? what + " is " + second + ", expected " + first
+                                   : what + ": " + first + " -> " + second);
+  }
   std::vector<std::string> take() && { return std::move(sentences_); }
 
  private:
+  Wording wording_;
   std::size_t limit_;
   std::vector<std::string> sentences_;
 };
@@ -69,8 +88,7 @@ class ValueComparison {
     if (is_map(expected) && is_map(found)) return compare_maps(path, expected->as_map(), found->as_map());
     if (is_list(expected) && is_list(found) && expected->as_list().size() == found->as_list().size())
       return compare_lists(path, expected->as_list(), found->as_list());
-    findings_.add(what_ + (path.empty() ? "" : ' ' + quote(path)) + " is " + text_of(found) + ", expected " +
-                  text_of(expected));
+    findings_.add_changed(what_ + (path.empty() ? "" : ' ' + quote(path)), text_of(expected), text_of(found));
   }
 
  private:
@@ -110,8 +128,7 @@ Value value_of(const std::optional<Activity>& activity) {
 void compare_tasks(const Task& a, const Task& b, Findings& findings) {
   auto compare = [&](bool equal, std::string_view what, const std::string& first, const std::string& second) {
     if (equal) return;
-    findings.add("task " + quote(a.id.str()) + ": " + std::string(what) + " is " + second + ", expected " +
-                 first);
+    findings.add_changed("task " + quote(a.id.str()) + ": " + std::string(what), first, second);
   };
   compare(a.component == b.component, "component", a.component.str(), b.component.str());
   compare(a.state == b.state, "state", std::string(to_string(a.state)), std::string(to_string(b.state)));
@@ -140,14 +157,14 @@ void compare_all_tasks(const Network& a, const Network& b, Findings& findings) {
     if (findings.full()) return;
     auto other = in_b.find(name_of(task));
     if (other == in_b.end()) {
-      findings.add("task " + quote(task.id.str()) + " is missing");
+      findings.add_missing("task " + quote(task.id.str()));
     } else if (!(task == *other->second)) {
       compare_tasks(task, *other->second, findings);
     }
   }
   for (const Task& task : b.tasks) {
     if (findings.full()) return;
-    if (!in_a.contains(name_of(task))) findings.add("task " + quote(task.id.str()) + " is not expected");
+    if (!in_a.contains(name_of(task))) findings.add_extra("task " + quote(task.id.str()));
   }
   if (a.tasks.size() != b.tasks.size() && in_a.size() == in_b.size()) {
     findings.add("a task occurs twice in one of them");
@@ -180,15 +197,15 @@ void compare_placements(const std::string& process, const Placements& a, const P
   for (const auto& [task, name] : a) {
     auto other = b.find(task);
     if (other == b.end()) {
-      findings.add("process " + process + " lacks task " + quote(task));
+      findings.add_missing("the placement of task " + quote(task) + " in process " + process);
     } else if (other->second != name) {
-      findings.add("process " + process + ": task " + quote(task) + " is called " + quote(other->second) +
-                   ", expected " + quote(name));
+      findings.add_changed("the name of task " + quote(task) + " in process " + process, quote(name),
+                           quote(other->second));
     }
   }
   for (const auto& [task, name] : b) {
     if (!a.contains(task)) {
-      findings.add("process " + process + " holds task " + quote(task) + ", which is not expected");
+      findings.add_extra("the placement of task " + quote(task) + " in process " + process);
     }
   }
 }
@@ -208,7 +225,7 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
     if (findings.full()) return;
     auto other = in_b.find(key);
     if (other == in_b.end()) {
-      findings.add("process " + to_string(key) + " is missing");
+      findings.add_missing("process " + to_string(key));
       continue;
     }
     if (!deployment->same_process(*other->second)) {
@@ -220,7 +237,7 @@ void compare_deployments(const Network& a, const Network& b, Findings& findings)
   }
   for (const auto& [key, deployment] : in_b) {
     if (findings.full()) return;
-    if (!in_a.contains(key)) findings.add("process " + to_string(key) + " is not expected");
+    if (!in_a.contains(key)) findings.add_extra("process " + to_string(key));
   }
 }
 
@@ -242,19 +259,26 @@ void compare_connections(const Network& a, const Network& b, Findings& findings)
     --balance[&connection];
   for (const auto& [connection, count] : balance) {
     if (findings.full()) return;
-    if (count > 0) findings.add("connection " + to_string(*connection) + " is missing");
-    if (count < 0) findings.add("connection " + to_string(*connection) + " is not expected");
+    if (count > 0) findings.add_missing("connection " + to_string(*connection));
+    if (count < 0) findings.add_extra("connection " + to_string(*connection));
   }
+}
+
+std::vector<std::string> compare(const Network& first, const Network& second, Findings findings) {
+  compare_all_tasks(first, second, findings);
+  compare_deployments(first, second, findings);
+  compare_connections(first, second, findings);
+  return std::move(findings).take();
 }
 
 }  // namespace
 
 std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit) {
-  Findings findings(limit);
-  compare_all_tasks(expected, found, findings);
-  compare_deployments(expected, found, findings);
-  compare_connections(expected, found, findings);
-  return std::move(findings).take();
+  return compare(expected, found, Findings(Wording::Drift, limit));
+}
+
+std::vector<std::string> changes(const Network& before, const Network& after, std::size_t limit) {
+  return compare(before, after, Findings(Wording::Edit, limit));
 }
 
 bool equivalent(const Network& a, const Network& b) {

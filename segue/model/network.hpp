@@ -118,6 +118,9 @@ struct Network {
   std::vector<Deployment> deployments;
   std::vector<Connection> connections;
   std::string file;  ///< where it was read from; not compared
+  /// Names the text that it was read from: the first 12 digits of its SHA-256. Empty where it was not read.
+  /// Not compared.
+  std::string version;
 
   /// Linear search; algorithms over whole networks build their own index.
   [[nodiscard]] const Task* find_task(const TaskId& id) const;
@@ -138,5 +141,7 @@ std::map<TaskId, DeploymentKey> task_processes(const Network& network);
 /// The first few differences as sentences ("task 'slam' is missing"), for messages and tests; empty if
 /// equivalent().
 std::vector<std::string> differences(const Network& expected, const Network& found, std::size_t limit = 10);
+/// The same of two versions of a controller: "task 'slam' is added", "task 'drive': property 'gain': 1 -> 2".
+std::vector<std::string> changes(const Network& before, const Network& after, std::size_t limit = 10);
 
 }  // namespace segue::model

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/sha256.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/parts.hpp>
 #include <segue/type/yaml.hpp>
@@ -119,7 +120,8 @@ std::string other_kind(const Value& root) {
   constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
       {"robot", "this is a robot file, not a network; name a network, such as one of its controllers"},
       {"mission", "this is a mission, not a network"},
-      {"transition", "this is a transition, not a network; `segue apply` shows the network that it leads to"},
+      {"transition",
+       "this is a transition, not a network; `segue predict` shows the network that it leads to"},
       {"components", "these are component models, not a network"},
       {"component", "this is a component model, not a network"}};
   for (const auto& [key, problem] : kKinds) {
@@ -135,6 +137,13 @@ std::string name_from_file(const std::string& file) {
     if (name.size() > suffix.size() && name.ends_with(suffix)) name.resize(name.size() - suffix.size());
   }
   return name;
+}
+
+/// Long enough for the versions of a robot's controllers, short enough to be read.
+constexpr std::size_t kVersionDigits = 12;
+
+std::string version_of(std::string_view text) {
+  return sha256(text).substr(0, kVersionDigits);
 }
 
 Value write_placements(const Deployment& deployment) {
@@ -215,6 +224,7 @@ std::optional<Network> read_network(std::string_view text, const std::string& fi
                                                 : read_own_network(*root, source);
   if (network.name.empty()) network.name = NetworkName(name_from_file(file));
   network.file = file;
+  network.version = version_of(text);
   if (diagnostics.error_count() > errors_before) return std::nullopt;
   return network;
 }

@@ -13,6 +13,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
 using type::Value;
 
 Network two_tasks() {
@@ -137,6 +138,36 @@ TEST(EquivalenceTest, whatDiffersIsNamedWithBothValues) {
                           "task 'a': property 'extra' is true, expected not set",
                           AllOf(HasSubstr("task 'b': activity is "), HasSubstr("expected \"the default\"")),
                           AllOf(HasSubstr("attribute 'cpu' is "), HasSubstr("expected not set"))));
+}
+
+TEST(EquivalenceTest, changesAreToldAsAnEdit) {
+  const auto read = [](const char* text) {
+    Diagnostics diagnostics;
+    auto network = read_network(text, "test.yaml", diagnostics);
+    EXPECT_TRUE(network) << to_string(diagnostics);
+    return network.value_or(Network{});
+  };
+  const Network before = read(
+      "tasks:\n  a: {component: x::A, properties: {gain: 1}}\n  b: {component: x::B}\n"
+      "connections: [a.out -> b.in]\n");
+  const Network after = read(
+      "tasks:\n  a: {component: x::A, properties: {gain: 2}}\n  c: {component: x::C}\n"
+      "connections: [a.out -> c.in]\n");
+  EXPECT_THAT(
+      changes(before, after),
+      UnorderedElementsAre("task 'a': property 'gain': 1 -> 2", "task 'b' is removed", "task 'c' is added",
+                           "connection a.out -> b.in is removed", "connection a.out -> c.in is added"));
+  EXPECT_THAT(changes(after, after), IsEmpty());
+}
+
+TEST(NetworkTest, itsVersionNamesTheTextThatItWasReadFrom) {
+  const auto version = [](const char* text) {
+    Diagnostics diagnostics;
+    const auto network = read_network(text, "test.yaml", diagnostics);
+    return network ? network->version : to_string(diagnostics);
+  };
+  EXPECT_EQ(version("tasks: {a: {component: x::A}}\n"), "ab3a38ca34df");
+  EXPECT_NE(version("tasks: {a: {component: x::A}}"), version("tasks: {a: {component: x::A}}\n"));
 }
 
 RC_GTEST_PROP(EquivalenceTest, orderOfListsDoesNotCount, (std::uint64_t seed)) {
