@@ -12,9 +12,10 @@ namespace segue::cli {
 /// The exit status of every verb; tools may rely on it.
 enum Exit : int {
   kDone = 0,
-  kFailed = 1,      ///< the request failed or was refused
-  kUsage = 2,       ///< the command line is wrong
-  kUnreachable = 3  ///< cannot connect to the runtime
+  kFailed = 1,       ///< the request failed or was refused
+  kUsage = 2,        ///< the command line is wrong
+  kUnreachable = 3,  ///< cannot connect to the runtime
+  kChanges = 4       ///< `plan --exit-code`: `apply` would change something
 };
 
 inline constexpr Duration kLongestWait = std::chrono::hours(24 * 366);
@@ -46,8 +47,10 @@ Option add_order_option(Verb& verb, std::string& order);
 void add_init(Verb& app, Context& context);
 void add_check(Verb& app, Context& context);
 void add_diff(Verb& app, Context& context);
-void add_apply(Verb& app, Context& context);
+void add_predict(Verb& app, Context& context);
 void add_run(Verb& app, Context& context);
+void add_plan(Verb& app, Context& context);
+void add_apply(Verb& app, Context& context);
 void add_switch(Verb& app, Context& context);
 void add_prepare(Verb& app, Context& context);
 void add_status(Verb& app, Context& context);

@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include <unistd.h>
+
 namespace segue::cli {
 
 namespace {
@@ -66,6 +68,10 @@ std::vector<std::string> task_names(const Value& status) {
   for (const Value& task : list_at(status, "tasks"))
     names.push_back(text_at(task, "id"));
   return names;
+}
+
+std::string sender(std::string_view verb) {
+  return fmt::format("segue {} (pid {}, uid {})", verb, ::getpid(), ::getuid());
 }
 
 Result<Address> resolve(control::RobotService& robot, std::string_view text, std::string_view what) {

@@ -36,6 +36,9 @@ Result<Address> resolve(control::RobotService& robot, std::string_view text, std
 std::vector<std::string> controller_names(const type::Value& status);
 std::vector<std::string> task_names(const type::Value& status);
 
+/// Who sends a request, for the journal: "segue switch (pid 12, uid 1000)".
+std::string sender(std::string_view verb);
+
 inline TimePoint deadline_in(Duration duration) {
   return RealClock::instance().now() + duration;
 }

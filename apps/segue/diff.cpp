@@ -102,7 +102,8 @@ void add_diff(Verb& app, Context& context) {
   verb.flag("--force", options->force, "kill the processes to be removed instead of stopping their tasks");
   const Option dot = verb.flag("--dot", options->dot, "print the partial order as a graph for Graphviz");
   verb.flag("--svg", options->svg, "draw a timeline with the critical path").excludes(dot);
-  verb.option("-o,--output FILE", options->output, "also write the transition to a file, for `segue apply`");
+  verb.option("-o,--output FILE", options->output,
+              "also write the transition to a file, for `segue predict`");
   const Option estimate =
       verb.flag("--estimate", options->estimate,
                 "also predict the duration from a robot's journal: in total, of each phase, critical path");

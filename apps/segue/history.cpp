@@ -24,6 +24,7 @@ struct HistoryOptions {
   std::string journal;
   bool all = false;
   bool differences = false;
+  bool versions = false;
   std::size_t lines = 0;  ///< 0: all
 };
 
@@ -34,12 +35,19 @@ std::string short_time(const std::string& time) {
   return text.empty() ? text : text + "  ";
 }
 
+/// "; version 3f2a9c81d0b2 since then" where the robot runs another version after it.
+std::string version_of(const Value& result) {
+  const std::string version = text_at(result, "runs_version");
+  if (version.empty() || version == text_at(result, "from_version")) return {};
+  return fmt::format("; version {}", printable(version));
+}
+
 void show_transitions(const Value::List& results, bool with_time) {
   Forecasts forecasts;
   for (const Value& result : results) {
     forecasts.add(result);
     print_line((with_time ? short_time(text_at(result, "time")) : "") + printable(outcome_line(result)) +
-               expectation_of(result));
+               version_of(result) + expectation_of(result));
   }
   const std::string verdict = forecasts.verdict();
   if (!verdict.empty()) print_line(verdict);
@@ -86,6 +94,21 @@ int show_differences(journal::JournalReader& reader, std::size_t limit, const Co
   return kDone;
 }
 
+int show_versions(journal::JournalReader& reader, std::size_t limit, const Context& context) {
+  const auto found = reader.versions(limit);
+  if (!found) return failed(context, found.error());
+  if (context.json()) {
+    print_json(as_values(*found));
+    return kDone;
+  }
+  if (found->empty()) print_line("no controller was ever loaded");
+  for (const Value& entry : as_values(*found)) {
+    print_line(fmt::format("{}{} {} ({})", short_time(text_at(entry, "time")), text_at(entry, "controller"),
+                           text_at(entry, "version"), text_at(entry, "file")));
+  }
+  return kDone;
+}
+
 /// Entries that could not be recorded are missing from the history, which a reader must know.
 void warn_of_gaps(journal::JournalReader& reader) {
   const auto gaps = reader.gaps(std::numeric_limits<std::size_t>::max());
@@ -103,6 +126,7 @@ int show_journal(const std::filesystem::path& path, const HistoryOptions& option
   if (!reader) return failed(context, reader.error());
   const std::size_t limit = options.lines > 0 ? options.lines : std::numeric_limits<std::size_t>::max();
   if (options.differences) return show_differences(*reader, limit, context);
+  if (options.versions) return show_versions(*reader, limit, context);
   const auto entries = reader->transitions(limit);
   if (!entries) return failed(context, entries.error());
   if (context.json()) {
@@ -130,7 +154,7 @@ std::string robot_meant(const Context& context) {
 }
 
 int show_history(const HistoryOptions& options, Context& context) {
-  const bool wants_file = options.all || options.differences || !options.journal.empty();
+  const bool wants_file = options.all || options.differences || options.versions || !options.journal.empty();
   const auto path = find_journal(options.journal, robot_meant(context));
   const bool is_there = path && std::filesystem::exists(*path);
   if (!wants_file && (is_running(context.robot) || !is_there)) {
@@ -151,12 +175,17 @@ void add_history(Verb& app, Context& context) {
       "  segue history --all --robot artemis      # all requests ever, whether or not it is running\n\n"
       "For a running robot, these are the requests since it was started. If it is not running, and with "
       "--all,\n"
-      "the robot's journal is read. 'expected' is the prediction made from the durations measured before.",
+      "the robot's journal is read. 'expected' is the prediction made from the durations measured before.\n"
+      "A version is the first 12 digits of a network file's SHA-256.",
       [options, &context] { return show_history(*options, context); });
   add_robot_option(verb, context);
   verb.flag("--all", options->all, "show everything in the robot's journal");
   add_journal_option(verb, options->journal);
-  verb.flag("--differences", options->differences, "show the drift recorded in the journal instead");
+  const Option differences =
+      verb.flag("--differences", options->differences, "show the drift recorded in the journal instead");
+  verb.flag("--versions", options->versions,
+            "show the versions of controllers recorded in the journal instead")
+      .excludes(differences);
   verb.option("-n,--lines N", options->lines, "show the latest N only").between(1, kMostLines);
 }
 

@@ -18,10 +18,11 @@ using segue::cli::Verb;
 
 void add_verbs(Verb& app, Context& context) {
   using namespace segue::cli;
-  for (const auto add : {add_init,      add_check,   add_diff,  add_apply,     add_run,          add_switch,
-                         add_status,    add_top,     add_task,  add_read,      add_set,          add_call,
-                         add_events,    add_history, add_log,   add_prepare,   add_reset_belief, add_host,
-                         add_component, add_mission, add_bench, add_completion}) {
+  for (const auto add :
+       {add_init,         add_check,  add_diff,      add_predict, add_run,   add_plan,
+        add_apply,        add_switch, add_status,    add_top,     add_task,  add_read,
+        add_set,          add_call,   add_events,    add_history, add_log,   add_prepare,
+        add_reset_belief, add_host,   add_component, add_mission, add_bench, add_completion}) {
     add(app, context);
   }
 }
@@ -75,7 +76,8 @@ int run(int count, char** arguments) {
   app.require_verb();
   app.footer(
       "`segue VERB --help` explains a verb with an example. Start with: segue init my_robot\n"
-      "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 cannot connect to the runtime.");
+      "Exit status: 0 done; 1 failed or refused; 2 wrong usage; 3 cannot connect to the runtime; 4 changes\n"
+      "(`plan --exit-code`).");
   Context context;
   add_verbs(app, context);
   const auto parsed = app.parse(count, arguments);

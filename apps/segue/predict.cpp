@@ -12,14 +12,14 @@ namespace segue::cli {
 
 namespace {
 
-struct ApplyOptions {
+struct PredictOptions {
   std::string network;
   std::string transition;
   std::string output;
   ModelSources sources;
 };
 
-int show_network(const model::Network& network, const ApplyOptions& options, const Context& context) {
+int show_network(const model::Network& network, const PredictOptions& options, const Context& context) {
   const std::string text = model::write_network(network);
   if (!options.output.empty() || !context.json()) return write_or_print(context, options.output, text);
   const auto value = type::parse_yaml(text);
@@ -28,7 +28,7 @@ int show_network(const model::Network& network, const ApplyOptions& options, con
   return kDone;
 }
 
-int apply(const ApplyOptions& options, const Context& context) {
+int predict(const PredictOptions& options, const Context& context) {
   Diagnostics diagnostics;
   const auto catalog = load_catalog(options.sources, diagnostics);
   const auto network = load_valid_network(options.network, catalog, diagnostics);
@@ -41,11 +41,12 @@ int apply(const ApplyOptions& options, const Context& context) {
 
 }  // namespace
 
-void add_apply(Verb& app, Context& context) {
-  const auto options = std::make_shared<ApplyOptions>();
-  Verb& verb = add_verb(app, context, "apply", "predict the network that results from a transition",
-                        "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue apply explore.yaml t.yaml",
-                        [options, &context] { return apply(*options, context); });
+void add_predict(Verb& app, Context& context) {
+  const auto options = std::make_shared<PredictOptions>();
+  Verb& verb =
+      add_verb(app, context, "predict", "predict the network that results from a transition",
+               "  segue diff -o t.yaml explore.yaml manual.yaml\n  segue predict explore.yaml t.yaml",
+               [options, &context] { return predict(*options, context); });
   verb.option("NETWORK", options->network, "a network or CND file; '-' is the empty network").required();
   verb.option("TRANSITION", options->transition, "a transition file").required();
   verb.option("-o,--output FILE", options->output, "write the network to a file");

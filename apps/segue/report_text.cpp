@@ -73,18 +73,6 @@ std::string actions_text(const Value& result) {
   return list_at(result, "actions").empty() ? std::string() : table.text();
 }
 
-void print_reasons(const Value& result) {
-  for (const Value& item : list_at(result, "diagnostics")) {
-    print_error_line(fmt::format("{}:{}:{}: {}: {}", text_at(item, "file"), number_at(item, "line"),
-                                 number_at(item, "column"), text_at(item, "severity"),
-                                 text_at(item, "message")));
-  }
-  const std::string error = text_at(result, "error");
-  if (!error.empty()) print_error_line("segue: error: " + error);
-  const std::string leftover = text_at(result, "leftover");
-  if (!leftover.empty()) print_error_line("segue: warning: " + leftover);
-}
-
 Colour colour_of(const std::string& kind) {
   if (kind.find("failed") != std::string::npos || kind.find("refused") != std::string::npos)
     return Colour::Red;
@@ -130,13 +118,29 @@ std::string outcome_line(const Value& result) {
                             format_seconds(number_at(result, "commit_s")), leftover);
 }
 
+std::string outcome_text(const Value& result) {
+  const bool done = text_at(result, "outcome") == "done";
+  return actions_text(result) + coloured(done ? Colour::Green : Colour::Red, outcome_line(result)) + '\n';
+}
+
+void print_reasons(const Value& result) {
+  for (const Value& item : list_at(result, "diagnostics")) {
+    print_error_line(fmt::format("{}:{}:{}: {}: {}", text_at(item, "file"), number_at(item, "line"),
+                                 number_at(item, "column"), text_at(item, "severity"),
+                                 text_at(item, "message")));
+  }
+  const std::string error = text_at(result, "error");
+  if (!error.empty()) print_error_line("segue: error: " + error);
+  const std::string leftover = text_at(result, "leftover");
+  if (!leftover.empty()) print_error_line("segue: warning: " + leftover);
+}
+
 int show_outcome(const Value& result, const Context& context) {
   const bool done = text_at(result, "outcome") == "done";
   if (context.json()) {
     print_json(result);
   } else {
-    print(actions_text(result));
-    print_line(coloured(done ? Colour::Green : Colour::Red, outcome_line(result)));
+    print(outcome_text(result));
   }
   print_reasons(result);
   return done ? kDone : kFailed;

@@ -20,6 +20,12 @@ std::string describe_transition(const type::Value& transition);
 /// "explore -> manual: done, 12 actions in 3.1 ms (commit 1.2 ms)"
 std::string outcome_line(const type::Value& result);
 
+/// The actions of a result with their times, and its outcome_line().
+std::string outcome_text(const type::Value& result);
+
+/// Prints "diagnostics", "error" and "leftover" of a result on standard error.
+void print_reasons(const type::Value& result);
+
 /// Prints the result of `switch` as JSON or text. Returns kDone if the outcome is done, otherwise kFailed.
 int show_outcome(const type::Value& result, const Context& context);
 

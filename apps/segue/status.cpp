@@ -26,6 +26,26 @@ std::string status_heading(const Value& status) {
                      text_at(status, "state"));
 }
 
+/// What the files of the robot have to do with what runs: nothing to say if they are what was loaded.
+std::string files_text(const Value& status) {
+  const std::string controller = text_at(status, "controller");
+  const std::string version = text_at(status, "version");
+  const Value* loaded = status.find("loaded_version");
+  std::string text;
+  if (!controller.empty() && (loaded == nullptr || loaded->is_null())) {
+    text +=
+        fmt::format("'{}' is none of the robot's controllers; it runs until the next switch\n", controller);
+  } else if (loaded != nullptr && !version.empty() && text_at(status, "loaded_version") != version) {
+    text += fmt::format("'{}' runs in version {}; version {} is loaded\n", controller, version,
+                        text_at(status, "loaded_version"));
+  }
+  for (const Value& change : list_at(status, "changed_files"))
+    text += fmt::format("{} since it was loaded: {}\n", text_at(change, "change"), text_at(change, "file"));
+  if (!list_at(status, "changed_files").empty())
+    text += "`segue plan` shows what that changes, `segue apply` does it\n";
+  return text.empty() ? text : coloured(Colour::Yellow, printable(text));
+}
+
 std::string other_controllers(const Value& status) {
   auto names = controller_names(status);
   std::erase(names, text_at(status, "controller"));
@@ -55,7 +75,7 @@ int show_status(control::RobotService& robot, const Context& context) {
     print_json(*status);
     return kDone;
   }
-  print(status_heading(*status) + other_controllers(*status));
+  print(status_heading(*status) + other_controllers(*status) + files_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

@@ -4,8 +4,6 @@
 
 #include <fmt/core.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -23,6 +21,7 @@ using type::Value;
 
 struct SwitchVerbOptions {
   std::string controller;
+  std::string network;     ///< a file; empty: to the controller
   std::string transition;  ///< a file; empty: to the controller
   std::string order;
   bool dry_run = false;
@@ -83,10 +82,12 @@ int show_plan(const Value& transition, const Context& context) {
 }
 
 int show_requested(const SwitchVerbOptions& options, const Context& context) {
-  const bool by_file = !options.transition.empty();
-  const std::string& what = by_file ? options.transition : options.controller;
+  const char* kind = !options.transition.empty() ? "transition" : !options.network.empty() ? "network" : "to";
+  const std::string& what = !options.transition.empty() ? options.transition
+                            : !options.network.empty()  ? options.network
+                                                        : options.controller;
   if (context.json()) {
-    print_json(Value::map({{"outcome", "requested"}, {by_file ? "transition" : "to", what}}));
+    print_json(Value::map({{"outcome", "requested"}, {kind, what}}));
   } else {
     print_line("requested " + what + "; `segue status` shows its progress");
   }
@@ -105,17 +106,15 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
 
 Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptions& options) {
   const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
-  if (options.transition.empty()) {
-    return robot.switch_to(options.controller,
-                           {.dry_run = options.dry_run,
-                            .force = options.force,
-                            .order = options.order,
-                            .who = fmt::format("segue switch (pid {}, uid {})", ::getpid(), ::getuid())},
-                           deadline);
-  }
-  const auto text = read_input_file(options.transition);
+  const control::SwitchOptions asked{
+      .dry_run = options.dry_run, .force = options.force, .order = options.order, .who = sender("switch")};
+  const bool by_name = options.transition.empty() && options.network.empty();
+  if (by_name) return robot.switch_to(options.controller, asked, deadline);
+  const std::string& file = options.network.empty() ? options.transition : options.network;
+  const auto text = read_input_file(file);
   if (!text) return text.error();
-  return robot.apply_transition(*text, options.transition, deadline);
+  return options.network.empty() ? robot.apply_transition(*text, file, deadline)
+                                 : robot.switch_to_network(*text, file, asked, deadline);
 }
 
 int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options, const Context& context) {
@@ -126,9 +125,11 @@ int switch_robot(control::RobotService& robot, const SwitchVerbOptions& options,
   }
   const bool only_late = !answer && answer.error().code == ErrorCode::DeadlineExceeded;
   if (!options.wait && only_late) return show_requested(options, context);
-  if (answer && options.dry_run) return show_plan(*answer, context);
+  const bool refused = answer && text_at(*answer, "outcome") == "refused";
+  if (answer && options.dry_run && !refused) return show_plan(*answer, context);
   const int status = answer ? show_outcome(*answer, context) : failed(context, answer.error());
-  if (status == kFailed && options.transition.empty()) suggest_controllers(robot, options.controller);
+  if (status == kFailed && options.transition.empty() && options.network.empty())
+    suggest_controllers(robot, options.controller);
   return status;
 }
 
@@ -139,6 +140,7 @@ void add_switch(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "switch", "request a controller of a running robot",
       "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"
+      "  segue switch --network try.yaml   # a network that is none of the robot's controllers\n"
       "  segue switch --transition t.yaml  # execute a transition file",
       [options, &context] {
         return with_robot(
@@ -148,12 +150,17 @@ void add_switch(Verb& app, Context& context) {
   const Option file = verb.option("--transition FILE", options->transition,
                                   "execute this transition file instead of a switch to NAME")
                           .excludes(name);
+  const Option network =
+      verb.option("--network FILE", options->network,
+                  "send this network file to the robot and switch to it, under its own name")
+          .excludes(name)
+          .excludes(file);
   verb.flag("--dry-run", options->dry_run, "only show the transition").excludes(file);
   verb.flag("--force", options->force,
             "kill the processes to be removed instead of stopping their tasks; for tasks that hang")
       .excludes(file);
   add_order_option(verb, options->order).excludes(file);
-  verb.require_any({name, file}, "NAME or --transition FILE");
+  verb.require_any({name, file, network}, "NAME, --network FILE or --transition FILE");
   verb.flag("--wait,!--no-wait", options->wait,
             "wait for the outcome (default); --no-wait returns after the request");
   verb.option("--timeout DURATION", options->timeout, "how long to wait for the outcome (default 60s)");

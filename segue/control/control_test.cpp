@@ -42,6 +42,27 @@ TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   EXPECT_EQ(robot->prepare({"drive", "dock"}, soon()).value(), Value::list({"drive", "dock"}));
 }
 
+TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
+  serve();
+  const auto robot = client();
+  EXPECT_EQ(robot->plan("explore", {.force = true, .order = "paper"}, soon()).value(),
+            Value::map({{"to", "explore"}, {"force", true}, {"order", "paper"}}));
+  EXPECT_EQ(robot->apply({.force = true, .order = "paper", .who = "a test"}, soon()).value(),
+            Value::map({{"force", true}, {"order", "paper"}, {"who", "a test"}}));
+  const auto sent = robot->switch_to_network(
+      "tasks: {}", "n.yaml", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon());
+  EXPECT_EQ(sent.value(), Value::map({{"text", "tasks: {}"},
+                                      {"file", "n.yaml"},
+                                      {"dry_run", true},
+                                      {"force", true},
+                                      {"order", "paper"},
+                                      {"who", "a test"}}));
+  const std::string large(std::size_t{20} << 20, '#');
+  const auto refused = robot->switch_to_network(large, "n.yaml", {}, soon());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::ResourceExhausted);
+}
+
 TEST_F(ControlTest, APropertyTravelsAsItWasWritten) {
   serve();
   const auto robot = client();

@@ -22,4 +22,8 @@ interface Robot {
   history @9 () -> (answer :Wire.Answer);
   shutDown @10 () -> (answer :Wire.Answer);
   prepare @11 (controllers :List(Text), timeout :Int64) -> (answer :Wire.Answer);
+  plan @12 (controller :Text, force :Bool, order :Text, timeout :Int64) -> (answer :Wire.Answer);
+  applyFiles @13 (force :Bool, order :Text, who :Text, timeout :Int64) -> (answer :Wire.Answer);
+  switchToNetwork @14 (text :Data, file :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64)
+      -> (answer :Wire.Answer);
 }

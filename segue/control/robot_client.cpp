@@ -61,6 +61,49 @@ class Client final : public RobotService {
     });
   }
 
+  Result<Value> switch_to_network(std::string_view network, std::string_view file,
+                                  const SwitchOptions& options, TimePoint deadline) override {
+    const Value sized(network);
+    if (auto fits = detail::check_size(sized, detail::kServerMessageWords); !fits) return fits.error();
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace, [&, file = std::string(file)](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().switchToNetworkRequest();
+      request.setText(detail::as_data(network));
+      request.setFile(as_text(file));
+      request.setDryRun(options.dry_run);
+      request.setForce(options.force);
+      request.setOrder(as_text(options.order));
+      request.setWho(as_text(options.who));
+      request.setTimeout(left.count());
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<Value> plan(std::string_view controller, const SwitchOptions& options, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace,
+                         [&, controller = std::string(controller)](RpcChannel::Connection& connection) {
+                           auto request = connection.as<wire::Robot>().planRequest();
+                           request.setTimeout(left.count());
+                           request.setController(as_text(controller));
+                           request.setForce(options.force);
+                           request.setOrder(as_text(options.order));
+                           return RpcChannel::send(request);
+                         });
+  }
+
+  Result<Value> apply(const SwitchOptions& options, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return channel_->ask(left + kGrace, [left, options](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().applyFilesRequest();
+      request.setForce(options.force);
+      request.setOrder(as_text(options.order));
+      request.setWho(as_text(options.who));
+      request.setTimeout(left.count());
+      return RpcChannel::send(request);
+    });
+  }
+
   Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [left, controllers](RpcChannel::Connection& connection) {

@@ -26,8 +26,8 @@ class SampleStream {
 struct SwitchOptions {
   bool dry_run = false;  ///< only return the transition
   bool force = false;    ///< removed processes are killed, without any action in them before
-  std::string order;     ///< "seamless" or "paper"; empty: the robot's default
-  std::string who;       ///< who requests it, for the journal
+  std::string order{};   ///< "seamless" or "paper"; empty: the robot's default
+  std::string who{};     ///< who requests it, for the journal
 };
 
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
@@ -37,14 +37,29 @@ class RobotService {
  public:
   virtual ~RobotService() = default;
 
-  /// {"robot", "controller", "state", "controllers", "pid", "uptime_s", "tasks", "connections",
-  /// "differences"}
+  /// {"robot", "controller", "version", "loaded_version", "changed_files", "state", "controllers", "pid",
+  /// "uptime_s", "tasks", "connections", "differences"}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;
   /// Requests a controller; answers the JSON of `switch` when it is done. dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
                                         TimePoint deadline) = 0;
+  /// Requests a network that is none of the robot's controllers: the text of a network file, of 4 MiB at
+  /// most; `file` for messages. Answers as switch_to(). AlreadyExists where the robot has another controller
+  /// of its name.
+  virtual Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
+                                                const SwitchOptions& options, TimePoint deadline) = 0;
+  /// What apply() would do with the robot's files as they are now: {"outcome" ("done", or "refused" where the
+  /// files have errors), "controller", "from_version", "to_version", "changes", "diagnostics", and if there
+  /// is one "transition" (as of `diff`)}. The transition leads to `controller`, or where that is empty to the
+  /// new version of the controller that runs. Unsupported where the runtime has no files. dry_run and who do
+  /// not count.
+  virtual Result<type::Value> plan(std::string_view controller, const SwitchOptions& options,
+                                   TimePoint deadline) = 0;
+  /// Takes the robot's files as they are now, and then the controller that runs to its new version; answers
+  /// when both are done: {"outcome", "changes", "diagnostics", "transition" (as of `switch`), "error"}.
+  virtual Result<type::Value> apply(const SwitchOptions& options, TimePoint deadline) = 0;
   /// Sets which controllers are kept ready, the likeliest first, in place of those set before. Returns when
   /// it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;

@@ -56,6 +56,11 @@ model::Network Belief::controller() const {
   return held_.controller;
 }
 
+std::string Belief::version() const {
+  const std::lock_guard lock(mutex_);
+  return held_.wanted ? held_.wanted->version : std::string();
+}
+
 bool Belief::is_assumed() const {
   const std::lock_guard lock(mutex_);
   return assumed_;

@@ -45,6 +45,8 @@ class Belief {
   [[nodiscard]] Observation observe() const;
   [[nodiscard]] BeliefState held() const;
   [[nodiscard]] model::Network controller() const;
+  /// Of the requested controller; empty: it has none, or nothing was requested.
+  [[nodiscard]] std::string version() const;
   /// Whether the belief was set by a user (adopt_assumed()) and not observed; the next request starts from
   /// it.
   [[nodiscard]] bool is_assumed() const;

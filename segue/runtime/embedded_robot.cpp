@@ -18,48 +18,34 @@
 
 namespace segue::runtime {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-/// Files of the robot that match a pattern; a pattern without matches gives a warning.
-std::vector<fs::path> files_of(const model::Robot& robot, const std::string& pattern, std::string_view what,
-                               Diagnostics& diagnostics) {
-  auto files = glob_files(robot.folder / pattern);
-  if (files.empty()) {
-    diagnostics.warning("no-such-file", "no file matches " + quote(pattern) + " (" + std::string(what) + ")",
-                        robot.where);
-  }
-  return files;
-}
-
-}  // namespace
 
 struct EmbeddedRobot::Implementation {
   bool load(const fs::path& file, const EmbeddedOptions& options, Diagnostics& diagnostics);
   void load_libraries(Diagnostics& diagnostics, bool required);
   void add_components_of(const std::string& library, const std::function<void(const Error&)>& report);
   void load_models(Diagnostics& diagnostics);
-  std::vector<model::Network> load_controllers(Diagnostics& diagnostics) const;
-  void start(const std::vector<model::Network>& networks, host::LocalOptions local,
-             const EmbeddedOptions& options, Diagnostics& diagnostics);
+  void start(ControllerSet controllers, host::LocalOptions local, const EmbeddedOptions& options,
+             Diagnostics& diagnostics);
   [[nodiscard]] fs::path journal_path(const EmbeddedOptions& options, Diagnostics& diagnostics) const;
 
   model::Robot robot;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
   task::RealtimeLogDrain log_drain;  ///< destroyed after the tasks, so that it prints their last lines
+  std::optional<ControllerFiles> files;
   std::unique_ptr<detail::RobotTasks> tasks;
   std::unique_ptr<Runtime> runtime;
 };
 
 bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOptions& options,
                                          Diagnostics& diagnostics) {
-  auto read = model::load_robot(file, diagnostics);
+  auto read = read_robot_files(file, diagnostics);
   if (!read) {
     return false;
   }
-  robot = std::move(*read);
+  robot = read->robot;
+  files.emplace(file, *read);
   host::LocalOptions local{options.stand_in, options.only_stand_ins, {}};
   if (!options.stand_ins.empty()) {
     if (auto table = host::StandInTable::load(options.stand_ins, diagnostics)) {
@@ -68,12 +54,11 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   }
   load_libraries(diagnostics, !options.stand_in && !options.only_stand_ins);
   load_models(diagnostics);
-  const auto networks = load_controllers(diagnostics);
-  diagnostics.append(model::validate(robot, networks));
+  diagnostics.append(model::validate(robot, read->controllers.controllers));
   if (diagnostics.has_errors()) {
     return false;
   }
-  start(networks, std::move(local), options, diagnostics);
+  start(std::move(read->controllers), std::move(local), options, diagnostics);
   return !diagnostics.has_errors();
 }
 
@@ -111,23 +96,11 @@ void EmbeddedRobot::Implementation::add_components_of(const std::string& library
 
 void EmbeddedRobot::Implementation::load_models(Diagnostics& diagnostics) {
   for (const auto& pattern : robot.models) {
-    for (const auto& file : files_of(robot, pattern, "models", diagnostics)) {
+    for (const auto& file : glob_files(robot.folder / pattern)) {
       model::load_components(file, catalog, diagnostics);
     }
   }
   model::resolve_inheritance(catalog, diagnostics);
-}
-
-std::vector<model::Network> EmbeddedRobot::Implementation::load_controllers(Diagnostics& diagnostics) const {
-  std::vector<model::Network> networks;
-  for (const auto& pattern : robot.controllers) {
-    for (const auto& file : files_of(robot, pattern, "controllers", diagnostics)) {
-      if (auto network = model::load_network(file, diagnostics)) {
-        networks.push_back(std::move(*network));
-      }
-    }
-  }
-  return networks;
 }
 
 /// Empty if no journal is kept. A missing journal does not keep the robot from running.
@@ -143,24 +116,21 @@ fs::path EmbeddedRobot::Implementation::journal_path(const EmbeddedOptions& opti
   return path.value_or(fs::path());
 }
 
-void EmbeddedRobot::Implementation::start(const std::vector<model::Network>& networks,
-                                          host::LocalOptions local, const EmbeddedOptions& options,
-                                          Diagnostics& diagnostics) {
+void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::LocalOptions local,
+                                          const EmbeddedOptions& options, Diagnostics& diagnostics) {
   auto created = detail::RobotTasks::create(robot, libraries, catalog, std::move(local), options);
   if (!created) {
     diagnostics.error("processes", to_string(created.error()), robot.where);
     return;
   }
   tasks = std::move(*created);
-  for (const auto& network : networks) {
+  for (const auto& network : controllers.controllers) {
     tasks->host().expect(network);
   }
   runtime = std::make_unique<Runtime>(
       robot.name, tasks->host(), catalog,
       RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead, journal_path(options, diagnostics)});
-  for (const auto& network : networks) {
-    diagnostics.append(runtime->add_controller(network));
-  }
+  diagnostics.append(runtime->load(std::move(controllers)));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run
   }
@@ -211,6 +181,19 @@ Runtime& EmbeddedRobot::runtime() {
 
 SwitchResult EmbeddedRobot::switch_to(std::string_view controller, RequestOptions options) {
   return implementation_->runtime->switch_to(model::NetworkName(controller), options);
+}
+
+const ControllerFiles& EmbeddedRobot::files() const {
+  return *implementation_->files;
+}
+
+ApplyResult EmbeddedRobot::apply(RequestOptions options) {
+  Diagnostics diagnostics;
+  auto set = files().read(diagnostics);
+  if (!set) {
+    return {Outcome::Refused, {}, {}, diagnostics.to_error(), diagnostics};
+  }
+  return runtime().apply(std::move(*set), std::move(options)).get();
 }
 
 SwitchResult EmbeddedRobot::shut_down() {

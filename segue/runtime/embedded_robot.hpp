@@ -7,6 +7,7 @@
 #include <segue/host/task_host.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <filesystem>
@@ -62,6 +63,11 @@ class EmbeddedRobot {
 
   /// Requests a controller and waits for the result. Blocks.
   SwitchResult switch_to(std::string_view controller, RequestOptions options = {});
+  /// The robot's files, to see what has changed in them since they were loaded.
+  [[nodiscard]] const ControllerFiles& files() const;
+  /// Reads all files of the robot as they are now, and applies them (Runtime::apply()); a result with
+  /// diagnostics where they have errors. Blocks.
+  ApplyResult apply(RequestOptions options = {});
   /// Switches to the empty network: stops and cleans up every task and ends every deployment process. After a
   /// failure it tries once more and then kills the processes; the result says what failed. Blocks.
   SwitchResult shut_down();

@@ -71,6 +71,23 @@ TEST_F(EmbeddedRobotTest, ShuttingDownEndsStandby) {
   EXPECT_TRUE((*robot)->host().observe().empty());
 }
 
+TEST_F(EmbeddedRobotTest, AppliesItsFilesAsTheyAreNow) {
+  auto robot = EmbeddedRobot::open(folder_ / "robot.yaml");
+  ASSERT_TRUE(robot) << to_string(robot.error());
+  ASSERT_EQ((*robot)->switch_to("talk").outcome, Outcome::Done);
+  ASSERT_TRUE(write_file(folder_ / "talk.yaml", "network: talk\ntasks: 3\n"));
+  const auto refused = (*robot)->apply();
+  EXPECT_EQ(refused.outcome, Outcome::Refused);
+  EXPECT_TRUE(refused.diagnostics.has_errors());
+  EXPECT_EQ((*robot)->files().changes((*robot)->runtime().files()).size(), 1U);
+  ASSERT_TRUE(write_file(folder_ / "talk.yaml",
+                         "network: talk\ntasks:\n  speaker: {component: embedded_test::Speaker}\n"
+                         "  echo: {component: embedded_test::Speaker}\n"));
+  EXPECT_EQ((*robot)->apply().outcome, Outcome::Done);
+  EXPECT_EQ((*robot)->host().tasks().size(), 2U);
+  EXPECT_TRUE((*robot)->files().changes((*robot)->runtime().files()).empty());
+}
+
 TEST_F(EmbeddedRobotTest, ForwardsLogLinesOfUpdatePaths) {
   std::promise<std::string> said;
   bool heard = false;  // protected by the lock under which the sink is called

@@ -26,7 +26,8 @@ enum class EventKind {
   Repair,
   GivenUp,
   Prepared,
-  Journal
+  Journal,
+  Files  ///< files were applied, or those of before are in force again
 };
 std::string_view to_string(EventKind kind);
 

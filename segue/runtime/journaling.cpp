@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/journaling.hpp>
 
+#include <segue/model/files.hpp>
 #include <segue/runtime/report.hpp>
 #include <segue/solve/action_sites.hpp>
 #include <segue/solve/estimate.hpp>
@@ -141,6 +142,9 @@ journal::TransitionEntry journal_entry(const SwitchResult& result) {
   entry.from = result.from.str();
   entry.to = result.to.str();
   entry.runs = result.runs.str();
+  entry.from_version = result.from_version;
+  entry.to_version = result.to_version;
+  entry.runs_version = result.runs_version;
   entry.order = to_string(result.order);
   entry.outcome = to_string(result.outcome);
   if (result.undo) entry.undone = undone_as(*result.undo);
@@ -179,6 +183,12 @@ void JournalKeeper::accepted(std::uint64_t request, const std::string& who,
                              const model::NetworkName& wanted) {
   if (!journal_) return;
   journal_->add(journal::RequestEntry{request, std::chrono::system_clock::now(), who, wanted.str()});
+}
+
+void JournalKeeper::loaded(const model::Network& network) {
+  if (!journal_ || network.version.empty()) return;
+  journal_->add(journal::VersionEntry{std::chrono::system_clock::now(), network.name.str(), network.version,
+                                      network.file, model::write_network(network)});
 }
 
 void JournalKeeper::drifted(const std::string& subject, const std::string& sentence,

@@ -37,6 +37,8 @@ class JournalKeeper {
   JournalKeeper(const std::filesystem::path& path, EventLog& log);
 
   void accepted(std::uint64_t request, const std::string& who, const model::NetworkName& wanted);
+  /// A controller as it was read from a file or sent.
+  void loaded(const model::Network& network);
   /// Drift, and how it was handled: "reported", "repaired", "given up".
   void drifted(const std::string& subject, const std::string& sentence, const std::string& done);
   /// A request without a transition.

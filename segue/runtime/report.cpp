@@ -126,6 +126,9 @@ Value to_value(const SwitchResult& result) {
                             {"from", result.from.str()},
                             {"to", result.to.str()},
                             {"runs", result.runs.str()},
+                            {"from_version", result.from_version},
+                            {"to_version", result.to_version},
+                            {"runs_version", result.runs_version},
                             {"order", model::to_string(result.order)},
                             {"solve_s", seconds(result.solve_time)},
                             {"duration_s", seconds(result.duration)},
@@ -146,9 +149,44 @@ Value to_value(const SwitchResult& result) {
     value.as_map().set("leftover", to_string(*result.leftover));
   }
   if (!result.diagnostics.empty()) {
-    value.as_map().set("diagnostics", list_of(result.diagnostics.items(), diagnostic_value));
+    value.as_map().set("diagnostics", to_value(result.diagnostics));
   }
   return value;
+}
+
+Value to_value(const ControllerChange& change) {
+  return Value::map({{"controller", change.controller.str()},
+                     {"change", to_string(change.kind)},
+                     {"runs", change.runs},
+                     {"file", change.file},
+                     {"from_version", change.from_version},
+                     {"to_version", change.to_version},
+                     {"edits", list_of(change.edits, [](const std::string& text) { return Value(text); })}});
+}
+
+Value to_value(const ApplyResult& result) {
+  Value value = Value::map({{"outcome", to_string(result.outcome)},
+                            {"changes", list_of(result.changes, [](const ControllerChange& change) {
+                               return to_value(change);
+                             })}});
+  if (result.transition) {
+    value.as_map().set("transition", to_value(*result.transition));
+  }
+  if (result.error) {
+    value.as_map().set("error", to_string(*result.error));
+  }
+  if (!result.diagnostics.empty()) {
+    value.as_map().set("diagnostics", to_value(result.diagnostics));
+  }
+  return value;
+}
+
+Value to_value(const FileChange& change) {
+  return Value::map({{"file", change.path.string()}, {"change", to_string(change.kind)}});
+}
+
+Value to_value(const Diagnostics& diagnostics) {
+  return list_of(diagnostics.items(), diagnostic_value);
 }
 
 Value to_value(const Readiness& readiness) {
@@ -196,9 +234,13 @@ Value to_value(const host::ConnectionReport& report) {
 }
 
 Value status_of(Runtime& runtime) {
+  const auto controller = runtime.belief().name;
+  const auto loaded = runtime.controller(controller);
   return Value::map(
       {{"robot", runtime.name()},
-       {"controller", runtime.belief().name.str()},
+       {"controller", controller.str()},
+       {"version", runtime.version()},
+       {"loaded_version", loaded ? Value(loaded->version) : Value()},
        {"state", to_string(runtime.state())},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/host/task_host.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/type/value.hpp>
 
@@ -11,12 +12,25 @@ namespace segue::runtime {
 /// "done", "failed" or "skipped".
 std::string_view outcome_of(const ActionRecord& record);
 
-/// {"outcome", "cause", "request", "who", "time", "from", "to", "runs", "order", "solve_s", "duration_s",
-/// "prepare_s", "commit_s", "retire_s", "actions", and unless it succeeded "error", "diagnostics",
-/// "undo" ("restored", "fallback", "fell_back", "duration_s", "actions", "error") and "leftover", and
-/// with a prediction "predicted_s"}; each action with "started_s", "duration_s" (until its end was reported),
-/// "took_s" (its execution, if measured), "outcome" (done, failed, skipped).
+/// {"outcome", "cause", "request", "who", "time", "from", "to", "runs", "from_version", "to_version",
+/// "runs_version", "order", "solve_s", "duration_s", "prepare_s", "commit_s", "retire_s", "actions", and
+/// unless it succeeded "error", "diagnostics", "undo" ("restored", "fallback", "fell_back", "duration_s",
+/// "actions", "error") and "leftover", and with a prediction "predicted_s"}; each action with "started_s",
+/// "duration_s" (until its end was reported), "took_s" (its execution, if measured), "outcome" (done, failed,
+/// skipped).
 type::Value to_value(const SwitchResult& result);
+
+/// {"controller", "change" (added, changed, removed), "runs", "file", "from_version", "to_version", "edits"}
+type::Value to_value(const ControllerChange& change);
+
+/// {"outcome", "changes", and if there was one "transition" (as above), "error", "diagnostics"}
+type::Value to_value(const ApplyResult& result);
+
+/// {"file", "change" (added, changed, removed)}
+type::Value to_value(const FileChange& change);
+
+/// A list of {"severity", "code", "message", "file", "line", "column"}
+type::Value to_value(const Diagnostics& diagnostics);
 
 /// {"controller", "ready", "prepared", "tasks", "reason"}
 type::Value to_value(const Readiness& readiness);
@@ -32,7 +46,8 @@ type::Value to_value(const host::TaskReport& report);
 /// {"from", "to", "policy", "size", "written", "read", "dropped"}
 type::Value to_value(const host::ConnectionReport& report);
 
-/// {"robot", "controller", "state", "controllers", "ready" (a list as above), "tasks", "connections",
+/// {"robot", "controller", "version" (of what runs), "loaded_version" (of the controller of that name; null:
+/// the robot has none), "state", "controllers", "ready" (a list as above), "tasks", "connections",
 /// "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
 

@@ -48,16 +48,45 @@ Result<type::Value> answer_of(std::future<SwitchResult> future, std::string_view
   return to_value(future.get());
 }
 
+/// The answer where files have errors.
+type::Value refusal(const Diagnostics& diagnostics, std::string_view what) {
+  const std::string problems = to_string(diagnostics.to_error());
+  return type::Value::map({{"outcome", to_string(Outcome::Refused)},
+                           {"error", std::string(what) + " cannot be used: " + problems},
+                           {"diagnostics", to_value(diagnostics)}});
+}
+
+Error no_files() {
+  return fail(ErrorCode::Unsupported,
+              "the runtime was started without a robot file, so there is nothing to apply");
+}
+
+Error unknown(const model::NetworkName& wanted, const ControllerSet& set) {
+  std::vector<std::string> names;
+  for (const auto& network : set.controllers) {
+    names.push_back(network.name.str());
+  }
+  return fail(ErrorCode::NotFound, "the robot's files have no controller " + quote(wanted.str()) +
+                                       did_you_mean(wanted.str(), names));
+}
+
 }  // namespace
 
-RuntimeService::RuntimeService(Runtime& runtime, std::function<void()> on_shut_down)
-    : runtime_(runtime), on_shut_down_(std::move(on_shut_down)) {}
+RuntimeService::RuntimeService(Runtime& runtime, const ControllerFiles* files,
+                               std::function<void()> on_shut_down)
+    : runtime_(runtime), files_(files), on_shut_down_(std::move(on_shut_down)) {}
 
 Result<type::Value> RuntimeService::status() {
   type::Value status = status_of(runtime_);
   status.as_map().set("pid", static_cast<std::int64_t>(::getpid()));
   const Duration uptime = RealClock::instance().now() - started_;
   status.as_map().set("uptime_s", std::chrono::duration<double>(uptime).count());
+  type::Value::List changed;
+  for (const auto& change :
+       files_ != nullptr ? files_->changes(runtime_.files()) : std::vector<FileChange>{}) {
+    changed.push_back(to_value(change));
+  }
+  status.as_map().set("changed_files", std::move(changed));
   return status;
 }
 
@@ -80,6 +109,113 @@ Result<type::Value> RuntimeService::switch_to(std::string_view controller,
     return std::move(transition.error());
   }
   return model::to_value(*transition);
+}
+
+Result<type::Value> RuntimeService::switch_to_network(std::string_view text, std::string_view file,
+                                                      const control::SwitchOptions& asked,
+                                                      TimePoint deadline) {
+  const auto options = options_for(asked);
+  if (!options) {
+    return options.error();
+  }
+  Diagnostics diagnostics;
+  auto network = model::read_network(text, std::string(file), diagnostics);
+  if (!network) {
+    return refusal(diagnostics, file);
+  }
+  const auto known = runtime_.controller(network->name);
+  if (known && !equivalent(*known, *network)) {
+    return fail(
+        ErrorCode::AlreadyExists,
+        "the robot has another controller " + quote(network->name.str()) +
+            "; give the network a name of its own (`network: NAME`), or edit that controller's file and "
+            "`segue apply` it",
+        network->name.str());
+  }
+  if (asked.dry_run) {
+    auto transition = runtime_.plan(*network, *options);
+    return transition ? Result<type::Value>(model::to_value(*transition)) : std::move(transition.error());
+  }
+  const std::string name = network->name.str();
+  return answer_of(runtime_.request(known ? *known : std::move(*network), *options), name, deadline);
+}
+
+Result<type::Value> RuntimeService::plan(std::string_view controller, const control::SwitchOptions& asked,
+                                         TimePoint /*deadline*/) {
+  const auto options = options_for(asked);
+  if (!options || files_ == nullptr) {
+    return options ? no_files() : options.error();
+  }
+  Diagnostics diagnostics;
+  const auto set = files_->read(diagnostics);
+  if (!set) {
+    return refusal(diagnostics, "the files");
+  }
+  const auto changes = runtime_.compare(*set, diagnostics);
+  if (diagnostics.has_errors()) {
+    return refusal(diagnostics, "the files");
+  }
+  return plan_for(*set, changes, controller, *options, diagnostics);
+}
+
+/// The answer of plan() for files without errors.
+Result<type::Value> RuntimeService::plan_for(const ControllerSet& set,
+                                             const std::vector<ControllerChange>& changes,
+                                             std::string_view controller, const RequestOptions& options,
+                                             const Diagnostics& diagnostics) const {
+  const model::NetworkName runs = runtime_.belief().name;
+  const model::NetworkName wanted = controller.empty() ? runs : model::NetworkName(controller);
+  type::Value::List list;
+  for (const auto& change : changes) {
+    list.push_back(to_value(change));
+  }
+  type::Value answer = type::Value::map({{"outcome", "done"},
+                                         {"controller", wanted.str()},
+                                         {"from_version", runtime_.version()},
+                                         {"to_version", ""},
+                                         {"changes", std::move(list)},
+                                         {"diagnostics", to_value(diagnostics)}});
+  const auto found = std::ranges::find(set.controllers, wanted, &model::Network::name);
+  const auto own = found == set.controllers.end() ? runtime_.controller(wanted) : std::nullopt;
+  const bool is_kept = own && own->version.empty();  // added by the program, which no file changes
+  if (found == set.controllers.end() && !is_kept) {
+    return controller.empty() ? answer : Result<type::Value>(unknown(wanted, set));
+  }
+  const model::Network& target = is_kept ? *own : *found;
+  auto transition = runtime_.plan(target, options);
+  if (!transition) {
+    return std::move(transition.error());
+  }
+  answer.as_map().set("to_version", target.version);
+  answer.as_map().set("transition", model::to_value(*transition));
+  return answer;
+}
+
+Result<type::Value> RuntimeService::apply(const control::SwitchOptions& asked, TimePoint deadline) {
+  const auto options = options_for(asked);
+  if (!options || files_ == nullptr) {
+    return options ? no_files() : options.error();
+  }
+  Diagnostics diagnostics;
+  std::future<ApplyResult> future;
+  {
+    const std::lock_guard lock(applying_);
+    auto set = files_->read(diagnostics);
+    if (!set) {
+      return refusal(diagnostics, "the files");
+    }
+    future = runtime_.apply(std::move(*set), *options);
+  }
+  if (future.wait_until(deadline) != std::future_status::ready) {
+    return fail(
+        ErrorCode::DeadlineExceeded,
+        "the files are applied, but the running controller has not gone to its new version yet; watch it "
+        "with 'segue events'");
+  }
+  ApplyResult result = future.get();
+  diagnostics.append(result.diagnostics);
+  result.diagnostics = std::move(diagnostics);
+  return to_value(result);
 }
 
 Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {

@@ -2,23 +2,30 @@
 #pragma once
 
 #include <segue/control/robot_service.hpp>
+#include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
 
 #include <functional>
+#include <mutex>
 
 namespace segue::runtime {
 
 /// Offers a Runtime to other processes. Functions may be called from any thread.
 class RuntimeService final : public control::RobotService {
  public:
-  /// `runtime` must outlive this. `on_shut_down` is called in the caller's thread when a client requests
-  /// shut-down; it must not block.
-  RuntimeService(Runtime& runtime, std::function<void()> on_shut_down);
+  /// `runtime` and `files` must outlive this. Without files (nullptr) there is nothing to plan or apply.
+  /// `on_shut_down` is called in the caller's thread when a client requests shut-down; it must not block.
+  RuntimeService(Runtime& runtime, const ControllerFiles* files, std::function<void()> on_shut_down);
 
   Result<type::Value> status() override;
   Result<type::Value> task(std::string_view id) override;
   Result<type::Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
                                 TimePoint deadline) override;
+  Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
+                                        const control::SwitchOptions& options, TimePoint deadline) override;
+  Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
+                           TimePoint deadline) override;
+  Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
   Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;
@@ -34,7 +41,14 @@ class RuntimeService final : public control::RobotService {
   Result<void> shut_down() override;
 
  private:
+  [[nodiscard]] Result<type::Value> plan_for(const ControllerSet& set,
+                                             const std::vector<ControllerChange>& changes,
+                                             std::string_view controller, const RequestOptions& options,
+                                             const Diagnostics& diagnostics) const;
+
   Runtime& runtime_;
+  const ControllerFiles* files_;
+  std::mutex applying_;  ///< files are applied in the order in which they are read
   std::function<void()> on_shut_down_;
   TimePoint started_ = RealClock::instance().now();
 };

@@ -18,7 +18,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 18> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 19> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -35,13 +35,14 @@ std::string_view to_string(EventKind kind) {
                                                               "repair",
                                                               "given_up",
                                                               "prepared",
-                                                              "journal"};
+                                                              "journal",
+                                                              "files"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::string_view to_string(Cause cause) {
-  static constexpr std::array<std::string_view, 5> kNames = {"request", "repair", "fallback", "look_ahead",
-                                                             "tidy"};
+  static constexpr std::array<std::string_view, 6> kNames = {"request",    "repair", "fallback",
+                                                             "look_ahead", "tidy",   "apply"};
   return kNames.at(static_cast<std::size_t>(cause));
 }
 
@@ -59,10 +60,32 @@ Diagnostics Runtime::add_controller(model::Network network) {
   return implementation_->add(std::move(network));
 }
 
+Diagnostics Runtime::load(ControllerSet set) {
+  return implementation_->load(std::move(set));
+}
+
+std::future<ApplyResult> Runtime::apply(ControllerSet set, RequestOptions options) {
+  return implementation_->apply(std::move(set), std::move(options));
+}
+
+std::vector<ControllerChange> Runtime::compare(const ControllerSet& set, Diagnostics& diagnostics) const {
+  diagnostics.append(implementation_->check(set));
+  return implementation_->compare(set);
+}
+
+std::vector<LoadedFile> Runtime::files() const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->definitions.files;
+}
+
+std::string Runtime::version() const {
+  return implementation_->belief.version();
+}
+
 std::vector<model::NetworkName> Runtime::controllers() const {
   const std::lock_guard lock(implementation_->mutex);
   std::vector<model::NetworkName> names;
-  for (const auto& [name, network] : implementation_->controllers) {
+  for (const auto& [name, network] : implementation_->definitions.controllers) {
     names.push_back(name);
   }
   return names;
@@ -70,8 +93,9 @@ std::vector<model::NetworkName> Runtime::controllers() const {
 
 std::optional<model::Network> Runtime::controller(const model::NetworkName& name) const {
   const std::lock_guard lock(implementation_->mutex);
-  const auto found = implementation_->controllers.find(name);
-  return found == implementation_->controllers.end() ? std::nullopt : std::optional(found->second);
+  const auto& controllers = implementation_->definitions.controllers;
+  const auto found = controllers.find(name);
+  return found == controllers.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {

@@ -9,7 +9,9 @@
 #include <segue/model/network.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/model/transition.hpp>
+#include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
+#include <segue/runtime/switch_result.hpp>
 #include <segue/solve/solve.hpp>
 
 #include <cstdint>
@@ -25,66 +27,6 @@
 /// The runtime (the paper's TaskNetworkHandler) accepts requests, solves and executes transitions, and keeps
 /// the belief.
 namespace segue::runtime {
-
-enum class Outcome { Done, Superseded, Refused, Failed };
-std::string_view to_string(Outcome outcome);
-
-struct ActionRecord {
-  model::Action action;
-  Duration started{0};             ///< since the begin of the execution
-  Duration duration{0};            ///< until its end was reported, waiting for others of its batch included
-  std::optional<Error> error;      ///< nothing: succeeded
-  bool executed = false;           ///< false: an earlier action failed
-  std::optional<Duration> took{};  ///< measured by the process that executed it; at most `duration`
-};
-
-/// Why a transition was executed.
-enum class Cause {
-  Request,    ///< a controller was requested
-  Repair,     ///< a part of the running controller failed
-  Fallback,   ///< a part failed whose failure policy is `fallback`
-  LookAhead,  ///< another controller is prepared for standby
-  Collect     ///< leftovers are removed; "tidy" in JSON
-};
-std::string_view to_string(Cause cause);
-
-/// How a transition that failed in prepare or commit was undone.
-struct Undo {
-  bool restored = false;                       ///< the old network runs exactly as before
-  std::optional<model::NetworkName> fallback;  ///< tried because the old network could not be restored
-  bool fell_back = false;                      ///< the fallback runs
-  std::vector<ActionRecord> actions;           ///< in the order of their execution
-  Duration duration{0};
-  std::optional<Error> error;  ///< the first failure while undoing
-};
-
-/// The result of a request. `actions` is in the order of the transition; `started` gives the order of
-/// execution.
-struct SwitchResult {
-  Outcome outcome = Outcome::Done;
-  Cause cause = Cause::Request;
-  std::uint64_t request = 0;  ///< 0: not requested
-  std::string who;            ///< sent the request
-  std::chrono::system_clock::time_point time;
-  model::NetworkName from;
-  model::NetworkName to;
-  model::NetworkName runs;  ///< the controller that runs now; empty: none with a name
-  model::Order order = model::Order::Seamless;
-  Duration solve_time{0};
-  Duration duration{0};  ///< of the execution, undoing included
-  /// Of each phase, from its first to its last action. Control is interrupted in commit only.
-  Duration prepare{0};
-  Duration commit{0};
-  Duration retire{0};
-  std::optional<journal::Prediction> predicted;  ///< the prediction, if a journal is kept
-  /// If part of the old network could not be taken down as planned, the actions of the replanned transition
-  /// follow those of the original one.
-  std::vector<ActionRecord> actions;
-  std::optional<Error> error;     ///< why it was refused, superseded or failed, and where
-  std::optional<Undo> undo;       ///< if it failed
-  std::optional<Error> leftover;  ///< Outcome::Done, but part of the old network could not be retired
-  Diagnostics diagnostics;        ///< all findings of validation, if refused
-};
 
 enum class RuntimeState { Idle, Executing, Failed };
 std::string_view to_string(RuntimeState state);
@@ -136,6 +78,21 @@ class Runtime {
   /// Adds or replaces a controller that can be requested by name. An invalid network is not added; the result
   /// lists all problems.
   Diagnostics add_controller(model::Network network);
+  /// Replaces all controllers (but those that add_controller() added), the fallback and the list of files
+  /// at once. Where a network cannot run here, nothing is replaced, and the
+  /// result lists all problems. What runs stays as it is.
+  Diagnostics load(ControllerSet set);
+  /// Like load(), and then the running controller goes to its new version by a transition like any other,
+  /// once the requests before it are done. It supersedes no request; one that comes later supersedes its
+  /// transition, which then follows that request. A controller that runs and is not in the set keeps running.
+  /// If the transition is refused, or fails and is undone, the controllers are again those of before.
+  std::future<ApplyResult> apply(ControllerSet set, RequestOptions options = {});
+  /// What load() would replace, with the problems of networks that cannot run here.
+  std::vector<ControllerChange> compare(const ControllerSet& set, Diagnostics& diagnostics) const;
+  /// The files of the last load() or apply() that is in force.
+  [[nodiscard]] std::vector<LoadedFile> files() const;
+  /// The version of the controller that runs; empty: none, or it is not known.
+  [[nodiscard]] std::string version() const;
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
 

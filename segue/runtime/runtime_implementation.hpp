@@ -24,6 +24,29 @@ namespace segue::runtime {
 
 namespace detail {
 
+/// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
+inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
+
+/// Whether the robot runs neither the old network nor the requested one nor its fallback.
+bool is_unrecovered(const SwitchResult& result);
+
+/// The controllers that can be requested, and where they came from.
+struct Definitions {
+  Controllers controllers;
+  std::set<model::NetworkName> loaded;  ///< those that came from files, which the next files replace
+  std::optional<model::NetworkName> fallback;
+  std::vector<LoadedFile> files;
+};
+
+/// Applied files whose running controller has not gone to its new version yet.
+struct PendingApply {
+  std::uint64_t number = 0;
+  Definitions before;  ///< in force again if the transition fails
+  std::vector<ControllerChange> changes;
+  RequestOptions options;
+  std::promise<ApplyResult> promise;
+};
+
 /// A request that waits for the worker, with the promise of its result.
 struct PendingRequest {
   std::uint64_t number = 0;
@@ -50,8 +73,26 @@ struct Runtime::Implementation {
   void answer(detail::PendingRequest& job, SwitchResult result);
   SwitchResult superseded(const detail::PendingRequest& job) const;
   SwitchResult cancelled(const detail::PendingRequest& job) const;
-  SwitchResult refused(const detail::PendingRequest& job, SwitchResult result, detail::Refusal refusal);
+  SwitchResult refused(SwitchResult result, detail::Refusal refusal);
   void remember(SwitchResult result);
+
+  // Controllers and their files (runtime_apply.cpp)
+  Diagnostics add(model::Network network);
+  Diagnostics load(ControllerSet set);
+  std::future<ApplyResult> apply(ControllerSet set, RequestOptions options);
+  Diagnostics check(const ControllerSet& set) const;
+  std::vector<ControllerChange> compare(const ControllerSet& set) const;
+  /// The definitions with those of the set. With the mutex held.
+  [[nodiscard]] detail::Definitions definitions_with(const ControllerSet& set) const;
+  /// Takes the running controller to its version in the applied files. Blocks.
+  RuntimeState serve(detail::PendingApply job, RuntimeState before);
+  /// The transition, or nothing where there is nothing to do.
+  std::optional<SwitchResult> update(const detail::PendingApply& job, const model::Network& controller);
+  /// Where a newer request came first: the job waits again. False where newer files were applied.
+  bool postpone(detail::PendingApply& job);
+  void take_back(detail::PendingApply& job);
+  void answer(detail::PendingApply& job, Outcome outcome, std::optional<SwitchResult> transition,
+              std::optional<Error> error);
 
   // The worker and its transitions (runtime_worker.cpp)
   void work();
@@ -71,6 +112,7 @@ struct Runtime::Implementation {
   model::NetworkName name_of_running(const model::Network& observed, const model::Network& first,
                                      const model::Network& second) const;
   std::optional<model::Network> known(const model::NetworkName& name) const;
+  std::optional<model::Network> fallback() const;
   /// Runs `work` in the state Executing, unless a request waits. `work` returns the state to continue with.
   void run_if_idle(const std::function<RuntimeState(RuntimeState before)>& work);
   void settle(RuntimeState next);
@@ -78,7 +120,6 @@ struct Runtime::Implementation {
   void on_event(const host::TaskEvent& event);
   void on_event(const host::ProcessEvent& event);
   void wake_worker();
-  Diagnostics add(model::Network network);
 
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
@@ -114,8 +155,9 @@ struct Runtime::Implementation {
   std::condition_variable wake;
   bool stopping = false;
   std::uint64_t requests = 0;
-  std::map<model::NetworkName, model::Network> controllers;
+  detail::Definitions definitions;
   std::optional<detail::PendingRequest> waiting;
+  std::optional<detail::PendingApply> waiting_apply;  ///< served when no request waits
   RuntimeState state = RuntimeState::Idle;
   std::optional<std::optional<model::Network>>
       pending_reset;  ///< a reset requested during a transition; done after it

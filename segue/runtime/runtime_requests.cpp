@@ -14,8 +14,6 @@ using detail::quoted_name;
 namespace {
 
 constexpr std::size_t kKeptResults = 100;
-/// Longer deadlines are cut to this: adding an arbitrary duration to a time point could overflow.
-constexpr Duration kLongestDeadline = std::chrono::hours(24);
 
 model::NetworkName name_of(const Request& request) {
   struct Visitor {
@@ -39,7 +37,10 @@ SwitchResult new_result(const PendingRequest& job) {
 }  // namespace
 
 std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
-  request_options.action_deadline = std::min(request_options.action_deadline, kLongestDeadline);
+  if (const auto* network = std::get_if<model::Network>(&request)) {
+    journal.loaded(*network);
+  }
+  request_options.action_deadline = std::min(request_options.action_deadline, detail::kLongestDeadline);
   std::optional<PendingRequest> older;
   std::future<SwitchResult> future;
   {
@@ -70,12 +71,15 @@ SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   SwitchResult result = new_result(job);
   detail::Observation current = belief.starting_point();
   result.from = current.network.name;
+  result.from_version = belief.version();
   const auto plan = this->plan(current.network, job.request, job.options);
   result.solve_time = RealClock::instance().now() - begin;
   if (!plan) {
     result.runs = result.from;
-    return refused(job, std::move(result), plan.error());
+    result.runs_version = result.from_version;
+    return refused(std::move(result), plan.error());
   }
+  result.to_version = plan->controller.version;
   const auto held = belief.held();
   if (!belief.is_assumed()) {
     note_differences(current.network);
@@ -92,7 +96,12 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
         detail::Refusal{fail(ErrorCode::InvalidArgument, "the deadline of an action must be positive"), {}});
   }
   if (const auto* transition = std::get_if<model::Transition>(&request)) {
-    return detail::plan_transition(current, *transition, host, catalog);
+    auto plan = detail::plan_transition(current, *transition, host, catalog);
+    const auto same = plan ? known(plan->controller.name) : std::nullopt;
+    if (same && equivalent(*same, plan->controller)) {
+      plan->controller.version = same->version;
+    }
+    return plan;
   }
   auto how = detail::solve_options(host, request_options.order, request_options.force);
   how.idle = detail::idle_tasks(current, belief.controller());
@@ -113,12 +122,12 @@ Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName
     return model::Network{};
   }
   const std::lock_guard lock(mutex);
-  const auto found = controllers.find(wanted);
-  if (found != controllers.end()) {
+  const auto found = definitions.controllers.find(wanted);
+  if (found != definitions.controllers.end()) {
     return found->second;
   }
   std::vector<std::string> names;
-  for (const auto& [known, network] : controllers) {
+  for (const auto& [known, network] : definitions.controllers) {
     names.push_back(known.str());
   }
   return fail(ErrorCode::NotFound,
@@ -153,12 +162,11 @@ SwitchResult Runtime::Implementation::cancelled(const PendingRequest& job) const
   return result;
 }
 
-SwitchResult Runtime::Implementation::refused(const PendingRequest& job, SwitchResult result,
-                                              detail::Refusal refusal) {
+SwitchResult Runtime::Implementation::refused(SwitchResult result, detail::Refusal refusal) {
   result.outcome = Outcome::Refused;
   result.error = std::move(refusal.error);
   result.diagnostics = std::move(refusal.diagnostics);
-  log.add(EventKind::RequestRefused, name_of(job.request).str(), to_string(*result.error));
+  log.add(EventKind::RequestRefused, result.to.str(), to_string(*result.error));
   journal.ended(std::as_const(result));
   return result;
 }

@@ -171,7 +171,7 @@ void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& 
 
 void Runtime::Implementation::fall_back(const Observation& seen) {
   const auto held = belief.held();
-  const auto fallback = options.fallback ? known(*options.fallback) : std::nullopt;
+  const auto fallback = this->fallback();
   if (!fallback || fallback->name == held.controller.name) {
     return;  // its differences have been reported
   }
@@ -238,8 +238,9 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
   const std::lock_guard lock(mutex);
   std::vector<detail::PrepareRequest> all;
   for (const auto& wanted : requests_to_prepare) {
-    const auto found = controllers.find(wanted);
-    all.push_back({wanted, found == controllers.end() ? std::nullopt : std::optional(found->second)});
+    const auto found = definitions.controllers.find(wanted);
+    all.push_back(
+        {wanted, found == definitions.controllers.end() ? std::nullopt : std::optional(found->second)});
   }
   return all;
 }

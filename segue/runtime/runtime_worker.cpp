@@ -13,20 +13,16 @@ using detail::PendingRequest;
 using detail::quoted_name;
 using detail::SwitchPlan;
 
-namespace {
-
-/// Whether the robot runs neither the old network nor the requested one nor its fallback.
-bool is_unrecovered(const SwitchResult& result) {
+bool detail::is_unrecovered(const SwitchResult& result) {
   const bool caught = result.undo && (result.undo->restored || result.undo->fell_back);
   return result.outcome == Outcome::Failed && !caught;
 }
-
-}  // namespace
 
 Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_host,
                                         const model::ComponentCatalog& components,
                                         RuntimeOptions runtime_options)
     : name(std::move(robot)), host(task_host), catalog(components), options(std::move(runtime_options)) {
+  definitions.fallback = options.fallback;
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
@@ -39,10 +35,12 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
 Runtime::Implementation::~Implementation() {
   host.set_listener({});
   std::optional<PendingRequest> left;
+  std::optional<detail::PendingApply> left_apply;
   {
     const std::lock_guard lock(mutex);
     stopping = true;
     left.swap(waiting);
+    left_apply.swap(waiting_apply);
     if (transaction) {
       transaction->cancel();
     }
@@ -53,6 +51,10 @@ Runtime::Implementation::~Implementation() {
     SwitchResult result = cancelled(*left);
     journal.ended(std::as_const(result));
     answer(*left, std::move(result));
+  }
+  if (left_apply) {
+    answer(*left_apply, Outcome::Refused, std::nullopt,
+           fail(ErrorCode::Cancelled, "the runtime ended before the files took effect"));
   }
   worker.join();
   if (prepare_waiting) {
@@ -67,9 +69,21 @@ Runtime::Implementation::~Implementation() {
 void Runtime::Implementation::work() {
   std::unique_lock lock(mutex);
   while (true) {
-    wake.wait_until(lock, next_supervision(), [&] { return stopping || waiting || wake_requested; });
+    wake.wait_until(lock, next_supervision(),
+                    [&] { return stopping || waiting || waiting_apply || wake_requested; });
     if (stopping) {
       return;
+    }
+    if (!waiting && waiting_apply) {
+      detail::PendingApply job = std::move(*waiting_apply);
+      waiting_apply.reset();
+      const RuntimeState before = std::exchange(state, RuntimeState::Executing);
+      lock.unlock();
+      settle(serve(std::move(job), before));
+      lock.lock();
+      look_ahead_due = !requests_to_prepare.empty() || prepare_waiting;
+      wake_requested = true;
+      continue;
     }
     if (!waiting) {
       wake_requested = false;
@@ -84,7 +98,7 @@ void Runtime::Implementation::work() {
     lock.unlock();
     SwitchResult result = serve(job);
     settle(result.outcome == Outcome::Refused ? before
-           : is_unrecovered(result)           ? RuntimeState::Failed
+           : detail::is_unrecovered(result)   ? RuntimeState::Failed
                                               : RuntimeState::Idle);
     answer(job, std::move(result));
     lock.lock();
@@ -97,7 +111,7 @@ void Runtime::Implementation::run_if_idle(const std::function<RuntimeState(Runti
   RuntimeState before{};
   {
     const std::lock_guard lock(mutex);
-    if (stopping || waiting) {
+    if (stopping || waiting || waiting_apply) {
       return;
     }
     before = std::exchange(state, RuntimeState::Executing);
@@ -107,17 +121,15 @@ void Runtime::Implementation::run_if_idle(const std::function<RuntimeState(Runti
 
 void Runtime::Implementation::carry_out(const model::Network& current, const SwitchPlan& plan,
                                         Duration action_deadline, SwitchResult& result) {
-  const std::string way = result.cause == Cause::Request || result.cause == Cause::Fallback
+  const bool changes_controller =
+      result.cause == Cause::Request || result.cause == Cause::Fallback || result.cause == Cause::Apply;
+  const std::string way = changes_controller
                               ? "from " + quoted_name(result.from) + " to " + quoted_name(result.to)
                               : std::string(to_string(result.cause));
   log.add(EventKind::TransitionStarted, plan.controller.name.str(),
           way + ": " + std::to_string(plan.transition.actions.size()) + " actions");
-  std::optional<model::Network> fallback;
-  if (options.fallback) {
-    fallback = known(*options.fallback);
-  }
   const auto running = std::make_shared<detail::Transaction>(
-      context, current, plan, detail::Transaction::Options{action_deadline, std::move(fallback)});
+      context, current, plan, detail::Transaction::Options{action_deadline, fallback()});
   {
     const std::lock_guard lock(mutex);
     transaction = running;
@@ -148,7 +160,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
   } else {
     // Whatever was not retired, because a newer request came or an action failed, is still there.
     adopt(seen, plan.controller, plan.controller);
-    if (result.cause == Cause::Request) {
+    if (result.cause == Cause::Request || result.cause == Cause::Apply) {
       repairs.reset();
       leftover_repairs.reset();
     }
@@ -159,6 +171,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
                 " actions");
   }
   result.runs = belief.controller().name;
+  result.runs_version = belief.version();
 }
 
 void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Observation& seen,
@@ -198,8 +211,17 @@ void Runtime::Implementation::adopt(const Observation& seen, const model::Networ
 
 std::optional<model::Network> Runtime::Implementation::known(const model::NetworkName& wanted) const {
   const std::lock_guard lock(mutex);
-  const auto found = controllers.find(wanted);
-  return found == controllers.end() ? std::nullopt : std::optional(found->second);
+  const auto found = definitions.controllers.find(wanted);
+  return found == definitions.controllers.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<model::Network> Runtime::Implementation::fallback() const {
+  const std::lock_guard lock(mutex);
+  if (!definitions.fallback) {
+    return std::nullopt;
+  }
+  const auto found = definitions.controllers.find(*definitions.fallback);
+  return found == definitions.controllers.end() ? std::nullopt : std::optional(found->second);
 }
 
 model::NetworkName Runtime::Implementation::name_of_running(const model::Network& observed,
@@ -212,7 +234,7 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
     }
   }
   const std::lock_guard lock(mutex);
-  for (const auto& [candidate, network] : controllers) {
+  for (const auto& [candidate, network] : definitions.controllers) {
     if (equivalent(observed, network)) {
       return candidate;
     }
@@ -293,18 +315,6 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
   if (state == RuntimeState::Failed) {
     state = RuntimeState::Idle;
   }
-}
-
-Diagnostics Runtime::Implementation::add(model::Network network) {
-  Diagnostics findings = detail::check_runnable(network, host, catalog);
-  if (network.name.empty() && !network.empty()) {
-    findings.error("missing-name", "a controller needs a name to be requested by", {network.file, 0, 0});
-  }
-  if (!findings.has_errors()) {
-    const std::lock_guard lock(mutex);
-    controllers.insert_or_assign(network.name, std::move(network));
-  }
-  return findings;
 }
 
 }  // namespace segue::runtime

@@ -25,7 +25,7 @@ class Service : public ::testing::Test {
 
   testing::StandInRobot robot_;
   int shut_downs_ = 0;
-  RuntimeService service_{robot_.runtime, [this] { ++shut_downs_; }};
+  RuntimeService service_{robot_.runtime, nullptr, [this] { ++shut_downs_; }};
 };
 
 TEST_F(Service, reports_the_status_that_tools_rely_on) {
@@ -65,6 +65,14 @@ TEST_F(Service, answers_a_switch_with_its_outcome) {
   EXPECT_FALSE(service_.apply_transition("actions: 3", "t.yaml", soon()));
   EXPECT_EQ(service_.history()->as_list().size(), 2U);
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
+}
+
+TEST_F(Service, without_files_there_is_nothing_to_plan_or_apply) {
+  const auto planned = service_.plan("", {}, soon());
+  ASSERT_FALSE(planned);
+  EXPECT_EQ(planned.error().code, ErrorCode::Unsupported);
+  EXPECT_FALSE(service_.apply({}, soon()));
+  EXPECT_TRUE(service_.status()->find("changed_files")->as_list().empty());
 }
 
 TEST_F(Service, gives_access_to_single_tasks) {

@@ -65,6 +65,22 @@ class FakeRobot final : public RobotService {
                              {"who", options.who},
                              {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
   }
+  Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
+                                        const control::SwitchOptions& options, TimePoint) override {
+    return type::Value::map({{"text", text},
+                             {"file", file},
+                             {"dry_run", options.dry_run},
+                             {"force", options.force},
+                             {"order", options.order},
+                             {"who", options.who}});
+  }
+  Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
+                           TimePoint) override {
+    return type::Value::map({{"to", controller}, {"force", options.force}, {"order", options.order}});
+  }
+  Result<type::Value> apply(const control::SwitchOptions& options, TimePoint) override {
+    return type::Value::map({{"force", options.force}, {"order", options.order}, {"who", options.who}});
+  }
   Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint) override {
     type::Value::List list;
     for (const auto& name : controllers)

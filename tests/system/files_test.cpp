@@ -41,8 +41,9 @@ TEST_F(Files, TheVersionIsPrinted) {
 
 TEST_F(Files, EveryVerbHasAnExampleInItsHelp) {
   for (const std::string verb :
-       {"init", "check", "diff", "apply", "run", "switch", "prepare", "status", "top", "task", "read", "set",
-        "call", "events", "history", "reset-belief", "component", "completion"}) {
+       {"init",   "check",   "diff",    "predict",      "run",       "plan",      "apply",
+        "switch", "prepare", "status",  "top",          "task",      "read",      "set",
+        "call",   "events",  "history", "reset-belief", "component", "completion"}) {
     const auto finished = segue({verb, "--help"});
     EXPECT_EQ(finished.status, 0) << verb;
     EXPECT_TRUE(contains(finished.output, "Example:\n  s")) << verb << finished.output;
@@ -62,7 +63,7 @@ TEST_F(Files, WrongUsageExitsWithTwoAndASuggestion) {
   EXPECT_TRUE(contains(missing.errors, "TARGET") || contains(missing.errors, "target")) << missing.errors;
   const auto target = segue({"switch"});
   EXPECT_EQ(target.status, 2);
-  EXPECT_TRUE(contains(target.errors, "NAME or --transition")) << target.errors;
+  EXPECT_TRUE(contains(target.errors, "NAME, --network FILE or --transition FILE")) << target.errors;
   EXPECT_EQ(segue({"switch", "one", "--transition", "t.yaml"}).status, 2);
   EXPECT_EQ(segue({"switch", "--transition", "t.yaml", "--dry-run"}).status, 2);
   EXPECT_EQ(segue({"run", "robot.yaml", "--log-level", "loud"}).status, 2);
@@ -86,8 +87,8 @@ TEST_F(Files, EveryVerbPrintsJsonWhereItIsAsked) {
       {"diff", "two.yaml", "one.yaml", "--svg"},
       {"diff", "two.yaml", "one.yaml", "--dot"},
       {"diff", "two.yaml", "one.yaml", "-o", "again.yaml"},
-      {"apply", "two.yaml", "t.yaml"},
-      {"apply", "two.yaml", "t.yaml", "-o", "applied.yaml"},
+      {"predict", "two.yaml", "t.yaml"},
+      {"predict", "two.yaml", "t.yaml", "-o", "applied.yaml"},
       {"component", "list"},
       {"component", "show", "demo::Drive"},
       {"component", "export", "segue_components_demo"},
@@ -200,7 +201,7 @@ TEST_F(Files, OtherFilesThanNetworksAreRefusedByName) {
   write("robot.yaml", "robot: r\nlibraries: [segue_components_demo]\ncontrollers: [one.yaml]\n");
   for (const auto& arguments : std::vector<std::vector<std::string>>{{"diff", "robot.yaml", "one.yaml"},
                                                                      {"diff", "one.yaml", "robot.yaml"},
-                                                                     {"apply", "robot.yaml", "t.yaml"}}) {
+                                                                     {"predict", "robot.yaml", "t.yaml"}}) {
     const auto finished = segue(arguments);
     EXPECT_EQ(finished.status, 1);
     EXPECT_TRUE(contains(finished.errors, "this is a robot file, not a network")) << finished.errors;
@@ -378,20 +379,20 @@ TEST_F(Files, ForceKillsRemovedProcesses) {
   EXPECT_EQ(*actions[0].find("kill"), Value(true));
 }
 
-TEST_F(Files, ApplyPredictsTheTargetOfADiff) {
+TEST_F(Files, PredictGivesTheTargetOfADiff) {
   ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
   EXPECT_EQ(segue({"check", "t.yaml"}).status, 0);
-  const auto predicted = segue({"apply", "two.yaml", "t.yaml"});
+  const auto predicted = segue({"predict", "two.yaml", "t.yaml"});
   ASSERT_EQ(predicted.status, 0) << predicted.errors;
   write("predicted.yaml", predicted.output);
   const auto left = json({"diff", "predicted.yaml", "one.yaml"});
   EXPECT_EQ(*left.find("counts")->find("total"), Value(0));
-  EXPECT_TRUE(json({"apply", "two.yaml", "t.yaml"}).find("tasks")->is_map());
+  EXPECT_TRUE(json({"predict", "two.yaml", "t.yaml"}).find("tasks")->is_map());
 }
 
 TEST_F(Files, ATransitionThatDoesNotFitIsRefused) {
   ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
-  const auto refused = segue({"apply", "one.yaml", "t.yaml"});
+  const auto refused = segue({"predict", "one.yaml", "t.yaml"});
   EXPECT_EQ(refused.status, 1);
   EXPECT_FALSE(refused.errors.empty());
 }
@@ -435,8 +436,9 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
   EXPECT_EQ(completed.output, "status\n") << completed.errors;
   const auto zsh = segue({"completion", "zsh"});
   for (const std::string verb :
-       {"init", "check", "diff", "apply", "run", "switch", "prepare", "status", "top", "task", "read", "set",
-        "call", "events", "history", "reset-belief", "component", "completion"}) {
+       {"init",   "check",   "diff",    "predict",      "run",       "plan",      "apply",
+        "switch", "prepare", "status",  "top",          "task",      "read",      "set",
+        "call",   "events",  "history", "reset-belief", "component", "completion"}) {
     EXPECT_TRUE(contains(bash.output, "    " + verb + ") ")) << verb;
     EXPECT_TRUE(contains(zsh.output, "    " + verb + ") ")) << verb;
   }
@@ -448,6 +450,9 @@ TEST_F(Files, VerbsThatNeedARuntimeFailWithoutOne) {
                                                                      {"switch", "one"},
                                                                      {"prepare", "one"},
                                                                      {"switch", "--transition", "t.yaml"},
+                                                                     {"switch", "--network", "one.yaml"},
+                                                                     {"plan"},
+                                                                     {"apply"},
                                                                      {"reset-belief"},
                                                                      {"task", "a"},
                                                                      {"read", "a.b"},

@@ -59,6 +59,38 @@ class RobotServer final : public wire::Robot::Server {
         });
   }
 
+  kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        context,
+        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
+         options = SwitchOptions{params.getDryRun(), params.getForce(), as_string(params.getOrder()),
+                                 as_string(params.getWho())},
+         deadline = deadline_after(params.getTimeout())] {
+          return service.switch_to_network(text, file, options, deadline);
+        });
+  }
+
+  kj::Promise<void> plan(PlanContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        context, [&service = service(), controller = as_string(params.getController()),
+                  options = SwitchOptions{true, params.getForce(), as_string(params.getOrder()), {}},
+                  deadline = deadline_after(params.getTimeout())] {
+          return service.plan(controller, options, deadline);
+        });
+  }
+
+  kj::Promise<void> applyFiles(ApplyFilesContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        context,
+        [&service = service(),
+         options = SwitchOptions{false, params.getForce(), as_string(params.getOrder()),
+                                 as_string(params.getWho())},
+         deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
+  }
+
   kj::Promise<void> prepare(PrepareContext context) override {
     const auto params = context.getParams();
     std::vector<std::string> controllers;

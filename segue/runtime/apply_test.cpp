@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Files that are applied to a running runtime, beside other requests.
+#include <segue/runtime/runtime.hpp>
+#include <segue/runtime/test_support.hpp>
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <atomic>
+#include <future>
+#include <memory>
+#include <string>
+
+namespace segue::runtime {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::network_of;
+using testing::why;
+
+const model::NetworkName kWork{"work"};
+const model::NetworkName kRest{"rest"};
+
+model::Network work(int gain, const std::string& more = "") {
+  return network_of(
+      "network: work\ntasks:\n  arm: {component: a::Arm, properties: {gain: " + std::to_string(gain) + more +
+          "}}\n  eye: {component: a::Eye}\nconnections: [eye.out -> arm.in]\n",
+      "work.yaml");
+}
+
+model::Network rest() {
+  return network_of("network: rest\ntasks:\n  eye: {component: a::Eye}\n", "rest.yaml");
+}
+
+ControllerSet set_of(std::vector<model::Network> networks) {
+  return {std::move(networks), {}, {}};
+}
+
+class ApplyTest : public ::testing::Test {
+ protected:
+  ApplyTest() { EXPECT_FALSE(runtime_.load(set_of({work(1), rest()})).has_errors()); }
+
+  ApplyResult apply(std::vector<model::Network> networks) {
+    return runtime_.apply(set_of(std::move(networks))).get();
+  }
+  void expect_runs(const model::Network& network) {
+    EXPECT_THAT(differences(network, runtime_.belief()), IsEmpty());
+    EXPECT_EQ(runtime_.belief().name, network.name);
+    EXPECT_EQ(runtime_.version(), network.version);
+    EXPECT_THAT(runtime_.observed_differences(), IsEmpty());
+  }
+
+  /// The next action waits for `go_`; see wait_until_held().
+  void hold() {
+    robot_.asking.ask([this, gate = go_.get_future().share()](const model::Action&) -> Result<void> {
+      if (!held_.exchange(true)) {
+        entered_.set_value();
+        gate.wait();
+      }
+      return {};
+    });
+  }
+  void wait_until_held() {
+    ASSERT_EQ(entered_.get_future().wait_for(std::chrono::seconds(60)), std::future_status::ready);
+  }
+
+  std::promise<void> entered_;
+  std::promise<void> go_;
+  std::atomic<bool> held_{false};
+  testing::StandInRobot robot_;
+  Runtime& runtime_ = robot_.runtime;
+};
+
+TEST_F(ApplyTest, the_running_controller_goes_to_its_new_version) {
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  expect_runs(work(1));
+  const auto result = apply({work(2), rest()});
+  ASSERT_EQ(result.outcome, Outcome::Done);
+  ASSERT_EQ(result.changes.size(), 1U);
+  EXPECT_EQ(result.changes[0].controller, kWork);
+  EXPECT_TRUE(result.changes[0].runs);
+  EXPECT_THAT(result.changes[0].edits, ElementsAre("task 'arm': property 'gain': 1 -> 2"));
+  ASSERT_TRUE(result.transition);
+  EXPECT_EQ(result.transition->cause, Cause::Apply);
+  EXPECT_EQ(result.transition->from_version, work(1).version);
+  EXPECT_EQ(result.transition->runs_version, work(2).version);
+  for (const auto& record : result.transition->actions)
+    EXPECT_TRUE(!record.action.task() || *record.action.task() == model::TaskId("arm"))
+        << record.action.label();
+  expect_runs(work(2));
+  EXPECT_EQ(runtime_.history().back().cause, Cause::Apply);
+}
+
+TEST_F(ApplyTest, what_does_not_run_is_replaced_without_an_action) {
+  ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
+  const auto extra = network_of("network: extra\ntasks: {eye: {component: a::Eye}}\n");
+  const auto result = apply({extra, rest()});
+  ASSERT_EQ(result.outcome, Outcome::Done);
+  EXPECT_FALSE(result.transition);
+  EXPECT_THAT(runtime_.controllers(), ElementsAre(extra.name, kRest));
+  EXPECT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Refused) << "its file has vanished";
+  expect_runs(rest());
+}
+
+TEST_F(ApplyTest, a_network_that_cannot_run_here_leaves_everything_as_it_was) {
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  const auto broken =
+      network_of("network: rest\ntasks: {eye: {component: a::Eye}}\nconnections: [eye.out -> ear.in]\n");
+  const auto result = apply({work(2), broken});
+  EXPECT_EQ(result.outcome, Outcome::Refused);
+  EXPECT_TRUE(result.diagnostics.has_errors());
+  EXPECT_EQ(runtime_.controller(kWork)->version, work(1).version);
+  expect_runs(work(1));
+}
+
+TEST_F(ApplyTest, a_controller_that_runs_outlives_its_file) {
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  const auto result = apply({rest()});
+  EXPECT_EQ(result.outcome, Outcome::Done);
+  ASSERT_EQ(result.changes.size(), 1U);
+  EXPECT_EQ(result.changes[0].kind, ControllerChange::Kind::Removed);
+  EXPECT_TRUE(result.changes[0].runs);
+  expect_runs(work(1));
+  EXPECT_FALSE(runtime_.controller(kWork));
+}
+
+TEST_F(ApplyTest, a_controller_that_the_program_added_stays) {
+  const auto own = network_of("network: own\ntasks: {eye: {component: a::Eye}}\n");
+  ASSERT_FALSE(runtime_.add_controller(own).has_errors());
+  ASSERT_EQ(apply({rest()}).outcome, Outcome::Done);
+  EXPECT_THAT(runtime_.controllers(), ElementsAre(own.name, kRest));
+}
+
+TEST_F(ApplyTest, a_transition_that_fails_brings_the_old_controllers_back) {
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  const auto broken = work(2, ", stand_in: {fail: configure}");
+  const auto result = apply({broken});
+  ASSERT_EQ(result.outcome, Outcome::Failed);
+  ASSERT_TRUE(result.transition && result.transition->undo);
+  EXPECT_TRUE(result.transition->undo->restored);
+  EXPECT_EQ(result.transition->runs_version, work(1).version);
+  EXPECT_THAT(to_string(*result.error), HasSubstr("the robot runs 'work' as before"));
+  expect_runs(work(1));
+  EXPECT_EQ(runtime_.controller(kWork)->version, work(1).version);
+  EXPECT_THAT(runtime_.controllers(), ElementsAre(kRest, kWork));
+  EXPECT_EQ(apply({work(3)}).outcome, Outcome::Done);
+  expect_runs(work(3));
+}
+
+TEST_F(ApplyTest, it_waits_for_a_switch_in_progress_and_supersedes_nothing) {
+  ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
+  hold();
+  auto switched = runtime_.request(kWork);
+  wait_until_held();
+  auto applied = runtime_.apply(set_of({work(2), rest()}));
+  go_.set_value();
+  const auto first = switched.get();
+  EXPECT_EQ(first.outcome, Outcome::Done) << why(first);
+  EXPECT_EQ(first.runs_version, work(1).version) << "it was requested before the files were applied";
+  const auto second = applied.get();
+  EXPECT_EQ(second.outcome, Outcome::Done);
+  EXPECT_EQ(second.transition->to_version, work(2).version);
+  expect_runs(work(2));
+}
+
+TEST_F(ApplyTest, a_switch_overtakes_its_transition_and_the_files_stay_applied) {
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  hold();
+  auto added = network_of("network: work\ntasks: {arm: {component: a::Arm}, ear: {component: a::Ear}}\n");
+  auto applied = runtime_.apply(set_of({added, rest()}));
+  wait_until_held();
+  auto switched = runtime_.request(kRest);
+  go_.set_value();
+  const auto result = switched.get();
+  EXPECT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_EQ(applied.get().outcome, Outcome::Done);
+  expect_runs(rest());
+  EXPECT_EQ(runtime_.controller(kWork)->version, added.version);
+}
+
+TEST_F(ApplyTest, controllers_on_standby_are_prepared_anew) {
+  ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
+  ASSERT_TRUE(runtime_.prepare({kWork}).get().at(0).ready);
+  const std::uint64_t before = runtime_.events().back().number;
+  ASSERT_EQ(apply({work(2), rest()}).outcome, Outcome::Done);
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(60);
+  const auto is_prepared = [](const Event& event) { return event.kind == EventKind::Prepared; };
+  while (std::ranges::none_of(runtime_.events(before), is_prepared) && RealClock::instance().now() < deadline)
+    (void)runtime_.events(runtime_.events().back().number, std::chrono::seconds(1));
+  EXPECT_TRUE(runtime_.readiness().at(0).ready) << runtime_.readiness().at(0).reason;
+  const auto result = runtime_.switch_to(kWork);
+  ASSERT_EQ(result.outcome, Outcome::Done) << why(result);
+  EXPECT_TRUE(std::ranges::none_of(result.actions, [](const ActionRecord& record) {
+    return record.action.kind == model::ActionKind::ApplyConfig ||
+           record.action.kind == model::ActionKind::Configure;
+  })) << "the new version was configured ahead";
+  expect_runs(work(2));
+}
+
+TEST_F(ApplyTest, newer_files_take_the_place_of_those_that_wait) {
+  ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
+  hold();
+  auto switched = runtime_.request(kWork);
+  wait_until_held();
+  auto first = runtime_.apply(set_of({work(2), rest()}));
+  auto broken = runtime_.apply(set_of({work(3, ", stand_in: {fail: configure}"), rest()}));
+  EXPECT_EQ(first.get().outcome, Outcome::Superseded);
+  go_.set_value();
+  EXPECT_EQ(switched.get().outcome, Outcome::Done);
+  EXPECT_EQ(broken.get().outcome, Outcome::Failed);
+  expect_runs(work(1));
+  EXPECT_EQ(runtime_.controller(kWork)->version, work(1).version)
+      << "the controllers are those before the first of the two";
+}
+
+TEST_F(ApplyTest, a_runtime_that_ends_answers_files_that_wait) {
+  auto robot = std::make_unique<testing::StandInRobot>();
+  ASSERT_FALSE(robot->runtime.load(set_of({work(1)})).has_errors());
+  std::future<ApplyResult> applied;
+  robot->asking.ask([&](const model::Action&) -> Result<void> {
+    if (!held_.exchange(true)) applied = robot->runtime.apply(set_of({work(2)}));
+    return {};
+  });
+  const auto first = robot->runtime.switch_to(kWork);
+  EXPECT_EQ(first.outcome, Outcome::Done) << why(first);
+  robot.reset();
+  EXPECT_EQ(applied.wait_for(std::chrono::seconds(0)), std::future_status::ready);
+}
+
+}  // namespace
+}  // namespace segue::runtime

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/base/file_stamp.hpp>
+#include <segue/model/network.hpp>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::runtime {
+
+/// A file as it was read.
+struct LoadedFile {
+  std::filesystem::path path;
+  std::string digest;  ///< SHA-256
+  FileStamp stamp;
+  std::chrono::system_clock::time_point read;
+  bool is_model = false;  ///< component models, which a running robot does not load anew
+};
+
+/// The controllers of a robot, from all its files at one moment.
+struct ControllerSet {
+  std::vector<model::Network> controllers;
+  std::optional<model::NetworkName> fallback;
+  std::vector<LoadedFile> files;
+};
+
+using Controllers = std::map<model::NetworkName, model::Network>;
+
+/// How a controller of one set differs from that of another one.
+struct ControllerChange {
+  enum class Kind { Added, Changed, Removed };
+  model::NetworkName controller;
+  Kind kind = Kind::Changed;
+  bool runs = false;         ///< it is the controller that runs
+  std::string file;          ///< of the new version; Removed: of the old one
+  std::string from_version;  ///< model::Network::version; Added: empty
+  std::string to_version;    ///< Removed: empty
+  std::vector<std::string>
+      edits;  ///< Changed: model::changes(), the first few; none: the network is the same
+};
+std::string_view to_string(ControllerChange::Kind kind);
+
+/// By name. Controllers of one version are equal; where both have none, they are compared. `runs` names the
+/// controller that runs.
+std::vector<ControllerChange> compare(const Controllers& before, const Controllers& after,
+                                      const model::NetworkName& runs);
+
+}  // namespace segue::runtime

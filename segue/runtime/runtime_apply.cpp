@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/runtime/runtime_implementation.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::runtime {
+
+using detail::Definitions;
+using detail::PendingApply;
+using detail::quoted_name;
+
+namespace {
+
+/// "changed: a and b; added: c", for events.
+std::string summary(const std::vector<ControllerChange>& changes) {
+  using Kind = ControllerChange::Kind;
+  std::string text;
+  for (const Kind kind : {Kind::Changed, Kind::Added, Kind::Removed}) {
+    std::vector<std::string> names;
+    for (const auto& change : changes) {
+      if (change.kind == kind) {
+        names.push_back(change.controller.str());
+      }
+    }
+    if (!names.empty()) {
+      text += (text.empty() ? "" : "; ") + std::string(to_string(kind)) + ": " + listed(names);
+    }
+  }
+  return text.empty() ? "no controller has changed" : text;
+}
+
+/// Whether what happened leaves the robot without its new version.
+bool is_failure(const SwitchResult& result) {
+  return result.outcome == Outcome::Failed || result.outcome == Outcome::Refused;
+}
+
+}  // namespace
+
+Diagnostics Runtime::Implementation::add(model::Network network) {
+  Diagnostics findings = detail::check_runnable(network, host, catalog);
+  if (network.name.empty() && !network.empty()) {
+    findings.error("missing-name", "a controller needs a name to be requested by", {network.file, 0, 0});
+  }
+  if (!findings.has_errors()) {
+    journal.loaded(network);
+    const std::lock_guard lock(mutex);
+    definitions.loaded.erase(network.name);
+    definitions.controllers.insert_or_assign(network.name, std::move(network));
+  }
+  return findings;
+}
+
+Diagnostics Runtime::Implementation::check(const ControllerSet& set) const {
+  Diagnostics findings;
+  for (const auto& network : set.controllers) {
+    findings.append(detail::check_runnable(network, host, catalog));
+  }
+  return findings;
+}
+
+Definitions Runtime::Implementation::definitions_with(const ControllerSet& set) const {
+  Definitions all{definitions.controllers, {}, set.fallback, set.files};
+  std::erase_if(all.controllers, [&](const auto& entry) { return definitions.loaded.contains(entry.first); });
+  for (const auto& network : set.controllers) {
+    all.loaded.insert(network.name);
+    all.controllers.insert_or_assign(network.name, network);
+  }
+  return all;
+}
+
+std::vector<ControllerChange> Runtime::Implementation::compare(const ControllerSet& set) const {
+  const auto runs = belief.controller().name;
+  const std::lock_guard lock(mutex);
+  return runtime::compare(definitions.controllers, definitions_with(set).controllers, runs);
+}
+
+Diagnostics Runtime::Implementation::load(ControllerSet set) {
+  Diagnostics findings = check(set);
+  if (findings.has_errors()) {
+    return findings;
+  }
+  for (const auto& network : set.controllers) {
+    journal.loaded(network);
+  }
+  const std::lock_guard lock(mutex);
+  definitions = definitions_with(set);
+  return findings;
+}
+
+std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, RequestOptions request_options) {
+  PendingApply job;
+  job.options = std::move(request_options);
+  job.options.action_deadline = std::min(job.options.action_deadline, detail::kLongestDeadline);
+  auto future = job.promise.get_future();
+  if (Diagnostics findings = check(set); findings.has_errors()) {
+    ApplyResult refused{Outcome::Refused, compare(set), {}, findings.to_error(), std::move(findings)};
+    log.add(EventKind::RequestRefused, "", "the files are not applied: " + to_string(*refused.error));
+    job.promise.set_value(std::move(refused));
+    return future;
+  }
+  for (const auto& network : set.controllers) {
+    journal.loaded(network);
+  }
+  const auto runs = belief.controller().name;
+  std::optional<PendingApply> older;
+  {
+    const std::lock_guard lock(mutex);
+    job.number = ++requests;
+    job.before = std::exchange(definitions, definitions_with(set));
+    older.swap(waiting_apply);
+    if (older) {
+      job.before = std::move(older->before);
+    }
+    job.changes = runtime::compare(job.before.controllers, definitions.controllers, runs);
+    log.add(EventKind::Files, "", summary(job.changes));
+    waiting_apply = std::move(job);
+  }
+  wake.notify_all();
+  if (older) {
+    answer(*older, Outcome::Superseded, std::nullopt,
+           fail(ErrorCode::Superseded, "newer files were applied before these took effect"));
+  }
+  return future;
+}
+
+RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState before) {
+  const auto controller = known(belief.controller().name);
+  auto result = controller ? update(job, *controller) : std::nullopt;
+  if (!result) {
+    answer(job, Outcome::Done, std::nullopt, std::nullopt);
+    return before;
+  }
+  const RuntimeState next = result->outcome == Outcome::Refused ? before
+                            : detail::is_unrecovered(*result)   ? RuntimeState::Failed
+                                                                : RuntimeState::Idle;
+  remember(*result);
+  if (result->outcome == Outcome::Superseded && postpone(job)) {
+    return next;
+  }
+  if (is_failure(*result) && result->runs_version != controller->version) {
+    take_back(job);
+  }
+  auto error = result->error;
+  const Outcome outcome = result->outcome;
+  answer(job, outcome, std::move(result), std::move(error));
+  return next;
+}
+
+std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& job,
+                                                            const model::Network& controller) {
+  const TimePoint begin = RealClock::instance().now();
+  const detail::Observation current = belief.starting_point();
+  SwitchResult result;
+  result.cause = Cause::Apply;
+  result.request = job.number;
+  result.who = job.options.who;
+  result.time = std::chrono::system_clock::now();
+  result.order = job.options.order;
+  result.from = result.to = result.runs = controller.name;
+  result.from_version = result.runs_version = belief.version();
+  result.to_version = controller.version;
+  const auto plan = this->plan(current.network, controller, job.options);
+  result.solve_time = RealClock::instance().now() - begin;
+  if (!plan) {
+    return refused(std::move(result), plan.error());
+  }
+  if (plan->transition.actions.empty() && result.from_version == result.to_version) {
+    return std::nullopt;
+  }
+  journal.accepted(job.number, job.options.who, controller.name);
+  const auto held = belief.held();
+  if (!belief.is_assumed()) {
+    note_differences(current.network);
+    adopt(current, held.controller, held.wanted);
+  }
+  carry_out(current.network, *plan, job.options.action_deadline, result);
+  return result;
+}
+
+bool Runtime::Implementation::postpone(PendingApply& job) {
+  const std::lock_guard lock(mutex);
+  if (stopping) {
+    return false;
+  }
+  if (waiting_apply) {
+    waiting_apply->before = std::move(job.before);
+    return false;
+  }
+  waiting_apply = std::move(job);
+  return true;
+}
+
+void Runtime::Implementation::take_back(PendingApply& job) {
+  const std::lock_guard lock(mutex);
+  if (waiting_apply) {
+    waiting_apply->before = std::move(job.before);
+    return;
+  }
+  definitions = std::move(job.before);
+  log.add(EventKind::Files, "", "the controllers are again those of before");
+}
+
+void Runtime::Implementation::answer(PendingApply& job, Outcome outcome,
+                                     std::optional<SwitchResult> transition, std::optional<Error> error) {
+  Diagnostics findings = transition ? transition->diagnostics : Diagnostics{};
+  job.promise.set_value(
+      {outcome, std::move(job.changes), std::move(transition), std::move(error), std::move(findings)});
+}
+
+}  // namespace segue::runtime
