@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "system_test.hpp"
@@ -13,6 +15,15 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 using RunningRobot = SystemTest;
+
+/// One JSON document, or one on each line.
+void expect_json(const std::string& output, const std::string& what) {
+  EXPECT_FALSE(output.empty()) << what;
+  if (type::parse_json(output)) return;
+  std::istringstream lines(output);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(type::parse_json(line)) << what << ": " << line;
+}
 
 TEST_F(RunningRobot, ItSwitchesAndStopsCleanly) {
   start({"--controller", "explore"});
@@ -274,6 +285,87 @@ TEST_F(RunningRobot, RunInJsonPrintsOneEventALine) {
   for (std::string line; std::getline(lines, line); ++count)
     EXPECT_TRUE(type::parse_json(line)) << line;
   EXPECT_GT(count, 5);
+}
+
+/// The verbs that talk to a running robot, as the completion script knows them.
+std::vector<std::string> verbs_with_robot(const std::string& script) {
+  std::vector<std::string> verbs;
+  std::istringstream lines(script);
+  for (std::string line; std::getline(lines, line);) {
+    const auto bracket = line.find(") words=");
+    if (bracket != std::string::npos && contains(line, "--robot "))
+      verbs.push_back(line.substr(4, bracket - 4));
+  }
+  return verbs;
+}
+
+TEST_F(RunningRobot, EveryVerbThatTalksToItPrintsJson) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  std::ofstream(folder_ / "rover/controllers/manual.yaml", std::ios::app)
+      << "deployments:\n  hands: {process: hands, tasks: [joystick]}\n";
+  start({"--controller", "manual"});
+  ASSERT_EQ(segue({"switch", "manual"}).status, 0);
+  write("t.yaml", "transition: {from: manual, to: manual, actions: []}\n");
+  write("n.yaml", "network: sent\ntasks: {drive: {component: \"demo::Drive\"}}\n");
+  const std::vector<std::vector<std::string>> lines = {{"status"},
+                                                       {"top", "--once"},
+                                                       {"task", "drive"},
+                                                       {"read", "odometry.pose"},
+                                                       {"read", "odometry.pose", "-n", "3"},
+                                                       {"set", "drive.max_speed=0.25"},
+                                                       {"call", "joystick.push", "forward=1", "turn=0"},
+                                                       {"reset-belief"},
+                                                       {"log", "hands"},
+                                                       {"prepare", "explore"},
+                                                       {"prepare"},
+                                                       {"plan"},
+                                                       {"plan", "explore"},
+                                                       {"apply"},
+                                                       {"switch", "explore", "--dry-run"},
+                                                       {"switch", "--network", "n.yaml", "--dry-run"},
+                                                       {"switch", "--network", "n.yaml"},
+                                                       {"switch", "manual"},
+                                                       {"switch", "--transition", "t.yaml"},
+                                                       {"switch", "manual", "--no-wait", "--timeout", "1ms"},
+                                                       {"events"},
+                                                       {"events", "--after", "3"},
+                                                       {"history"},
+                                                       {"history", "-n", "1"},
+                                                       {"history", "--all"},
+                                                       {"history", "--differences"},
+                                                       {"history", "--versions"},
+                                                       {"diff", "n.yaml", "n.yaml", "--estimate"}};
+  std::set<std::string> tried;
+  for (auto arguments : lines) {
+    tried.insert(arguments.front());
+    arguments.insert(arguments.end(), {"--robot", "rover", "--format", "json"});
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 0) << arguments.front() << ' ' << finished.errors << finished.output;
+    expect_json(finished.output, arguments.front());
+  }
+  for (const std::string& verb : verbs_with_robot(segue({"completion", "bash"}).output))
+    EXPECT_TRUE(tried.contains(verb)) << "nothing was tried of " << verb;
+}
+
+TEST_F(RunningRobot, WhatFailsPrintsJsonToo) {
+  start({"--controller", "manual"});
+  ASSERT_EQ(segue({"switch", "manual"}).status, 0);
+  const std::vector<std::vector<std::string>> lines = {{"task", "drvie"},
+                                                       {"read", "odometry.pse"},
+                                                       {"set", "drive.max_speed=fast"},
+                                                       {"call", "drive.fly"},
+                                                       {"prepare", "nothing"},
+                                                       {"plan", "nothing"},
+                                                       {"switch", "nothing"},
+                                                       {"switch", "--network", "no.yaml"},
+                                                       {"switch", "--transition", "no.yaml"},
+                                                       {"log", "no_process"}};
+  for (auto arguments : lines) {
+    arguments.insert(arguments.end(), {"--format", "json"});
+    const auto finished = segue(arguments);
+    EXPECT_EQ(finished.status, 1) << arguments.front() << ' ' << arguments[1];
+    expect_json(finished.output, arguments.front());
+  }
 }
 
 TEST_F(RunningRobot, RunRefusesWhatCannotRun) {
