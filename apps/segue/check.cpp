@@ -39,8 +39,8 @@ class Checker {
       read(file);
     model::resolve_inheritance(catalog_, diagnostics_);
     // Networks last: they may use the models of files named after them.
-    for (const auto& network : networks_)
-      check(network, options_.structure ? Depth::Structure : depth_for(network));
+    for (const auto& parts : networks_)
+      check(parts, options_.structure ? Depth::Structure : depth_for(parts.network));
     diagnostics_.sort();
   }
 
@@ -49,24 +49,34 @@ class Checker {
   [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
 
  private:
-  void read(const std::string& file) {
+  /// What could be read of a network file.
+  struct Parts {
+    model::Network network;
+    bool complete = false;
+  };
+
+  /// Nothing and a diagnostic where it cannot be read.
+  std::optional<std::string> text_of(const std::string& file) {
     ++files_;
-    const auto text = read_input_file(file);
-    if (!text) {
-      diagnostics_.error("unreadable-file", text.error().message, {file, 0, 0});
-      return;
-    }
+    auto text = read_input_file(file);
+    if (text) return std::move(*text);
+    diagnostics_.error("unreadable-file", text.error().message, {file, 0, 0});
+    return std::nullopt;
+  }
+
+  void read(const std::string& file) {
+    const auto text = text_of(file);
+    if (!text) return;
     switch (model::kind_of_file(file, *text)) {
       case FileKind::Network:
       case FileKind::Cnd:
-        if (auto network = model::read_network(*text, file, diagnostics_))
-          networks_.push_back(std::move(*network));
+        if (auto parts = read_parts(*text, file)) networks_.push_back(std::move(*parts));
         return;
       case FileKind::Transition:
         model::read_transition(*text, file, diagnostics_);
         return;
       case FileKind::Robot:
-        read_robot(file);
+        read_robot(*text, file);
         return;
       case FileKind::Mission:
         check_mission(file);
@@ -96,17 +106,29 @@ class Checker {
         {file, 0, 0});
   }
 
-  void read_robot(const std::string& file) {
-    const auto robot = model::load_robot(file, diagnostics_);
+  std::optional<Parts> read_parts(const std::string& text, const std::string& file) {
+    const std::size_t errors_before = diagnostics_.error_count();
+    auto network = model::read_network_parts(text, file, diagnostics_);
+    if (!network) return std::nullopt;
+    return Parts{std::move(*network), diagnostics_.error_count() == errors_before};
+  }
+
+  /// All that could be read of the robot file and of the files that it names is checked, whatever errors the
+  /// rest has.
+  void read_robot(const std::string& text, const std::string& file) {
+    const std::size_t errors_before = diagnostics_.error_count();
+    const auto robot = model::read_robot_parts(text, file, diagnostics_);
     if (!robot) return;
+    bool complete = diagnostics_.error_count() == errors_before;
     add_robot_models(*robot, catalog_, diagnostics_);
     model::resolve_inheritance(catalog_, diagnostics_);
-    std::vector<model::Network> controllers;
+    std::vector<Parts> controllers;
     for (const std::string& pattern : robot->controllers) {
       for (const auto& path : files_of(*robot, pattern, diagnostics_)) {
-        ++files_;
-        if (auto network = model::load_network(path, diagnostics_))
-          controllers.push_back(std::move(*network));
+        const auto content = text_of(path.string());
+        auto parts = content ? read_parts(*content, path.string()) : std::nullopt;
+        complete = complete && parts;
+        if (parts) controllers.push_back(std::move(*parts));
       }
     }
     for (const std::string& pattern : robot->missions) {
@@ -115,9 +137,22 @@ class Checker {
         check_mission(path);
       }
     }
-    diagnostics_.append(model::validate(*robot, controllers));
-    for (const auto& network : controllers)
-      check(network, options_.structure ? Depth::Structure : Depth::Full);
+    check_robot(*robot, controllers, complete);
+    for (const auto& parts : controllers)
+      check(parts, options_.structure ? Depth::Structure : Depth::Full);
+  }
+
+  /// Where something could not be read, that a host or controller is missing may follow from it.
+  void check_robot(const model::Robot& robot, const std::vector<Parts>& controllers, bool complete) {
+    std::vector<model::Network> networks;
+    for (const Parts& parts : controllers)
+      networks.push_back(parts.network);
+    const Diagnostics found = model::validate(robot, networks);
+    for (const Diagnostic& item : found.items()) {
+      const bool may_follow = (item.code == "unknown-host" && robot.hosts.empty()) ||
+                              item.code == "unknown-controller" || item.code == "no-fallback";
+      if (complete || !may_follow) diagnostics_.add(item);
+    }
   }
 
   void check_mission(const std::filesystem::path& file) {
@@ -125,8 +160,9 @@ class Checker {
     (void)mission::load_mission(file, folders, diagnostics_);
   }
 
-  void check(const model::Network& network, Depth depth) {
-    diagnostics_.append(model::validate(network, catalog_, depth));
+  void check(const Parts& parts, Depth depth) {
+    diagnostics_.append(parts.complete ? model::validate(parts.network, catalog_, depth)
+                                       : model::validate_references(parts.network, catalog_, depth));
   }
 
   /// If no component is known, reporting each of them would not help.
@@ -143,7 +179,7 @@ class Checker {
   const CheckOptions& options_;
   Diagnostics diagnostics_;
   model::ComponentCatalog catalog_;
-  std::vector<model::Network> networks_;
+  std::vector<Parts> networks_;
   std::vector<std::string> shallow_;
   std::size_t files_ = 0;
 };

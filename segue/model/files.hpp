@@ -22,6 +22,10 @@ namespace segue::model {
 /// `file`'s stem.
 std::optional<Network> read_network(std::string_view text, const std::string& file, Diagnostics& diagnostics);
 std::optional<Network> load_network(const std::filesystem::path& file, Diagnostics& diagnostics);
+/// The parts of a network file that could be read, also where it has errors; nothing only where it cannot be
+/// parsed or is no network. To look for further problems with validate_references(), never to run.
+std::optional<Network> read_network_parts(std::string_view text, const std::string& file,
+                                          Diagnostics& diagnostics);
 std::string write_network(const Network& network);
 /// Converts a process to and from its form in `deployments`, with its name under `process`.
 type::Value to_value(const Deployment& deployment);
@@ -40,6 +44,9 @@ type::Value to_value(const Transition& transition);
 type::Value to_value(const Action& action);
 
 std::optional<Robot> read_robot(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+/// Likewise for a robot file.
+std::optional<Robot> read_robot_parts(std::string_view text, const std::string& file,
+                                      Diagnostics& diagnostics);
 std::optional<Robot> load_robot(const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Component models: Segue's own file, Rock's exported model, or a Rock interface summary, told apart by

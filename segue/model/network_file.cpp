@@ -212,8 +212,14 @@ std::optional<Deployment> read_deployment(const Value& value, const std::string&
 
 std::optional<Network> read_network(std::string_view text, const std::string& file,
                                     Diagnostics& diagnostics) {
-  const Source source(file, diagnostics);
   const std::size_t errors_before = diagnostics.error_count();
+  auto network = read_network_parts(text, file, diagnostics);
+  return diagnostics.error_count() > errors_before ? std::nullopt : std::move(network);
+}
+
+std::optional<Network> read_network_parts(std::string_view text, const std::string& file,
+                                          Diagnostics& diagnostics) {
+  const Source source(file, diagnostics);
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
   if (auto problem = other_kind(*root); !problem.empty()) {
@@ -225,7 +231,6 @@ std::optional<Network> read_network(std::string_view text, const std::string& fi
   if (network.name.empty()) network.name = NetworkName(name_from_file(file));
   network.file = file;
   network.version = version_of(text);
-  if (diagnostics.error_count() > errors_before) return std::nullopt;
   return network;
 }
 

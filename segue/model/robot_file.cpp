@@ -130,13 +130,18 @@ Robot read_robot_body(const Value& root, const Source& source) {
 }  // namespace
 
 std::optional<Robot> read_robot(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
-  const Source source(file, diagnostics);
   const std::size_t errors_before = diagnostics.error_count();
+  auto robot = read_robot_parts(text, file, diagnostics);
+  return diagnostics.error_count() > errors_before ? std::nullopt : std::move(robot);
+}
+
+std::optional<Robot> read_robot_parts(std::string_view text, const std::string& file,
+                                      Diagnostics& diagnostics) {
+  const Source source(file, diagnostics);
   const auto root = source.parse(text);
   if (!root) return std::nullopt;
   Robot robot = read_robot_body(*root, source);
   robot.folder = std::filesystem::path(file).parent_path();
-  if (diagnostics.error_count() > errors_before) return std::nullopt;
   return robot;
 }
 

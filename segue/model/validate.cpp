@@ -84,6 +84,20 @@ Diagnostics validate(const Network& network, const ComponentCatalog& catalog, De
   return diagnostics;
 }
 
+Diagnostics validate_references(const Network& parts, const ComponentCatalog& catalog, Depth depth) {
+  static const std::set<std::string_view> kCodes = {
+      "unknown-task",   "unknown-component", "abstract-component", "unknown-port",
+      "type-mismatch",  "unknown-property",  "wrong-direction",    "task-in-two-deployments",
+      "duplicate-task", "duplicate-process", "unknown-placement",  "duplicate-connection"};
+  Diagnostics diagnostics;
+  if (parts.tasks.empty()) return diagnostics;  // nothing is left that could be referred to
+  const Diagnostics found = validate(parts, catalog, depth);
+  for (const Diagnostic& item : found.items()) {
+    if (kCodes.contains(item.code)) diagnostics.add(item);
+  }
+  return diagnostics;
+}
+
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
   Diagnostics diagnostics;
   check_hosts(robot, diagnostics);

@@ -20,6 +20,11 @@ enum class Depth {
 /// do not exist or have the wrong type, devices claimed twice. Linear in the size of the network.
 Diagnostics validate(const Network& network, const ComponentCatalog& catalog, Depth depth);
 
+/// Of a network whose file has errors (read_network_parts()): only what it refers to by a name that does not
+/// exist, has another type or direction, or is used twice, as far as that does not follow from the parts that
+/// could not be read.
+Diagnostics validate_references(const Network& parts, const ComponentCatalog& catalog, Depth depth);
+
 /// All problems of a robot and its networks together: unknown hosts, controllers of one name ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 

@@ -43,6 +43,7 @@ class ComponentCheck {
   void check_component(const Task& task) {
     const std::string what = "task " + quote(task.id.str());
     const ComponentIndex* component = index_.component(task.component);
+    if (task.component.empty()) return;  // a problem of structure
     if (component == nullptr) {
       report(false, "unknown-component",
              what + ": there is no component " + quote(task.component.str()) +

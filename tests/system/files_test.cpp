@@ -379,6 +379,46 @@ TEST_F(Files, ForceKillsRemovedProcesses) {
   EXPECT_EQ(*actions[0].find("kill"), Value(true));
 }
 
+TEST_F(Files, ErrorsOfStructureDoNotHideThoseOfReferences) {
+  write("both.yaml",
+        "network: both\n"
+        "tasks:\n"
+        "  drive: {component: \"demo::Drive\", state: runing}\n"
+        "  laser: {component: \"demo::LaserScaner\"}\n"
+        "  nothing: {}\n"
+        "connections:\n"
+        "  - laser.scan -> guard.scan\n"
+        "  - drive.velocty -> drive.command\n"
+        "  - {from: drive.velocity}\n"
+        "conections: []\n");
+  const auto both = segue({"check", "both.yaml"});
+  EXPECT_EQ(both.status, 1);
+  for (const char* part :
+       {"both.yaml:3:", "[bad-state]", "both.yaml:4:",
+        "there is no component 'demo::LaserScaner', did you mean", "both.yaml:5:", "[missing-key]",
+        "both.yaml:7:", "the network has no task 'guard'", "both.yaml:8:", "did you mean 'velocity'",
+        "both.yaml:9:", "both.yaml:10:", "did you mean 'connections'", "1 file: 7 errors, 0 warnings"})
+    EXPECT_TRUE(contains(both.errors + both.output, part)) << part << " in\n" << both.errors << both.output;
+}
+
+TEST_F(Files, ARobotFileWithErrorsDoesNotHideThoseOfItsControllers) {
+  write("robot.yaml", "robot: r\nfallback: one\ncontrollers: [net/*.yaml]\npolicies: {watch: 0s}\n");
+  write("net/one.yaml", "network: one\ntasks: {drive: {component: \"demo::Driv\"}}\n");
+  write("net/two.yaml",
+        "network: two\ntasks: {a: {component: \"demo::Drive\", stat: stopped}}\n"
+        "connections: [a.velocity -> b.velocity]\n");
+  const auto found = segue({"check", "robot.yaml"});
+  EXPECT_EQ(found.status, 1);
+  for (const char* part :
+       {"robot.yaml:4:", "net/one.yaml:2:", "'demo::Driv', did you mean",
+        "net/two.yaml:2:", "did you mean 'state'", "net/two.yaml:3:", "no task 'b'", "3 files: 4 errors"})
+    EXPECT_TRUE(contains(found.errors + found.output, part)) << part << " in\n"
+                                                             << found.errors << found.output;
+  write("net/one.yaml", "network: [one\n");
+  EXPECT_FALSE(contains(segue({"check", "robot.yaml"}).errors, "the fallback"))
+      << "it may be what cannot be read";
+}
+
 TEST_F(Files, PredictGivesTheTargetOfADiff) {
   ASSERT_EQ(segue({"diff", "two.yaml", "one.yaml", "-o", "t.yaml"}).status, 0);
   EXPECT_EQ(segue({"check", "t.yaml"}).status, 0);
