@@ -2,6 +2,7 @@
 #include "concurrent_engine_implementation.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace segue::cdtn {
 
@@ -68,6 +69,7 @@ void ConcurrentEngine::Implementation::discard(NodeId node) {
   wasted_.push_back({node, state.started, state.ended});
   if (state.speculative) ++statistics_.wasted;
   log(node, LogKind::Discard);
+  if (const ReportPtr& report = reports_[index(node)]) report->pending.reset();
   return_copy(node);
 }
 
@@ -95,14 +97,50 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
     strict_.insert(index(node));
     return;
   }
-  if (reads_are_valid(node) && inputs_are_valid(node) && world_is_valid(node)) return commit(node);
+  const ReportPtr& report = reports_[index(node)];
+  const PendingChanges* pending = report ? report->pending.get() : nullptr;
+  const bool has_changes = pending != nullptr && !pending->empty();
+  if (has_changes && !turn_has_come(node)) return;
+  if (reads_are_valid(node) && inputs_are_valid(node) && world_is_valid(node) &&
+      (!has_changes || pending->valid()))
+    return commit_with_changes(node);
   invalidate(node);
 }
 
+/// Whether all nodes before it have passed, those in parallel aside. If not, it is checked again once the
+/// first of them has.
+bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
+  for (std::uint32_t i = prefix_; i < index(node); ++i) {
+    if (states_[i].passed || environment_.in_parallel(NodeId{i}, node)) continue;
+    std::vector<NodeId>& waiting = turns_[i];
+    if (waiting.empty() || waiting.back() != node) waiting.push_back(node);
+    return false;
+  }
+  return true;
+}
+
+/// What it has changed beside the network counts too. Where a later node has used that already, the run
+/// cannot be that of the program any more, whoever handles aborts.
+void ConcurrentEngine::Implementation::commit_with_changes(NodeId node) {
+  const ReportPtr& report = reports_[index(node)];
+  if (!report || !report->pending) return commit(node);
+  const auto changes = std::exchange(report->pending, nullptr);
+  const auto applied = changes->apply();
+  if (applied) return commit(node);
+  Error conflict = applied.error();
+  conflict.subject = network_.label(node);
+  commit(node, std::move(conflict));
+}
+
 /// The effects and the outcome of the node count from now on.
-void ConcurrentEngine::Implementation::commit(NodeId node) {
+void ConcurrentEngine::Implementation::commit(NodeId node, std::optional<Error> conflict) {
   State& state = at(node);
   NodeOutcome outcome = judge(network_, node, reports_[index(node)].get());
+  if (conflict) {
+    outcome = NodeOutcome();
+    outcome.outcome = kAborted;
+    outcome.failure = std::move(conflict);
+  }
   state.outcome = outcome.outcome;
   state.phase = Phase::Done;
   state.committed = events_.now();
@@ -158,6 +196,8 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
   if (!planted(EngineFault::PassesAtStart) || state.attempt == 0) notify(node);
   state.announced = state.began = true;
   settle(node);
+  if (const auto waiting = turns_.extract(index(node)))
+    work_.insert(work_.end(), waiting.mapped().begin(), waiting.mapped().end());
   if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
   if (expansion_ == nullptr || state.phase != Phase::Done) return;
   const ReportPtr& report = reports_[index(node)];
@@ -248,6 +288,7 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   const auto size = static_cast<std::uint32_t>(states_.size());
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
+  environment_.passed_before(NodeId{prefix_});
   if (prefix_ < size) work_.push_back(NodeId{prefix_});  // nothing before it can hold it up now
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;

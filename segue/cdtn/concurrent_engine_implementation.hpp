@@ -96,7 +96,9 @@ class ConcurrentEngine::Implementation {
   void end_run(CompletionQueue::End end);
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
-  void commit(NodeId node);
+  [[nodiscard]] bool turn_has_come(NodeId node);
+  void commit_with_changes(NodeId node);
+  void commit(NodeId node, std::optional<Error> conflict = {});
   void fail_node(NodeId node, Error error);
   void settle(NodeId node);
   void apply_effects(NodeId node, const NodeOutcome& outcome);
@@ -166,10 +168,11 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
   std::uint32_t preempted_workers_ = 0;          ///< likewise
   std::uint32_t passed_count_ = 0;
-  std::uint32_t prefix_ = 0;        ///< all nodes before have passed
-  std::uint32_t safe_ = 0;          ///< no node before can fail any more
-  std::set<std::uint32_t> strict_;  ///< nodes that wait for it
-  std::uint32_t limit_ = kNone;     ///< first node that is not reached any more
+  std::uint32_t prefix_ = 0;                                      ///< all nodes before have passed
+  std::uint32_t safe_ = 0;                                        ///< no node before can fail any more
+  std::unordered_map<std::uint32_t, std::vector<NodeId>> turns_;  ///< by node: who waits until it has passed
+  std::set<std::uint32_t> strict_;                                ///< nodes that wait for it
+  std::uint32_t limit_ = kNone;                                   ///< first node that is not reached any more
   std::optional<Error> error_;
   std::optional<NodeId> failed_;
   bool stopped_ = false;

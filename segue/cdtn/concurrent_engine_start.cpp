@@ -63,7 +63,12 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   if (state.phase == Phase::Queued && certain(node)) return preempt_for_units(node);
   if (state.phase == Phase::Ready && certain(node) && ready_speculative_.erase(rank(node)) > 0)
     ready_.insert(rank(node));
+  const bool beside = network_[node].reads_beside && !irreversible(node);
+  if (state.phase == Phase::Running && beside && index(node) == prefix_ && environment_.outdated(node))
+    return invalidate(node);
   if (state.phase != Phase::Waiting || state.active) return;
+  // What takes its units in order cannot be repeated.
+  if (beside && takes_in_order(node) && !turn_has_come(node)) return;
   const bool may_speculate = options_.speculate && !takes_in_order(node);
   if (irreversible(node) ? open : state.start_gate == 0 && (settled(node) || may_speculate)) try_start(node);
 }
@@ -75,9 +80,10 @@ bool ConcurrentEngine::Implementation::settled(NodeId node) const {
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, in
-/// strict mode not even that.
+/// strict mode not even that. What is beside the network may change until all nodes before have passed.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
-  return settled(node) && !must_be_safe(node);
+  const bool beside = network_[node].reads_beside && !irreversible(node) && prefix_ != index(node);
+  return settled(node) && !must_be_safe(node) && !beside;
 }
 
 /// Whether its units are taken in program order, so it must not run speculatively: a repeated run would take
@@ -113,7 +119,12 @@ void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   State& state = at(node);
   state.started = state.ended = events_.now();
   RunContext context(*this, node);
-  reports_[index(node)] = environment_.refuse(context, error.message);
+  ReportPtr report = environment_.refuse(context, error.message);
+  if (!irreversible(node) && report->pending && !report->pending->empty()) {
+    note_what_is_read(node);
+    return park(node, std::move(report));
+  }
+  reports_[index(node)] = std::move(report);
   ++state.version;  // outputs of an earlier speculative run may have been used
   outputs_changed(node);
   announce_start(node);

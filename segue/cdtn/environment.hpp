@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/pending_changes.hpp>
 #include <segue/cdtn/ids.hpp>
 #include <segue/cdtn/versioned_world.hpp>
 #include <segue/type/value.hpp>
@@ -33,6 +34,10 @@ struct Report {
   std::vector<NamedEffect> named_effects{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
+  /// Of pure and sensing nodes: what is beside the network, such as variables. Null: nothing. A run for which
+  /// it is not empty counts when every node before has passed, and only if it is valid then; else the node
+  /// runs again.
+  std::unique_ptr<PendingChanges> pending{};
 };
 /// Null: success, as predicted, without outputs.
 using ReportPtr = std::unique_ptr<Report>;
@@ -89,6 +94,19 @@ class Environment {
     (void)node;
     (void)attempt;
   }
+  /// Whether a run in progress has read what nodes before it have changed since, beside the network.
+  [[nodiscard]] virtual bool outdated(NodeId node) const {
+    (void)node;
+    return false;
+  }
+  /// Whether neither node comes before the other, so that none waits for the other's changes.
+  [[nodiscard]] virtual bool in_parallel(NodeId a, NodeId b) const {
+    (void)a;
+    (void)b;
+    return false;
+  }
+  /// All nodes before this one have passed.
+  virtual void passed_before(NodeId node) { (void)node; }
   /// How long the engine waits for the end of a cancelled run, on a real clock.
   [[nodiscard]] virtual Duration patience() const { return std::chrono::seconds(10); }
 };

@@ -37,6 +37,7 @@ NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   entry.opaque = spec.opaque;
   entry.reads_world = spec.reads_world;
   entry.uncertain = spec.uncertain;
+  entry.reads_beside = spec.reads_beside;
   entry.cannot_fail = spec.cannot_fail;
   append_accesses(spec, node);
   append_claims(spec);

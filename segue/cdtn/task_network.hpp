@@ -43,9 +43,10 @@ struct NodeSpec {
   bool handles_abort = false;     ///< `aborted` is an ordinary outcome; requires `branches`
   bool opaque_subtree = false;    ///< part of the plan that runs sequentially, as one node
   bool opaque = false;            ///< may touch facts and resources that it does not declare
-  bool reads_world = false;  ///< may look at facts that it does not declare; in reality that makes it opaque
-  bool uncertain = false;    ///< its effects may have other values, on the same facts
-  bool cannot_fail = false;  ///< neither by itself nor because of a precondition or resource
+  bool reads_world = false;   ///< may look at facts that it does not declare; in reality that makes it opaque
+  bool uncertain = false;     ///< its effects may have other values, on the same facts
+  bool reads_beside = false;  ///< may read or change what is beside the network (Report::pending)
+  bool cannot_fail = false;   ///< neither by itself nor because of a precondition or resource
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;
@@ -82,6 +83,7 @@ struct NodeRecord {
   bool opaque : 1 = false;
   bool reads_world : 1 = false;
   bool uncertain : 1 = false;
+  bool reads_beside : 1 = false;
   bool cannot_fail : 1 = false;
 };
 

@@ -4,6 +4,8 @@
 #include <segue/convert/fault.hpp>
 #include <segue/mission/index.hpp>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <exception>
 
@@ -20,17 +22,53 @@ using mission::Outcome;
 using type::Value;
 using type::ValueMap;
 
+namespace {
+
+/// Position 0 is before all nodes.
+std::uint64_t place_number(NodeId node) {
+  return std::uint64_t{index(node)} + 1;
+}
+
+}  // namespace
+
+/// What an action has changed: global variables, and whatever its runner keeps aside. Either may be null.
+class ActionEnvironment::AllChanges final : public PendingChanges {
+ public:
+  AllChanges(std::shared_ptr<PendingChanges> globals, std::shared_ptr<PendingChanges> other)
+      : parts_{std::move(globals), std::move(other)} {}
+  [[nodiscard]] bool empty() const override {
+    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->empty(); });
+  }
+  [[nodiscard]] bool valid() const override {
+    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->valid(); });
+  }
+  /// Only global variables, which come first, may refuse.
+  Result<void> apply() override {
+    for (const auto& part : parts_) {
+      if (!part) continue;
+      if (auto applied = part->apply(); !applied) return applied;
+    }
+    return {};
+  }
+
+ private:
+  const std::array<std::shared_ptr<PendingChanges>, 2> parts_;
+};
+
 /// Turns the ending of an action into a report for the engine. Immutable but for `cancelled`, which only ever
 /// becomes true; the report of a run that was cancelled meanwhile is discarded anyway, so relaxed order would
 /// do.
 struct ActionEnvironment::Reporter {
+  explicit Reporter(mission::Globals used) : globals(std::move(used)) {}
+
   std::vector<std::string> ports;
   std::vector<cdtn::OutcomeId> outcomes;  ///< by the outcomes of the state
   bool counts = false;
   std::int64_t count = 0;
+  mission::Globals globals;  ///< as the action uses them
   std::atomic<bool> cancelled{false};
 
-  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) const {
+  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) {
     Outcome outcome = ending.outcome;
     std::string error = ending.error;
     if (cancelled && !planted(ConversionFault::CountsCancelled)) {
@@ -54,6 +92,7 @@ struct ActionEnvironment::Reporter {
     if (counts)
       map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
     report->outputs = std::make_shared<const Value>(std::move(map));
+    report->pending = std::make_unique<AllChanges>(globals.pending_changes(), ending.pending);
     return report;
   }
 };
@@ -75,7 +114,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
         completions_(completions),
         reporter_(std::move(reporter)),
         inputs_(environment.inputs(context)),
-        outputs_(environment.default_outputs(context.node())) {
+        outputs_(environment.default_outputs(context.node(), reporter_->globals)) {
     const Value error = environment.value(context, planned_.error_before);
     if (error.is_string()) error_before_ = error.as_string();
     for (const BranchSource& branch : planned_.branches)
@@ -87,7 +126,8 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   [[nodiscard]] std::string path() const override { return std::string(planned_.path); }
   [[nodiscard]] std::span<const Value> inputs() const override { return inputs_; }
   [[nodiscard]] std::span<Value> outputs() override { return outputs_; }
-  [[nodiscard]] mission::Globals& globals() const override { return environment_.globals; }
+  [[nodiscard]] mission::Globals& globals() const override { return reporter_->globals; }
+  [[nodiscard]] bool may_be_discarded() const override { return environment_.may_be_discarded(node_); }
   [[nodiscard]] const std::string& error_before() const override { return error_before_; }
   [[nodiscard]] std::span<const mission::BranchResult> branches() const override { return branches_; }
   [[nodiscard]] std::uint64_t iteration() const override {
@@ -100,6 +140,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
     completions_.await(node_, attempt_);
     return [receiver = environment_.receiver_, reporter = reporter_, node = node_, attempt = attempt_](
                Ending ending, std::vector<Value> outputs) {
+      reporter->globals.close();
       receiver->deliver(node, attempt, reporter->report(ending, std::move(outputs)));
     };
   }
@@ -158,6 +199,34 @@ void ActionEnvironment::stop() {
 
 void ActionEnvironment::ended(NodeId node, std::uint32_t /*attempt*/) {
   running_.erase(index(node));
+  unsure_.erase(index(node));
+}
+
+bool ActionEnvironment::outdated(NodeId node) const {
+  const auto found = unsure_.find(index(node));
+  return found != unsure_.end() && !found->second->valid();
+}
+
+bool ActionEnvironment::in_parallel(NodeId a, NodeId b) const {
+  return mission::in_parallel(plan_[a].branch.get(), plan_[b].branch.get());
+}
+
+void ActionEnvironment::passed_before(NodeId node) {
+  globals.settle_before(place_number(node));
+}
+
+mission::Place ActionEnvironment::place(NodeId node) const {
+  return {place_number(node), plan_[node].branch, plan_.network().label(node)};
+}
+
+bool ActionEnvironment::may_be_discarded(NodeId node) const {
+  return plan_.network()[node].kind != ActionClass::Irreversible &&
+         !planted(ConversionFault::ChangesGlobalsAtOnce);
+}
+
+/// The global variables as the action of the node may use them.
+mission::Globals ActionEnvironment::globals_of(NodeId node) const {
+  return may_be_discarded(node) ? globals.kept_aside_at(place(node)) : globals.at(place(node));
 }
 
 void ActionEnvironment::close() {
@@ -194,10 +263,10 @@ std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
   return values;
 }
 
-std::vector<Value> ActionEnvironment::default_outputs(NodeId node) const {
+std::vector<Value> ActionEnvironment::default_outputs(NodeId node, const mission::Globals& variables) const {
   std::vector<Value> outputs;
   for (const mission::PortSource& output : plan_.program().node(plan_[node].state).outputs) {
-    auto global = output.global.empty() ? std::nullopt : globals.get(output.global);
+    auto global = output.global.empty() ? std::nullopt : variables.get(output.global);
     outputs.push_back(global ? std::move(*global) : output.fallback);
   }
   return outputs;
@@ -205,7 +274,7 @@ std::vector<Value> ActionEnvironment::default_outputs(NodeId node) const {
 
 std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
   const mission::CompiledState& state = plan_.program().node(plan_[node].state);
-  auto made = std::make_shared<Reporter>();
+  auto made = std::make_shared<Reporter>(globals_of(node));
   for (const mission::Port& port : *state.output_ports)
     made->ports.push_back(port.name);
   for (const std::string& outcome : *state.outcomes) {
@@ -228,7 +297,8 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporte
 
 /// An action that does not begin leaves its default outputs, like one that aborts.
 ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
-  return counting_reporter(context)->report({kAborted, std::move(why)}, default_outputs(context.node()));
+  const auto reports = counting_reporter(context);
+  return reports->report({kAborted, std::move(why)}, default_outputs(context.node(), reports->globals));
 }
 
 void ActionEnvironment::start(NodeContext& context, Completions& completions) {
@@ -248,8 +318,9 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
     case Role::Global:
       break;
   }
-  Value handed = planned.role == Role::Global ? globals.get(planned.global).value_or(Value())
-                                              : value(context, planned.inputs.front());
+  Value handed = planned.role == Role::Global
+                     ? globals_of(context.node()).get(planned.global).value_or(Value())
+                     : value(context, planned.inputs.front());
   auto report = std::make_unique<cdtn::Report>();
   report->outputs =
       std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
@@ -279,6 +350,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
   if (options_.observe)
     options_.observe({mission::ActionEvent::Kind::Began, planned.path, planned.iteration});
   auto reports = counting_reporter(context);
+  if (auto used = reports->globals.pending_changes()) unsure_[index(context.node())] = std::move(used);
   NodeCall call(*this, context, completions, reports);
   std::optional<Ending> ending;
   try {
@@ -289,6 +361,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
     ending = Ending{kAborted, "it threw an object that is not a std::exception"};
   }
   if (!ending) return;
+  reports->globals.close();
   completions.finish_at(completions.now(), context.node(), context.attempt(),
                         reports->report(*ending, std::move(call.results())));
 }
@@ -323,7 +396,7 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context) const {
           parent,
           inputs(context),
           error.is_string() ? error.as_string() : "",
-          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals,
+          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals_of(context.node()),
           iterations_,
           mission::World::Facts(texts.begin(), texts.end())};
 }

@@ -26,6 +26,9 @@ class ActionEnvironment final : public cdtn::Environment {
   cdtn::ReportPtr refuse(cdtn::NodeContext& context, std::string why) override;
   void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override;
   void ended(cdtn::NodeId node, std::uint32_t attempt) override;
+  [[nodiscard]] bool outdated(cdtn::NodeId node) const override;
+  [[nodiscard]] bool in_parallel(cdtn::NodeId a, cdtn::NodeId b) const override;
+  void passed_before(cdtn::NodeId node) override;
   [[nodiscard]] Duration patience() const override { return options_.preemption_grace; }
   /// From any thread: preempts an opaque subtree that occupies the engine's thread, as in virtual time.
   void stop();
@@ -37,6 +40,7 @@ class ActionEnvironment final : public cdtn::Environment {
  private:
   class NodeCall;
   struct Reporter;
+  class AllChanges;
   /// Delivers ends to the engine as long as it runs. Shared with completers, which may outlive this.
   struct EndReceiver {
     std::mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
@@ -55,7 +59,11 @@ class ActionEnvironment final : public cdtn::Environment {
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);
   [[nodiscard]] type::Value value(cdtn::NodeContext& context, const ValueSource& source) const;
   [[nodiscard]] std::vector<type::Value> inputs(cdtn::NodeContext& context) const;
-  [[nodiscard]] std::vector<type::Value> default_outputs(cdtn::NodeId node) const;
+  [[nodiscard]] std::vector<type::Value> default_outputs(cdtn::NodeId node,
+                                                         const mission::Globals& globals) const;
+  [[nodiscard]] mission::Place place(cdtn::NodeId node) const;
+  [[nodiscard]] bool may_be_discarded(cdtn::NodeId node) const;
+  [[nodiscard]] mission::Globals globals_of(cdtn::NodeId node) const;
   std::shared_ptr<Reporter> reporter(cdtn::NodeId node) const;
   std::shared_ptr<Reporter> counting_reporter(cdtn::NodeContext& context) const;
 
@@ -66,7 +74,9 @@ class ActionEnvironment final : public cdtn::Environment {
   const std::shared_ptr<mission::Iterations> iterations_;
   std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted
-  std::mutex stopping_;                                 ///< guards the next two
+  std::unordered_map<std::uint32_t, std::shared_ptr<const PendingChanges>>
+      unsure_;           ///< by node: what runs have used so far that may be discarded
+  std::mutex stopping_;  ///< guards the next two
   bool stopped_ = false;
   mission::Engine* subtree_ = nullptr;  ///< runs on the engine's thread
   std::vector<std::jthread> subtrees_;

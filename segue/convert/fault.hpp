@@ -29,6 +29,7 @@ enum class ConversionFault : std::uint8_t {
   AcceptsAnyOutcome,         ///< an undeclared outcome becomes the first one
   CountsCancelled,           ///< a cancelled action keeps its own outcome
   MistakesBranches,          ///< a decider sees the outcome of the first state for all
+  ChangesGlobalsAtOnce,      ///< actions that may be discarded change global variables before they count
   ForgetsSharedGlobals,      ///< opaque subtrees have their own global variables
   ForgetsUnfinishedOutputs,  ///< a mission that fails has no outputs
   Last = ForgetsUnfinishedOutputs

@@ -4,6 +4,7 @@
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/run_result.hpp>
 #include <segue/convert/symbol.hpp>
+#include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
 
 #include <cstdint>
@@ -54,7 +55,8 @@ struct PlannedNode {
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
   bool counts = false;
-  std::vector<BranchSource> branches;  ///< deciders
+  std::shared_ptr<const mission::ParallelBranch> branch;  ///< null: in no barrier
+  std::vector<BranchSource> branches;                     ///< deciders
   std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>>
       joined;  ///< Join: inputs and the values that they must have
   std::string global;

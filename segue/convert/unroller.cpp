@@ -4,6 +4,7 @@
 #include <segue/mission/index.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace segue::convert {
 
@@ -46,6 +47,13 @@ void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs)
 }
 
 bool Unroller::step(Track& track) {
+  const auto around = std::exchange(branch_, track.branch);
+  const bool more = step_within(track);
+  branch_ = around;
+  return more;
+}
+
+bool Unroller::step_within(Track& track) {
   take_alternatives(track);
   if (track.pending) return enter_pending(track);
   if (track.frames.empty()) {
@@ -268,17 +276,29 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
       activation->exits.push_back({container.start.outcome, {when, false, {}}});
     return;
   }
-  for (const StateIndex child : container.children) {
-    if (child == container.decider) continue;
+  enter_branches(track, *activation);
+}
+
+/// Enters all states of the barrier at the top of the track, each on a track of its own.
+void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
+  const BranchEdge when = activation.entry.when;
+  const mission::CompiledState& barrier = node(activation.entry.state);
+  const std::uint64_t number = barriers_++;
+  for (const StateIndex child : barrier.children) {
+    if (child == barrier.decider) continue;
     StateEntry branch;
     branch.state = child;
     branch.when = when;
-    branch.inputs = inputs_of(*activation, child, when);
-    branch.path = path_of(*activation, child);
+    branch.inputs = inputs_of(activation, child, when);
+    branch.path = path_of(activation, child);
     branch.aborts_handled = true;
     auto beside = std::make_shared<Track>();
+    beside->branch = std::make_shared<const mission::ParallelBranch>(
+        mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
     track.frames.back().tracks.push_back(beside);
+    const auto around = std::exchange(branch_, beside->branch);
     enter(*beside, std::move(branch));
+    branch_ = around;
   }
 }
 

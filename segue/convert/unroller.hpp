@@ -71,9 +71,10 @@ struct Frame {
 /// expected to end, `alternatives` has the frames from which to resume that loop.
 struct Track {
   std::vector<Frame> frames;
-  std::vector<std::vector<Frame>> alternatives;
-  std::optional<StateEntry> pending;  ///< comes next, once its facts and resources are known
-  std::optional<StateEnd> end;
+  std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
+  std::vector<std::vector<Frame>> alternatives{};
+  std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
+  std::optional<StateEnd> end{};
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 
@@ -110,6 +111,7 @@ class Unroller {
  private:
   // Control (unroller.cpp)
   bool step(Track& track);
+  bool step_within(Track& track);
   bool step_hierarchy(Track& track);
   bool step_barrier(Track& track);
   bool end_of_loop(Track& track);
@@ -119,6 +121,7 @@ class Unroller {
   bool enter_pending(Track& track);
   void enter(Track& track, StateEntry entry);
   void enter_container(Track& track, StateEntry entry);
+  void enter_branches(Track& track, ContainerExecution& activation);
   void leave(Track& track);
   void finish(Track& track, mission::StateIndex state, StateEnd end);
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
@@ -168,8 +171,10 @@ class Unroller {
   const bool every_end_;
   PathConditions paths_;
   Track main_;
-  std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state
-  std::vector<std::string> varying_;           ///< patterns of resources that are created or removed
+  std::shared_ptr<const mission::ParallelBranch> branch_;  ///< of the nodes that are being planned
+  std::uint64_t barriers_ = 0;                             ///< executions that have been planned
+  std::vector<OpaqueSubtreeReason> subtrees_;              ///< by state
+  std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

@@ -45,6 +45,15 @@ bool counts_executions(const Action& action) {
   return simulated != nullptr && simulated->outcomes.size() > 1;
 }
 
+/// Whether it may use global and persistent variables: its code may, and so do outputs with such a default.
+bool uses_variables(const Action& action) {
+  return std::holds_alternative<mission::Callback>(action.run) ||
+         std::holds_alternative<mission::Script>(action.run) ||
+         std::ranges::any_of(action.outputs, [](const mission::Port& output) {
+           return output.value.is_string() && output.value.as_string().starts_with('$');
+         });
+}
+
 std::string numbered(std::string_view name, std::size_t number) {
   return number == 0 ? std::string(name) : std::string(name) + '~' + std::to_string(number);
 }
@@ -144,6 +153,7 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   if (number >= copies_.size()) copies_.resize(std::max<std::size_t>(number + 1, 2 * copies_.size()));
   node.iteration = spec.iteration = copies_[number]++;
   if (is_state) node.path = names.name(number);
+  node.branch = branch_;
   const NodeId id = plan_.network_.append(spec, number);
   plan_.nodes_.push_back(std::move(node));
   return id;
@@ -441,6 +451,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;
   spec.opaque = is_opaque(what);
+  spec.reads_beside = uses_variables(what);
   const std::string& expected = what.expected_outcome;
   if (!expected.empty())
     spec.expected = plan_.network_.outcome(expected);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/pending_changes.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/globals.hpp>
 #include <segue/mission/program.hpp>
@@ -18,10 +19,12 @@
 
 namespace segue::mission {
 
-/// How an execution ended; `error` says why it aborted.
+/// How an execution ended; `error` says why it aborted. `pending`: what an execution that may be discarded
+/// has changed beside its outputs and the global variables; null: nothing.
 struct Ending {
   Outcome outcome = 0;
   std::string error;
+  std::shared_ptr<PendingChanges> pending{};
 };
 
 /// An action that begins or has ended, as reported to an observer. The texts are valid during the call.
@@ -63,7 +66,11 @@ class ActionCall {
   [[nodiscard]] virtual std::span<const type::Value> inputs() const = 0;
   /// To be written by the runner; initially the defaults.
   [[nodiscard]] virtual std::span<type::Value> outputs() = 0;
+  /// In an execution that may be discarded, changes are kept aside until it counts.
   [[nodiscard]] virtual Globals& globals() const = 0;
+  /// Whether the execution may be discarded, since the action is pure or sensing and the run concurrent: what
+  /// it changes must be kept aside (Ending::pending).
+  [[nodiscard]] virtual bool may_be_discarded() const { return false; }
   /// The error with which the preceding state aborted; empty if it did not.
   [[nodiscard]] virtual const std::string& error_before() const = 0;
   /// For deciders: how the siblings ended, in their order.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/pending_changes.hpp>
 #include <segue/base/result.hpp>
 #include <segue/mission/action.hpp>
+#include <segue/mission/place.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -43,9 +45,34 @@ class Globals {
   /// All variables, by name.
   [[nodiscard]] type::Value snapshot() const;
 
+  // For concurrent runs, where actions do not begin and end in program order.
+
+  /// A handle for an execution that is certain to count: it uses the variables at once, and remembers where.
+  [[nodiscard]] Globals at(Place place) const;
+  /// A handle for an execution that may be discarded: it sees what actions before `place` have written and
+  /// what it has written itself. See pending_changes().
+  [[nodiscard]] Globals kept_aside_at(Place place) const;
+  /// What has been used through this handle; null unless it was made by kept_aside_at().
+  [[nodiscard]] std::shared_ptr<PendingChanges> pending_changes() const;
+  /// The execution has ended: a handle made by kept_aside_at() changes nothing any more (InvalidState).
+  void close();
+  /// All actions before this position have ended.
+  void settle_before(std::uint64_t position);
+
  private:
+  struct Content;
+  struct Variable;
+  struct Version;
+  struct Entry;
   struct Variables;
+  struct View;
+  class Pending;
+
+  [[nodiscard]] Variable look(std::string_view name) const;
+  Result<void> put(const std::string& name, Variable variable);
+
   std::shared_ptr<Variables> variables_;
+  std::shared_ptr<View> view_;  ///< null: neither at() nor kept_aside_at()
 };
 
 }  // namespace segue::mission

@@ -155,6 +155,11 @@ std::string LineReader::rest() {
   return text;
 }
 
+std::string path_of(const ActionCall& call) {
+  const std::string path = call.path();
+  return path.empty() ? call.program().mission().name : path;
+}
+
 Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call) {
   auto inputs = inputs_of(call);
   if (!inputs) return inputs.error();
@@ -165,7 +170,8 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("id", id);
   message.append("run", run);
   message.append("backward", call.backward());
-  message.append("path", call.path().empty() ? program.mission().name : call.path());
+  message.append("discardable", call.may_be_discarded());
+  message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));
   add_script(message, call.action(), program.mission());

@@ -49,6 +49,9 @@ class LineReader {
   std::size_t read_ = 0;
 };
 
+/// The path of the state; of the mission itself, its name.
+std::string path_of(const ActionCall& call);
+
 /// The message "execute", with everything that the script sees. InvalidArgument if an input cannot be passed
 /// to a script.
 Result<type::Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call);

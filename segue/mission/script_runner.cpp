@@ -100,7 +100,7 @@ std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   if (!message) return Ending{kAborted, message.error().message};
   const auto text = detail::framed(*message, impl_->options().largest_message);
   if (!text) return Ending{kAborted, "its inputs: " + text.error().message};
-  detail::ScriptExecution execution{call.path(), {}, call.globals(), {}, {}, {}, {}};
+  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}};
   for (const Port& port : call.action().outputs)
     execution.output_names.push_back(port.name);
   execution.outputs.assign(call.outputs().begin(), call.outputs().end());

@@ -67,6 +67,8 @@ bool ScriptWorker::begin(std::uint64_t id, ScriptExecution& execution, const std
   if (!open_) return false;
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   executions_.emplace(id, std::move(execution));
+  for (const auto& [which, counts] : memory_->take_decisions())
+    enqueue(Value::map({{"do", "decide"}, {"id", which}, {"counts", counts}}));
   enqueue_text(message);
   return true;
 }
@@ -208,7 +210,12 @@ void ScriptWorker::handle_end(const Value& message) {
   for (std::size_t i = 0; written != nullptr && i < outputs.size(); ++i) {
     if (const Value* value = written->find(execution.output_names[i])) outputs[i] = *value;
   }
-  execution.completer(ending_of(message), std::move(outputs));
+  Ending ending = ending_of(message);
+  if (const auto from = number_of(message, "memory")) {
+    ending.pending =
+        ScriptMemory::changes(memory_, execution.path, number_of(message, "id").value_or(0), *from);
+  }
+  execution.completer(std::move(ending), std::move(outputs));
 }
 
 void ScriptWorker::handle_question(const Value& message) {
@@ -292,6 +299,7 @@ std::string ScriptWorker::end_text(const std::string& how) const {
 
 /// Aborts the remaining executions and releases their locks, whose keys only this side still has.
 void ScriptWorker::abort_all(const std::string& error) {
+  memory_->end();
   std::map<std::uint64_t, ScriptExecution> left;
   {
     const std::lock_guard guard(mutex_);

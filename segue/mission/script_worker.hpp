@@ -2,12 +2,14 @@
 #pragma once
 
 #include <segue/base/descriptor.hpp>
+#include <segue/mission/script_memory.hpp>
 #include <segue/mission/script_messages.hpp>
 #include <segue/mission/script_process.hpp>
 
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -74,6 +76,7 @@ class ScriptWorker {
   void enqueue_text(std::string_view text);
 
   const ScriptOptions options_;
+  const std::shared_ptr<ScriptMemory> memory_ = std::make_shared<ScriptMemory>();
   Descriptor wake_;
   std::atomic<bool> ended_{false};
 

@@ -252,7 +252,7 @@ class Worker:
     def __init__(self, channel):
         self._channel = channel
         self._scripts = Scripts()
-        self._memories = {}
+        self._memories = interface.Memories()
         self._states = {}
         self._paused = False
         self._lock = threading.Lock()
@@ -263,13 +263,13 @@ class Worker:
 
     def run(self):
         actions = {"execute": self._execute, "preempt": self._preempt, "pause": self._pause,
-                   "answer": self._channel.answer}
+                   "decide": self._memories.decide, "answer": self._channel.answer}
         for message in self._channel.messages():
             actions[message["do"]](message)
 
     def _execute(self, message):
         kind = interface.ScriptDecider if "branches" in message else interface.ScriptState
-        memory = self._memories.setdefault(message["path"], {})
+        memory = self._memories.of(message)
         with self._lock:
             state = kind(message, ScriptLogger(self._channel, message["path"]), memory, self._paused)
             self._states[message["id"]] = state
@@ -298,6 +298,8 @@ class Worker:
             for line in full_traceback(error).split("\n"):
                 self._channel.log("debug" if state.preempted else "error", message["path"], line)
             ending = {"error": describe(error, script_name(message))}
+        if state._memory.came_from is not None:
+            ending["memory"] = state._memory.came_from
         for output in self._outputs:
             output.end()
             output.begin("")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The interface of the Python scripts of missions: `self` and `gvm` of execute(self, inputs, outputs, gvm), and the
 conversion of values for the engine. script_worker.py executes the scripts."""
+import copy
 import itertools
 import math
 import threading
@@ -62,6 +63,72 @@ class Outcome:
     __repr__ = __str__
 
 
+class Memory:
+    """The persistent variables of a state, as one execution sees them."""
+
+    came_from = None  # the execution whose variables were copied; None: not copied
+
+    def __init__(self, values):
+        self._values = values
+
+    def values(self):
+        return self._values
+
+    def replace(self, values):
+        values = dict(values)
+        self.values().clear()
+        self.values().update(values)
+
+
+class MemoryCopy(Memory):
+    """Of an execution that may be discarded: a copy, from the first use on."""
+
+    def __init__(self, memories, message):
+        super().__init__(None)
+        self._memories = memories
+        self._message = message
+        self._lock = threading.Lock()
+
+    def values(self):
+        with self._lock:
+            if self._values is None:
+                self.came_from, self._values = self._memories.copy(self._message)
+            return self._values
+
+
+class Memories:
+    """The persistent variables of all states by path, with the number of the execution that has left them (0: none,
+    or one that counted at once). Variables of executions that may be discarded are kept aside."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._kept = {}
+        self._aside = {}
+
+    def of(self, message):
+        if message["discardable"]:
+            return MemoryCopy(self, message)
+        with self._lock:
+            return Memory(self._kept.setdefault(message["path"], (0, {}))[1])
+
+    def copy(self, message):
+        with self._lock:
+            came_from, values = self._kept.get(message["path"], (0, {}))
+        try:
+            values = copy.deepcopy(values)
+        except Exception as error:
+            raise RuntimeError(f"the persistent variables of a pure or sensing script must be copied: {error}") from error
+        with self._lock:
+            self._aside[message["id"]] = (message["path"], values)
+        return came_from, values
+
+    def decide(self, message):
+        with self._lock:
+            path, values = self._aside.pop(message["id"], (None, None))
+            if message["counts"] and path is not None:
+                self._kept[path] = (message["id"], values)
+
+
 class ScriptState:
     """`self` in execute()."""
 
@@ -69,7 +136,7 @@ class ScriptState:
         self.name = message["name"]
         self.state_id = message["state"]
         self.run_id = message["run"]
-        self.persistent_variables = memory
+        self._memory = memory
         self.logger = logger
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
         self.outcomes[-1] = Outcome(-1, "aborted")
@@ -80,6 +147,14 @@ class ScriptState:
         self._going_on = threading.Event()  # not paused, or preempted
         self._paused = False
         self._set_paused(paused)
+
+    @property
+    def persistent_variables(self):
+        return self._memory.values()
+
+    @persistent_variables.setter
+    def persistent_variables(self, values):
+        self._memory.replace(values)
 
     @property
     def preempted(self):

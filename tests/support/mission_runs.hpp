@@ -29,11 +29,12 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
 
 /// Ends as its state and inputs determine, with any outcome, an abort, an exception or an invalid result,
 /// after up to four seconds. If shared, it also reads and writes a global variable for each resource that it
-/// holds exclusively, or a common one if it may touch anything, so that its result depends on the order of
-/// execution.
+/// holds exclusively, or common ones if it may touch anything, so that its result depends on the order of
+/// execution. If it remembers, which it may do whatever it declares, it uses the variable that its input
+/// names in various ways.
 class Answers final : public mission::ActionRunner {
  public:
-  enum class Kind : std::uint8_t { Mix, Shared, Later };
+  enum class Kind : std::uint8_t { Mix, Shared, Later, Remember };
   using AtStart = std::function<void(const mission::ActionCall&)>;
   explicit Answers(Kind kind, AtStart at_start = {}) : kind_(kind), at_start_(std::move(at_start)) {}
 
@@ -66,18 +67,49 @@ class Answers final : public mission::ActionRunner {
     std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
     const type::Value& error = call.input("error");
     if (error.is_string()) number = digest(error.as_string(), number);
+    if (kind_ == Kind::Remember) return remember(call, number);
     if (kind_ != Kind::Shared) return number;
     for (const std::string& name : own(call.action())) {
       const auto before = call.globals().get(name);
-      number = digest(name, number ^ (before ? static_cast<std::uint64_t>(before->as_int()) : 0));
+      number = digest(name, number ^ integer(before));
       (void)call.globals().set(name, type::Value(static_cast<std::int64_t>(number >> 2)));
+    }
+    return number;
+  }
+
+  static std::uint64_t integer(const std::optional<type::Value>& value) {
+    return value && value->is_integer() ? static_cast<std::uint64_t>(value->as_int()) : 0;
+  }
+
+  /// Reads the variable, all variables or none; writes it, erases it, locks it or leaves it as it is.
+  static std::uint64_t remember(mission::ActionCall& call, std::uint64_t number) {
+    const type::Value& named = call.input("variable");
+    const std::string name = named.is_string() ? named.as_string() : "p0";
+    mission::Globals& globals = call.globals();
+    const std::uint64_t way = number >> 44;
+    if (way % 4 != 0) number = digest(name, number ^ integer(globals.get(name)));
+    if (way % 16 == 1) {
+      const type::Value all = globals.snapshot();
+      for (const std::string_view each : {"p0", "p1"}) {
+        const type::Value* value = all.find(each);
+        number = digest(each, number ^ (value == nullptr ? 1 : integer(*value)));
+      }
+    }
+    if (way % 3 != 0) (void)globals.set(name, type::Value(static_cast<std::int64_t>(number >> 2)));
+    if (way % 32 == 7) (void)globals.erase(name);
+    if (way % 8 == 3) {
+      if (const auto key = globals.lock(name, Duration::zero())) {
+        (void)globals.set(name, type::Value(static_cast<std::int64_t>(number >> 3)), *key);
+        (void)globals.unlock(name, *key);
+      }
     }
     return number;
   }
 
   /// The resources that it holds exclusively while it runs, in program order.
   static std::vector<std::string> own(const mission::Action& action) {
-    if (action.resources.empty() && action.effects.empty() && action.preconditions.empty()) return {"all"};
+    if (action.resources.empty() && action.effects.empty() && action.preconditions.empty())
+      return {"all", "p0", "p1"};
     for (const mission::ResourceUse& use : action.resources) {
       if (use.operation == mission::ResourceOperation::Block && use.resource == "r0") return {"r0"};
     }
@@ -92,6 +124,7 @@ inline mission::Runners answering(const Answers::AtStart& at_start = {}) {
   mission::Runners runners;
   runners.add("mix", std::make_shared<Answers>(Answers::Kind::Mix, at_start));
   runners.add("shared", std::make_shared<Answers>(Answers::Kind::Shared, at_start));
+  runners.add("remember", std::make_shared<Answers>(Answers::Kind::Remember, at_start));
   runners.add("later", std::make_shared<Answers>(Answers::Kind::Later, at_start));
   return runners;
 }
@@ -127,7 +160,8 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
   return ran;
 }
 
-/// A concurrent run in virtual time, with its final state. It is stopped once `stop_at` callbacks have begun.
+/// A concurrent run in virtual time, with its final state. It is stopped once `stop_at` callbacks have begun,
+/// and where a planted fault makes a loop endless.
 class ConcurrentRun {
  public:
   ConcurrentRun(const std::shared_ptr<const mission::Program>& program, RunOptions options,
@@ -138,6 +172,9 @@ class ConcurrentRun {
       if (++begun_ != stop_at) return;
       stopped_in_ = call.path();
       run_->stop();
+    };
+    options.observe = [this, actions = 0](const mission::ActionEvent&) mutable {
+      if (++actions > kTooManyEvents) run_->stop();
     };
     run_ = Run::create(program, answering(at_start), {}, options).value();
     ran.result = run_->run();
@@ -192,6 +229,8 @@ class ConcurrentRun {
   Ran ran;
 
  private:
+  static constexpr int kTooManyEvents = 3'000;
+
   std::unique_ptr<Run> run_;
   std::uint64_t begun_ = 0;
   std::optional<std::string> stopped_in_;

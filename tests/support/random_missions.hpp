@@ -15,7 +15,8 @@ namespace segue::convert {
 /// A mission file generated from a seed: branches, loops, hierarchies within hierarchies, barriers and
 /// preemptive containers, libraries, aborts, preemptions and their handlers, data flows and variables, facts,
 /// and all operations on resources. Callbacks: `mix`; `shared`, which may use what the action declares to
-/// touch, or anything if it declares nothing; and `later`, which another thread ends.
+/// touch, or anything if it declares nothing; `remember`, of pure and sensing actions, which uses the global
+/// variable that an input names; and `later`, which another thread ends.
 class RandomMission {
  public:
   explicit RandomMission(std::uint64_t seed) : random_(seed) {}
@@ -68,32 +69,39 @@ class RandomMission {
   }
 
   /// Loop conditions are simulated, so that loops end.
-  std::string runs(bool back, bool shared) {
+  std::string runs(bool back, bool shared, bool remembers) {
     if (back) {
       const std::string first = chance(30) ? "no, no" : chance(30) ? "no, ok, no" : "no";
       return fmt::format("{{simulated: {{duration: {}s, outcomes: [{}, ok], outputs: {{y: {}}}}}}}", under(4),
                          first, under(9));
     }
+    if (remembers) return "{callback: remember}";
     return chance(10) ? "{callback: later}" : shared ? "{callback: shared}" : "{callback: mix}";
   }
 
   std::string action(bool back, bool two, const Where& where) {
     const std::string name = fmt::format("a{}", count_++);
     std::string text = fmt::format("  {}:\n    inputs: {{x: {{type: int, default: {}}}", name, under(9));
+    const bool pure = chance(45);
+    const bool sensing = !pure && chance(10);
+    // Changing a variable of another branch would be a race.
+    const bool remembers = (pure || sensing) && !back && chance(40);
+    if (remembers) {
+      text += fmt::format(", variable: {{type: text, default: {}}}",
+                          where.is_concurrent() ? where.fact : fmt::format("p{}", under(2)));
+    }
     text += chance(30) ? ", error: {type: text, default: none}}\n" : "}\n";
     text += "    outputs: {y: {type: int, default: 0}}\n";
     text += two ? "    outcomes: [ok, no]\n" : "    outcomes: [ok]\n";
-    const bool pure = chance(45);
     if (pure) text += "    pure: true\n";
-    const bool sensing = !pure && chance(10);
     if (sensing) text += "    sensing: true\n";
     const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
     if (!opaque && (!pure || chance(60))) text += facts(where);
-    if (!opaque) text += resources(pure);
+    if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
     if (chance(60))
       text += fmt::format("    expect: {{duration: {}s, outcome: {}}}\n", under(12),
                           two && chance(40) ? "no" : "ok");
-    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent()));
+    text += fmt::format("    run: {}\n", runs(back, !pure && !sensing && !where.is_concurrent(), remembers));
     actions_ += text;
     return name;
   }

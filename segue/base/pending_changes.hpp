@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+
+namespace segue {
+
+/// What a run of an action has read and changed beside its outputs while it was not certain to count. The
+/// changes are kept aside until the run counts; without apply() they are dropped on destruction. For one
+/// thread; no function blocks.
+class PendingChanges {
+ public:
+  PendingChanges() = default;
+  virtual ~PendingChanges() = default;
+  PendingChanges(const PendingChanges&) = delete;
+  PendingChanges& operator=(const PendingChanges&) = delete;
+
+  /// Nothing was read or changed, so the run may count at any time.
+  [[nodiscard]] virtual bool empty() const = 0;
+  /// Whether a run that begins now, when all actions before it have ended, would read the same.
+  [[nodiscard]] virtual bool valid() const = 0;
+  /// Makes the changes. InvalidState, without any change, if an action that comes later has already used
+  /// what they change.
+  virtual Result<void> apply() = 0;
+};
+
+}  // namespace segue

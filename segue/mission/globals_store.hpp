@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/globals.hpp>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+
+namespace segue::mission {
+
+struct Globals::Content {
+  type::Value value;
+  std::string type = "any";
+};
+
+/// Cheap to copy. Without content the variable does not exist.
+struct Globals::Variable {
+  std::shared_ptr<const Content> content;
+  Key holder = 0;  ///< of the lock; 0: nobody
+};
+
+/// What a variable was after the write of an action.
+struct Globals::Version {
+  std::uint64_t position = 0;
+  std::shared_ptr<const ParallelBranch> branch;
+  std::uint64_t number = 0;  ///< counts all writes of the run
+  Variable variable;
+};
+
+/// `versions` begins with the first write by a handle that has a place; the first one of them is what the
+/// variable was before. `users` are the actions that have used it at once.
+struct Globals::Entry {
+  Variable now;
+  std::vector<Version> versions{};
+  std::vector<Place> users{};
+
+  /// The last version by an action before `position`; null if there are no versions.
+  [[nodiscard]] const Version* before(std::uint64_t position) const;
+  /// What an action at `place` sees: also what actions in parallel branches have written since.
+  [[nodiscard]] Variable seen_from(const Place& place) const;
+  /// Drops versions and users that no action from `position` on asks for.
+  void settle_before(std::uint64_t position);
+};
+
+/// The mutex guards everything, also the views.
+struct Globals::Variables {
+  std::mutex mutex;
+  std::condition_variable unlocked;
+  std::map<std::string, Entry, std::less<>> by_name;
+  Key last_key = 0;
+  std::uint64_t last_number = 0;
+  std::uint64_t settled = 0;
+
+  void write(Entry& entry, const Place* place, Variable variable);
+};
+
+/// How one execution uses the variables.
+struct Globals::View {
+  struct Use {
+    std::uint64_t version = 0;  ///< the last one by an action before it
+    Key holder = 0;             ///< that it has seen
+    Variable own{};
+    bool changed = false;
+  };
+  Place place;
+  bool kept_aside = false;
+  bool closed = false;
+  bool all = false;  ///< it has asked which variables there are
+  std::map<std::string, Use, std::less<>> uses{};
+
+  Use& use(const Variables& variables, std::string_view name);
+};
+
+}  // namespace segue::mission

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/pending_changes.hpp>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace segue::mission::detail {
+
+/// Whose persistent variables a Python process has kept, by state. The process itself has the values; it is
+/// told of each decision before its next execution. Thread safe; nothing blocks.
+class ScriptMemory {
+ public:
+  /// What an execution keeps aside that began with the variables of the execution `from` (0: none).
+  static std::shared_ptr<PendingChanges> changes(std::shared_ptr<ScriptMemory> memory, std::string path,
+                                                 std::uint64_t execution, std::uint64_t from);
+  /// The executions whose variables count, and those whose variables do not, since the last call.
+  std::vector<std::pair<std::uint64_t, bool>> take_decisions();
+  /// The process has ended, and with it all variables.
+  void end();
+
+ private:
+  class Changes;
+
+  std::mutex mutex_;  ///< guards all
+  std::map<std::string, std::uint64_t> last_;
+  std::vector<std::pair<std::uint64_t, bool>> decisions_;
+  bool ended_ = false;
+};
+
+}  // namespace segue::mission::detail
