@@ -265,7 +265,7 @@ std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
 
 std::vector<Value> ActionEnvironment::default_outputs(NodeId node, const mission::Globals& variables) const {
   std::vector<Value> outputs;
-  for (const mission::PortSource& output : plan_.program().node(plan_[node].state).outputs) {
+  for (const mission::PortSource& output : plan_.program().node(plan_[node].shown_as).outputs) {
     auto global = output.global.empty() ? std::nullopt : variables.get(output.global);
     outputs.push_back(global ? std::move(*global) : output.fallback);
   }
@@ -393,6 +393,7 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context) const {
   const Value error = value(context, planned.error_before);
   const auto texts = context.world().texts(plan_.network().facts);
   return {planned.state,
+          planned.shown_as,
           parent,
           inputs(context),
           error.is_string() ? error.as_string() : "",

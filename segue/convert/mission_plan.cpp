@@ -105,6 +105,17 @@ std::vector<Value> MissionPlan::final_outputs() {
   return values;
 }
 
+std::string MissionPlan::final_error() {
+  if (!finished()) return {};
+  for (const Exit& exit : unroller_->end().exits) {
+    const auto live = unroller_->paths().live(exit.arrival.when);
+    if (exit.outcome != mission::kAborted || !live || !live->always()) continue;
+    const auto error = unroller_->value_of({exit.arrival.errors, {}});
+    if (error && error->is_string()) return error->as_string();
+  }
+  return {};
+}
+
 std::unique_ptr<MissionPlan> MissionPlan::from_the_beginning() const {
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(program_));
   plan->network_.name = network_.name;

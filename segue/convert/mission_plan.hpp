@@ -49,8 +49,10 @@ struct BranchSource {
 struct PlannedNode {
   Role role = Role::Action;
   mission::StateIndex state = mission::kNoState;
-  std::uint32_t iteration = 0;      ///< how many nodes before it are of the same state
-  std::string_view path;            ///< in TaskNetwork::names; empty: the mission itself, or no state
+  mission::StateIndex shown_as =
+      mission::kNoState;        ///< whose output defaults count: the outermost library that it is the root of
+  std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
+  std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
   std::vector<ValueSource> inputs;  ///< by port; of a Copy or Global: one, the forwarded value
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
@@ -113,6 +115,8 @@ class MissionPlan final : public cdtn::Expansion {
   /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);
   [[nodiscard]] std::vector<type::Value> final_outputs();
+  /// Why the mission aborted by a transition; empty if it did not.
+  [[nodiscard]] std::string final_error();
   /// The same mission with the same inputs, of which nothing is planned yet. It goes on after every abort and
   /// preemption, too, up to the end of the mission, so it is for replays only.
   [[nodiscard]] std::unique_ptr<MissionPlan> from_the_beginning() const;

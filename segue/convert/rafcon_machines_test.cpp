@@ -40,11 +40,12 @@ enum class How { AsWritten, Concurrently };
 
 class RafconMachine : public ::testing::TestWithParam<How> {
  protected:
-  Ran run(const std::string& name) {
+  Ran run(const std::string& name, const Value& input = {}) {
     Diagnostics diagnostics;
     auto imported = mission::import_rafcon(kMachines / name, {{"own", kMachines / "libraries"}}, diagnostics);
     EXPECT_TRUE(imported) << to_string(diagnostics);
     if (!imported) return {};
+    if (!input.is_null()) imported->mission.states.front().inputs.front().value = input;
     Ran ran;
     ran.program = mission::Program::compile(std::move(imported->mission)).value();
     mission::Runners runners;
@@ -92,6 +93,19 @@ TEST_P(RafconMachine, preemptsWhoeverIsSlowerAndHandlesThat) {
   EXPECT_EQ(ran.output("who"), "\"quick\"");
   EXPECT_EQ(ran.output("handled"), "true");
   EXPECT_EQ(type::to_json(ran.globals, -1), R"({"handled":true})");
+}
+
+TEST_P(RafconMachine, runsAsFarAsItIsFinished) {
+  const Ran ran = run("unfinished");
+  EXPECT_EQ(ran.result.outcome_name, "success") << ran.result.error;
+  EXPECT_EQ(ran.output("told"), "\"good\"");
+}
+
+TEST_P(RafconMachine, abortsWhereAnOutcomeWithoutTransitionIsReached) {
+  const Ran ran = run("unfinished", "bad");
+  EXPECT_EQ(ran.result.outcome, mission::kAborted);
+  EXPECT_EQ(ran.result.error, "state 'asks' ended with 'bad', whose transition aborts");
+  EXPECT_EQ(ran.output("told"), "\"bad\"");
 }
 
 TEST_P(RafconMachine, givesUpWithTheErrorOfAnAbortThatNobodyHandles) {

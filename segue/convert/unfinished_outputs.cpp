@@ -63,7 +63,7 @@ class Replay {
       return again_->ended(node, cdtn::kSuccess, &(given_ = Value(std::move(outputs))));
     const mission::CompiledState& state = plan_.program().node(planned.state);
     for (std::size_t i = 0; i < state.outputs.size(); ++i) {
-      const mission::PortSource& output = state.outputs[i];
+      const mission::PortSource& output = plan_.program().node(planned.shown_as).outputs[i];
       auto global = output.global.empty() ? std::nullopt : globals_.get(output.global);
       outputs.append((*state.output_ports)[i].name, global ? std::move(*global) : output.fallback);
     }

@@ -253,6 +253,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   track.frames.push_back({activation, 0, {}, {}});
   if (container.kind == StateKind::Library) {
     StateEntry inside = activation->entry;
+    inside.library = shown_as(inside);
     inside.state = container.library;
     return enter(track, std::move(inside));
   }
@@ -270,10 +271,13 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   if (container.kind == StateKind::Hierarchy) {
     activation->arrivals.resize(container.children.size());
     activation->order = order_of(state);
-    if (container.start.kind == NextStep::Kind::Child)
+    if (container.start.kind == NextStep::Kind::Child) {
       activation->arrivals[container.start.child].push_back({when, false, {}});
-    else
-      activation->exits.push_back({container.start.outcome, {when, false, {}}});
+      return;
+    }
+    activation->exits.push_back({container.start.outcome, {when, false, {}}});
+    if (container.start.outcome == kAborted)
+      activation->exits.back().arrival.errors = constant(plan_.program().start_abort_text(state), when);
     return;
   }
   enter_branches(track, *activation);
@@ -310,7 +314,13 @@ void Unroller::leave(Track& track) {
   end.exits = activation->exits;
   for (const mission::PortSource& output : node(state).outputs) {
     Symbol value = activation->slots.read(output.slots, activation->entry.when, paths_);
-    if (!value.rest) value.rest = with({}, fallback(output, activation->entry.when));
+    const mission::PortSource& shown = node(shown_as(activation->entry)).outputs[end.outputs.size()];
+    if (!planted(ConversionFault::ForgetsOuterDefaults)) {
+      const Default none = fallback(shown, activation->entry.when);
+      for (Candidate& candidate : value.candidates)
+        candidate.defaults = with(candidate.defaults, none);
+      value.rest = with(value.rest, none);
+    }
     end.outputs.push_back(std::move(value));
   }
   if (const auto port = mission::position(*node(state).output_ports, "error")) {
@@ -332,14 +342,7 @@ void Unroller::finish(Track& track, StateIndex state, StateEnd end) {
   const mission::CompiledState& around = node(frame.activation->entry.state);
   if (around.kind == StateKind::Hierarchy) return finish_in_hierarchy(frame, state, std::move(end));
   if (around.kind != StateKind::Library) return finish_decider(track, state, std::move(end));
-  const StateEntry& entry = frame.activation->entry;
-  for (std::size_t i = 0; i < end.outputs.size() && !planted(ConversionFault::ForgetsOuterDefaults); ++i) {
-    const Default fallback_value = fallback(around.outputs[i], entry.when);
-    for (Candidate& candidate : end.outputs[i].candidates)
-      candidate.defaults = with(candidate.defaults, fallback_value);
-    end.outputs[i].rest = with(end.outputs[i].rest, fallback_value);
-  }
-  const StateIndex library = entry.state;
+  const StateIndex library = frame.activation->entry.state;
   track.frames.pop_back();
   finish(track, library, std::move(end));
 }
@@ -364,10 +367,27 @@ void Unroller::finish_in_hierarchy(Frame& frame, StateIndex state, StateEnd end)
     if (step.kind == NextStep::Kind::Child) {
       activation.arrivals[step.child].push_back(std::move(exit.arrival));
     } else {
+      exit.arrival.errors = errors_of(state, exit, step);
       const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
       activation.exits.push_back({outcome, std::move(exit.arrival)});
     }
   }
+}
+
+/// The errors with which a container is left: those of its state or, where an outcome of that state leads to
+/// an abort, one that says so.
+std::vector<Candidate> Unroller::errors_of(StateIndex child, Exit& exit, const NextStep& step) {
+  const bool aborts = step.kind == NextStep::Kind::Leave && step.outcome == kAborted;
+  if (exit.outcome < 0 || !aborts) return std::move(exit.arrival.errors);
+  return constant(plan_.program().abort_text(child, exit.outcome), exit.arrival.when);
+}
+
+std::vector<Candidate> Unroller::constant(std::string text, BranchEdge when) {
+  Symbol value;
+  Default known;
+  known.value = type::Value(std::move(text));
+  value.rest = with({}, std::move(known));
+  return copied(std::move(value), when).candidates;
 }
 
 bool Unroller::step_barrier(Track& track) {
@@ -420,6 +440,7 @@ void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
   take_outputs(activation, state, activation.entry.when, end.outputs);
   for (Exit& exit : end.exits) {
     const NextStep& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
+    exit.arrival.errors = errors_of(state, exit, step);
     const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
     activation.exits.push_back({outcome, std::move(exit.arrival)});
   }

@@ -33,12 +33,18 @@ struct StateEnd {
 /// The data with which a state is entered.
 struct StateEntry {
   mission::StateIndex state = mission::kNoState;
+  mission::StateIndex library = mission::kNoState;  ///< the outermost that it is the root of
   BranchEdge when;
   std::string path;
   bool aborts_handled = false;  ///< an enclosing state handles its abort
   std::vector<Symbol> inputs;
   std::vector<Candidate> errors;
 };
+
+/// The state whose defaults of outputs count.
+inline mission::StateIndex shown_as(const StateEntry& entry) {
+  return entry.library == mission::kNoState ? entry.state : entry.library;
+}
 
 /// One execution of a container in the plan.
 struct ContainerExecution {
@@ -125,6 +131,8 @@ class Unroller {
   void leave(Track& track);
   void finish(Track& track, mission::StateIndex state, StateEnd end);
   void finish_in_hierarchy(Frame& frame, mission::StateIndex state, StateEnd end);
+  std::vector<Candidate> errors_of(mission::StateIndex child, Exit& exit, const mission::NextStep& step);
+  std::vector<Candidate> constant(std::string text, BranchEdge when);
   void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
   void join_barrier(Track& track);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;

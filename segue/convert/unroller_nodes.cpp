@@ -446,6 +446,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   PlannedNode planned;
   planned.path = entry.path;
   planned.state = entry.state;
+  planned.shown_as = shown_as(entry);
   spec.kind = what.action_class();
   spec.duration = expected_duration(what);
   spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
@@ -481,6 +482,7 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
   planned.role = Role::OpaqueSubtree;
   planned.path = entry.path;
   planned.state = entry.state;
+  planned.shown_as = shown_as(entry);
   spec.opaque_subtree = true;
   spec.opaque = true;
   spec.reads_world = true;

@@ -4,6 +4,7 @@
 #include <segue/mission/index.hpp>
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace segue::mission {
 
@@ -124,9 +125,13 @@ void Runners::simulate_all() {
 Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission& mission) const {
   std::vector<std::shared_ptr<ActionRunner>> result;
   result.reserve(mission.actions.size());
+  std::unordered_set<const ActionRunner*> checked;
   for (const Action& action : mission.actions) {
     auto runner = runner_of(action);
     if (!runner) return runner.error();
+    if (checked.insert(runner->get()).second) {
+      if (auto usable = (*runner)->check(); !usable) return usable.error();
+    }
     result.push_back(std::move(*runner));
   }
   return result;

@@ -99,6 +99,8 @@ class ActionCall {
 class ActionRunner {
  public:
   virtual ~ActionRunner() = default;
+  /// Whether it has what every execution needs. Called before a run; NotFound refuses that run.
+  [[nodiscard]] virtual Result<void> check() const { return {}; }
   /// Begins an execution. Either returns its ending, or arranges for it by ActionCall::defer or
   /// ActionCall::end_after and returns nothing. Called on the engine's thread; must not block.
   virtual std::optional<Ending> start(ActionCall& call) = 0;
@@ -121,7 +123,8 @@ class Runners {
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
 
-  /// The runner of each action of the mission; NotFound if an action has none.
+  /// The runner of each action of the mission; NotFound if an action has none, or one that lacks what it
+  /// needs.
   [[nodiscard]] Result<std::vector<std::shared_ptr<ActionRunner>>> assign(const Mission& mission) const;
 
  private:

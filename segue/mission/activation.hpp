@@ -59,6 +59,8 @@ struct Activation {
   World::Changes changed{};         ///< leaves: the changes this made
   std::vector<type::Value> inputs;
   std::vector<type::Value> outputs;
+  StateIndex shown_as =
+      kNoState;  ///< whose output defaults count: the outermost library that this is the root of
   std::function<void()> preempt;  ///< leaves that a completer will end
   Ending timed;                   ///< how it ends when its timer expires
 

@@ -31,7 +31,8 @@ using Iterations = std::vector<std::atomic<std::uint32_t>>;
 /// One state of a mission with everything in it, which an engine runs on its own.
 struct MissionPart {
   StateIndex state = 0;
-  std::string path;  ///< of the parent state; "" if that is the mission
+  StateIndex shown_as = 0;  ///< the outermost library that it is the root of; else the state itself
+  std::string path;         ///< of the parent state; "" if that is the mission
   std::vector<type::Value> inputs;
   std::string error_before;  ///< with which the preceding state aborted
   Globals globals;           ///< shared with the creator

@@ -31,6 +31,7 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
 void EngineCore::begin() {
   if (options.part) {
     root_ = make(options.part->state, nullptr);
+    root_->shown_as = options.part->shown_as;
     root_->inputs = options.part->inputs;
     root_->error_before = options.part->error_before;
   } else {

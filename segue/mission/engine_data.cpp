@@ -16,6 +16,7 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   free_.pop_back();
   activation.state = state;
   activation.parent = parent;
+  activation.shown_as = state;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
   activation.refused = activation.replayed = false;
@@ -118,7 +119,9 @@ void EngineCore::give_outputs(Activation& container) {
   container.outputs.clear();
   for (const PortSource& output : node.outputs) {
     const Slot* slot = newest(output, container);
-    container.outputs.push_back(slot == nullptr ? fallback(output) : slot->value);
+    const bool given = slot != nullptr && !slot->value.is_null();
+    const PortSource& shown = program->node(container.shown_as).outputs[container.outputs.size()];
+    container.outputs.push_back(given ? slot->value : fallback(shown));
   }
 }
 

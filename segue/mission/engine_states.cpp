@@ -9,6 +9,14 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
+namespace {
+
+bool aborts(const NextStep& step) {
+  return step.kind == NextStep::Kind::Leave && step.outcome == kAborted;
+}
+
+}  // namespace
+
 /// The execution of a leaf as its runner sees it.
 class EngineCore::LeafCall final : public ActionCall {
  public:
@@ -77,6 +85,7 @@ Activation* EngineCore::enter(Activation& activation) {
 /// The start of the hierarchy, or the child on the path at which the mission was told to start.
 void EngineCore::first_step(Activation& hierarchy) {
   hierarchy.pending = program->node(hierarchy.state).start;
+  if (aborts(hierarchy.pending)) hierarchy.error = program->start_abort_text(hierarchy.state);
   if (start_path.empty()) return;
   const CompiledState& wanted = program->node(start_path.back());
   if (wanted.parent != hierarchy.state) return;
@@ -85,7 +94,7 @@ void EngineCore::first_step(Activation& hierarchy) {
 }
 
 Activation* EngineCore::enter_leaf(Activation& leaf) {
-  for (const PortSource& output : program->node(leaf.state).outputs)
+  for (const PortSource& output : program->node(leaf.shown_as).outputs)
     leaf.outputs.push_back(fallback(output));
   if (leaf.preempted) return leave(leaf, kPreempted);
   if (touches_[program->node(leaf.state).action] && !check_preconditions(leaf)) return leave(leaf, kAborted);
@@ -165,6 +174,7 @@ void EngineCore::check(Activation& leaf, const Ending& ending) {
 
 Activation* EngineCore::enter_library(Activation& library) {
   Activation* root = make(program->node(library.state).library, &library);
+  root->shown_as = library.shown_as;
   root->inputs = std::move(library.inputs);
   root->error_before = library.error_before;
   root->preempted = library.preempted;
@@ -237,9 +247,6 @@ Activation* EngineCore::finish(Activation& activation) {
   if (outer.kind == StateKind::Hierarchy) return child_of_hierarchy(*around, activation);
   if (outer.kind != StateKind::Library) return child_of_concurrency(*around, activation);
   around->outputs = std::move(activation.outputs);
-  for (std::size_t i = 0; i < around->outputs.size(); ++i) {
-    if (around->outputs[i].is_null()) around->outputs[i] = fallback(outer.outputs[i]);
-  }
   around->outcome = activation.outcome;
   around->error = activation.error;
   if (!options.backward) {
@@ -252,6 +259,7 @@ Activation* EngineCore::finish(Activation& activation) {
 
 Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& child) {
   const Outcome outcome = child.outcome;
+  const StateIndex child_state = child.state;
   replaced_.clear();
   take_outputs(hierarchy, child);
   hierarchy.pending = program->node(child.state).next[static_cast<std::size_t>(outcome + 2)];
@@ -265,6 +273,7 @@ Activation* EngineCore::child_of_hierarchy(Activation& hierarchy, Activation& ch
   }
   hierarchy.last = outcome;
   hierarchy.error = std::move(error);
+  if (outcome >= 0 && aborts(hierarchy.pending)) hierarchy.error = program->abort_text(child_state, outcome);
   // An unhandled abort or preemption propagates to the parent. Other outcomes always have a transition, since
   // the mission is valid.
   if (hierarchy.pending.kind == NextStep::Kind::Nowhere)
@@ -308,6 +317,7 @@ Activation* EngineCore::follow(Activation& concurrency, const Activation& child)
   if (program->node(child.state).kind == StateKind::Decider) take_outputs(concurrency, child);
   const NextStep step = program->node(child.state).next[static_cast<std::size_t>(child.outcome + 2)];
   if (child.outcome == kAborted) concurrency.error = child.error.empty() ? "state aborted" : child.error;
+  if (child.outcome >= 0 && aborts(step)) concurrency.error = program->abort_text(child.state, child.outcome);
   const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : child.outcome;
   return leave(concurrency, outcome);
 }

@@ -169,6 +169,15 @@ std::string Program::outcome_name(StateIndex state, Outcome outcome) const {
   return (*nodes_[state].outcomes)[static_cast<std::size_t>(outcome)];
 }
 
+std::string Program::abort_text(StateIndex child, Outcome outcome) const {
+  return "state " + quote(state(child).id.str()) + " ended with " + quote(outcome_name(child, outcome)) +
+         ", whose transition aborts";
+}
+
+std::string Program::start_abort_text(StateIndex container) const {
+  return "state " + quote(state(container).id.str()) + " aborts where it starts";
+}
+
 Result<std::size_t> Program::input_for(std::string_view name, const type::Value& value) const {
   const auto& ports = *nodes_[0].input_ports;
   const auto found = position(ports, name);

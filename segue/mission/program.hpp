@@ -75,6 +75,11 @@ class Program {
   [[nodiscard]] const CompiledState& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
   [[nodiscard]] std::string outcome_name(StateIndex state, Outcome outcome) const;
+  /// The error of a container that aborts because its state ended with an outcome of its own that leads
+  /// there.
+  [[nodiscard]] std::string abort_text(StateIndex child, Outcome outcome) const;
+  /// Likewise, where its start leads there.
+  [[nodiscard]] std::string start_abort_text(StateIndex container) const;
   /// The position of the mission's input of that name. NotFound; TypeMismatch where it does not take `value`.
   [[nodiscard]] Result<std::size_t> input_for(std::string_view name, const type::Value& value) const;
 

@@ -59,6 +59,7 @@ class Converter {
     }
     RafconImport result{{}, count(*files_.root)};
     if (diagnostics_.error_count() > errors_before) return std::nullopt;
+    widen_types(mission_, diagnostics_);
     result.mission = std::move(mission_);
     return result;
   }
@@ -205,8 +206,31 @@ class Converter {
     }
     for (const RafconLink& transition : raw.transitions)
       add_transition(raw, index, transition, children);
+    for (const auto& child : raw.children) {
+      if (raw.kind != StateKind::Barrier || child->kind == StateKind::Decider)
+        end_unconnected(raw, *child, children.at(child->id).index);
+    }
+    if (raw.kind == StateKind::Hierarchy && !mission_.states[index].start) {
+      mission_.states[index].start = Target{StateId(), std::string(kAbortedName)};
+      diagnostics_.warning("missing-start", quote(raw.name) + " has no start: it aborts if it is reached",
+                           raw.where);
+    }
     for (const RafconLink& flow : raw.flows)
       add_flow(raw, index, flow, children);
+  }
+
+  /// An outcome without a transition, at which RAFCON waits until somebody draws one, aborts.
+  void end_unconnected(const RafconState& around, const RafconState& raw, StateIndex index) {
+    for (const auto& [id, name] : names(raw).outcomes) {
+      auto& transitions = mission_.states[index].transitions;
+      if (id < 0 || std::ranges::find(transitions, name, &StateTransition::outcome) != transitions.end())
+        continue;
+      transitions.push_back({name, Target{StateId(), std::string(kAbortedName)}, raw.where});
+      diagnostics_.warning("unconnected-outcome",
+                           "the outcome " + quote(name) + " of " + quote(raw.name) +
+                               " has no transition: " + quote(around.name) + " aborts if it is reached",
+                           raw.where);
+    }
   }
 
   std::optional<Target> target(const RafconState& raw, const RafconLink& link, const Children& children) {

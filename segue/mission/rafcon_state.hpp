@@ -59,6 +59,10 @@ struct RafconFiles {
   std::map<std::string, std::unique_ptr<RafconState>> libraries;
 };
 
+/// Lets ports take any value whose values and data flows do not have the declared type, as RAFCON does, and
+/// warns.
+void widen_types(Mission& mission, Diagnostics& diagnostics);
+
 /// Nothing if there are errors.
 std::optional<RafconImport> convert(const RafconFiles& files, Diagnostics& diagnostics);
 

@@ -15,6 +15,7 @@ namespace segue::mission {
 namespace {
 
 using std::filesystem::path;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const path kOurs = SEGUE_SOURCE_DIR "/tests/rafcon";
@@ -137,6 +138,19 @@ TEST_F(OwnMachine, withGapsInItsOutcomesSaysWhatThatMeansForTheScript) {
   ASSERT_TRUE(machine) << to_string(diagnostics_);
   EXPECT_THAT(to_string(diagnostics_), HasSubstr("its script must return them by name [outcome-numbers]"));
   EXPECT_EQ(machine->mission.actions.front().outcomes, (std::vector<std::string>{"gone", "there"}));
+}
+
+TEST_F(OwnMachine, withUnconnectedOutcomesAndWrongTypesRunsAndSaysSo) {
+  const auto machine = import("unfinished");
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  EXPECT_THAT(
+      to_string(diagnostics_),
+      AllOf(HasSubstr("warning: the outcome 'bad' of 'asks' has no transition: 'unfinished' aborts if it is "
+                      "reached [unconnected-outcome]"),
+            HasSubstr("warning: 'way' of 'asks' is of type int, but gets values of other types: it takes any "
+                      "value [type-mismatch]")));
+  EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
+  EXPECT_EQ(machine->mission.actions.front().inputs.front().type, "any");
 }
 
 TEST_F(OwnMachine, withAMissingLibraryIsRefused) {

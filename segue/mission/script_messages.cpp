@@ -79,6 +79,44 @@ Value branches_of(const ActionCall& call) {
   return branches;
 }
 
+/// The states around that of the call, the outermost first. Libraries appear as in RAFCON: the state that
+/// stands for one, then the root of its machine.
+Value parents_of(const ActionCall& call) {
+  const Program& program = call.program();
+  const std::string path = call.path();
+  Value::List parents;
+  StateIndex here = 0;
+  std::size_t end = 0;
+  const auto add = [&] {
+    parents.push_back(Value::map({{"name", name_of(program, here)},
+                                  {"state", program.mission().script_id(here)},
+                                  {"path", path.substr(0, end == 0 ? 0 : end - 1)}}));
+  };
+  while (here != call.state()) {
+    add();
+    if (program.node(here).kind == StateKind::Library) {
+      here = program.node(here).library;
+      continue;
+    }
+    if (end >= path.size()) break;
+    const std::size_t next = std::min(path.find('/', end), path.size());
+    const std::string id = path.substr(end, next - end);
+    const auto& children = program.node(here).children;
+    const auto child =
+        std::ranges::find_if(children, [&](StateIndex each) { return program.state(each).id.str() == id; });
+    if (child == children.end()) break;
+    here = *child;
+    end = next + 1;
+  }
+  return parents;
+}
+
+std::string folder_of(const Mission& mission) {
+  Action of_the_mission;
+  of_the_mission.run = Script{};
+  return script_file(mission, of_the_mission).parent_path().string();
+}
+
 /// The script, and the folder from which it may import modules: its own, or that of the mission file.
 void add_script(ValueMap& message, const Action& action, const Mission& mission) {
   const auto& script = std::get<Script>(action.run);
@@ -174,6 +212,9 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));
+  message.append("parents", parents_of(call));
+  message.append("mission", program.mission().name);
+  message.append("mission_folder", folder_of(program.mission()));
   add_script(message, call.action(), program.mission());
   message.append("inputs", std::move(*inputs));
   message.append("outputs", outputs_of(call));

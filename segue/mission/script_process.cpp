@@ -2,6 +2,7 @@
 #include <segue/base/child_process.hpp>
 #include <segue/base/error.hpp>
 #include <segue/base/folders.hpp>
+#include <segue/base/text.hpp>
 #include <segue/mission/script_process.hpp>
 
 #include <fcntl.h>
@@ -124,6 +125,22 @@ void kill_descendants(pid_t root, const std::string& mark) {
   }
 }
 
+bool is_program(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored) && ::access(file.c_str(), X_OK) == 0;
+}
+
+/// A name without a slash is searched in PATH.
+bool is_found(const std::string& program) {
+  if (program.find('/') != std::string::npos) return is_program(program);
+  const char* given = std::getenv("PATH");
+  std::istringstream folders(given == nullptr ? "/bin:/usr/bin" : given);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (is_program(fs::path(folder.empty() ? "." : folder) / program)) return true;
+  }
+  return false;
+}
+
 Result<pid_t> start_python(const ScriptOptions& options, const fs::path& worker, const Descriptor& channel,
                            const Descriptor& output, const std::string& mark) {
   ChildProcess python(kChannel + 1);
@@ -142,6 +159,18 @@ Result<pid_t> start_python(const ScriptOptions& options, const fs::path& worker,
 }
 
 }  // namespace
+
+Result<void> check_python(const ScriptOptions& options) {
+  if (!is_found(options.python)) {
+    return fail(ErrorCode::NotFound, "cannot find the Python interpreter " + quote(options.python) +
+                                         "; install python3, or name another interpreter");
+  }
+  const auto worker = options.worker.empty() ? installed_worker() : Result<fs::path>(options.worker);
+  if (!worker) return worker.error();
+  std::error_code ignored;
+  if (fs::is_regular_file(*worker, ignored)) return {};
+  return fail(ErrorCode::NotFound, "the script worker " + quote(worker->string()) + " is missing");
+}
 
 Result<ScriptProcess> ScriptProcess::start(const ScriptOptions& options) {
   auto worker = options.worker.empty() ? installed_worker() : Result<fs::path>(options.worker);

@@ -15,6 +15,9 @@
 
 namespace segue::mission::detail {
 
+/// NotFound if the interpreter or the worker script is not there. Does not block; any thread.
+Result<void> check_python(const ScriptOptions& options);
+
 /// A child process that runs the worker script, in its own process group, which the destructor kills. For one
 /// thread, which must outlive the child: the kernel kills the child together with the thread that started it.
 class ScriptProcess {

@@ -94,6 +94,10 @@ class ScriptRunner::Impl {
 ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
 ScriptRunner::~ScriptRunner() = default;
 
+Result<void> ScriptRunner::check() const {
+  return detail::check_python(impl_->options());
+}
+
 std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   const auto [id, run] = impl_->next_run();
   const auto message = detail::execute_message(id, run, call);

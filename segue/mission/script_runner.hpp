@@ -42,6 +42,8 @@ class ScriptRunner final : public ActionRunner {
   ScriptRunner(const ScriptRunner&) = delete;
   ScriptRunner& operator=(const ScriptRunner&) = delete;
 
+  /// NotFound without the interpreter or the worker script.
+  [[nodiscard]] Result<void> check() const override;
   std::optional<Ending> start(ActionCall& call) override;
 
   /// Sets what scripts see, and can wait for, as `paused`. To be called by whoever pauses the engine.

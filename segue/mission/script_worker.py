@@ -240,6 +240,32 @@ def describe(error, script):
     return interface.clean(f"{place}: {lines[-1].strip()}")[:LONGEST_ERROR]
 
 
+class Errors:
+    """The last errors of scripts by their text, so that deciders get what was raised; None: an abort without an error."""
+
+    MOST = 1000
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._by_text = {}
+
+    def remember(self, text, error):
+        if error is not None:
+            error = error.with_traceback(None)  # whose frames would keep all variables
+            error.__cause__ = error.__context__ = None
+        with self._lock:
+            self._by_text.pop(text, None)
+            self._by_text[text] = error
+            if len(self._by_text) > self.MOST:
+                del self._by_text[next(iter(self._by_text))]
+        return text
+
+    def find(self, text):
+        """What is not known here, of an action in C++ or of a process that has ended, is a RuntimeError."""
+        with self._lock:
+            return self._by_text[text] if text in self._by_text else RuntimeError(text)
+
+
 def full_traceback(error):
     """The traceback without the frames of this file."""
     trace = error.__traceback__
@@ -253,6 +279,7 @@ class Worker:
         self._channel = channel
         self._scripts = Scripts()
         self._memories = interface.Memories()
+        self._errors = Errors()
         self._states = {}
         self._paused = False
         self._lock = threading.Lock()
@@ -272,6 +299,7 @@ class Worker:
         memory = self._memories.of(message)
         with self._lock:
             state = kind(message, ScriptLogger(self._channel, message["path"]), memory, self._paused)
+            state._errors = self._errors
             self._states[message["id"]] = state
         try:
             self._pool.submit(self._in_thread, message, state)
@@ -292,12 +320,15 @@ class Worker:
     def _in_thread(self, message, state):
         for output in self._outputs:
             output.begin(message["path"])
+        outputs = message["outputs"]
+        declared = list(outputs)
         try:
-            ending = self._call(message, state)
+            ending = self._call(message, state, outputs, declared)
         except BaseException as error:  # including SystemExit: only this execution ends
             for line in full_traceback(error).split("\n"):
                 self._channel.log("debug" if state.preempted else "error", message["path"], line)
-            ending = {"error": describe(error, script_name(message))}
+            text = describe(error, script_name(message))
+            ending = {"error": self._errors.remember(text, error), "outputs": self._plain_ones(outputs, declared)}
         if state._memory.came_from is not None:
             ending["memory"] = state._memory.came_from
         for output in self._outputs:
@@ -305,15 +336,22 @@ class Worker:
             output.begin("")
         self._end(message["id"], **ending)
 
-    def _call(self, message, state):
+    @staticmethod
+    def _plain_ones(outputs, declared):
+        """Of an execution that failed: what it had written until then, as far as it can be passed on."""
+        kept = {}
+        for key in declared:
+            with contextlib.suppress(Exception):
+                kept[key] = interface.plain(outputs[key], key)
+        return kept
+
+    def _call(self, message, state, outputs, declared):
         names = self._scripts.module(message)
         name = "backward_execute" if message["backward"] else "execute"
         if name not in names:
             if message["backward"]:
                 return {"outcome": 0}
             return {"error": f"{script_name(message)}: it has no execute(self, inputs, outputs, gvm)"}
-        outputs = message["outputs"]
-        declared = list(outputs)
         gvm = interface.GlobalVariables(self._channel, message["id"], state)
         answer = names[name](state, message["inputs"], outputs, gvm)
         for key in outputs.keys() - set(declared):
@@ -324,9 +362,9 @@ class Worker:
             known = ", ".join(repr(outcome.name) for outcome in state.outcomes.values())
             given = interface.clean(repr(answer))[:200]
             return {"error": f"{script_name(message)}: execute() returned {given}, which is none of its outcomes: "
-                             f"{known}"}
+                             f"{known}", "outputs": ending["outputs"]}
         if ending["outcome"] == -1:
-            ending["error"] = f"{script_name(message)}: execute() returned 'aborted'"
+            ending["error"] = self._errors.remember(f"{script_name(message)}: execute() returned 'aborted'", None)
         return ending
 
     @staticmethod

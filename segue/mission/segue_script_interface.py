@@ -63,6 +63,36 @@ class Outcome:
     __repr__ = __str__
 
 
+class ParentState:
+    """A state around that of the script."""
+
+    def __init__(self, message, parent, machine):
+        self.name = message["name"]
+        self.state_id = message["state"]
+        self.parent = parent
+        self._path = message["path"]
+        self._machine = machine
+
+    def get_path(self, by_name=False):
+        return self._path
+
+    def get_state_machine(self):
+        return self._machine
+
+
+class StateMachine:
+    """The mission of a script. `root_state` is None where the mission is the script's own state."""
+
+    def __init__(self, message):
+        self.name = message["mission"]
+        self.file_system_path = message["mission_folder"]
+        self.root_state = self.innermost = None
+        for parent in message["parents"]:
+            self.innermost = ParentState(parent, self.innermost or self, self)
+            self.root_state = self.root_state or self.innermost
+        self.innermost = self.innermost or self
+
+
 class Memory:
     """The persistent variables of a state, as one execution sees them."""
 
@@ -141,6 +171,8 @@ class ScriptState:
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
         self.outcomes[-1] = Outcome(-1, "aborted")
         self.outcomes[-2] = Outcome(-2, "preempted")
+        self._machine = StateMachine(message)
+        self.parent = self._machine.innermost
         self._path = message["path"]
         self._preempted = threading.Event()
         self._interrupted = threading.Event()  # paused or preempted
@@ -183,6 +215,9 @@ class ScriptState:
     def get_path(self, by_name=False):
         return self._path
 
+    def get_state_machine(self):
+        return self._machine
+
     def _preempt(self):
         self._preempted.set()
         self._interrupted.set()
@@ -214,7 +249,7 @@ class ScriptDecider(ScriptState):
         return branch and Outcome(branch["outcome"], branch["outcome_name"])
 
     def _error(self, branch):
-        return RuntimeError(branch["error"]) if branch and branch["error"] else None
+        return self._errors.find(branch["error"]) if branch and branch["error"] else None
 
     def get_outcome_for_state_name(self, name):
         return self._outcome(self._find("name", name) or self._find("state", name))

@@ -216,10 +216,11 @@ TEST_F(MissionScripts, ScriptsEndWithAMissionThatIsKilled) {
   }
 }
 
-TEST_F(MissionScripts, AMissingInterpreterIsReportedByTheMissionsError) {
+TEST_F(MissionScripts, AMissingInterpreterRefusesTheRun) {
   write("m.yaml", kScripted);
-  const auto run = json({"mission", "run", "m.yaml", "--python", "/nowhere/python3"}, 1);
-  EXPECT_THAT(run.find("error")->as_string(), HasSubstr("cannot start the Python interpreter"));
+  const auto run = segue({"mission", "run", "m.yaml", "--python", "/nowhere/python3"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.errors, HasSubstr("cannot find the Python interpreter '/nowhere/python3'"));
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--simulate"}).status, 0) << "needs none";
 }
 
