@@ -236,24 +236,12 @@ void ActionEnvironment::close() {
 
 /// The value of the newest candidate that exists; a null is replaced by its default.
 Value ActionEnvironment::value(NodeContext& context, const ValueSource& source) const {
-  const auto replaced = [&](const Value* given, const Defaults& defaults) -> Value {
-    if (given != nullptr && !given->is_null()) return *given;
-    if (!defaults || planted(ConversionFault::KeepsNull)) return {};
-    for (const Default& one : *defaults) {
-      if (index(one.reader) == cdtn::kNone) {
-        if (!one.value.is_null()) return one.value;
-        continue;
-      }
-      const auto name = plan_.network().names.find("#" + std::to_string(index(one.reader)));
-      const Value* read = name ? context.input(*name) : nullptr;
-      if (read != nullptr && !read->is_null()) return *read;
-    }
-    return {};
-  };
-  for (const ValueSource::Feed& feed : source.feeds) {
-    if (const Value* given = context.input(feed.input)) return replaced(given, feed.defaults);
-  }
-  return replaced(nullptr, source.rest);
+  return newest(context, std::span(&source, 1));
+}
+
+Value ActionEnvironment::newest(NodeContext& context, std::span<const ValueSource> sources) const {
+  return newest_value(
+      sources, [&](std::uint32_t input) { return context.input(input); }, plan_.network().names);
 }
 
 std::vector<Value> ActionEnvironment::inputs(NodeContext& context) const {
@@ -320,7 +308,7 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
   }
   Value handed = planned.role == Role::Global
                      ? globals_of(context.node()).get(planned.global).value_or(Value())
-                     : value(context, planned.inputs.front());
+                     : newest(context, planned.inputs);
   auto report = std::make_unique<cdtn::Report>();
   report->outputs =
       std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));

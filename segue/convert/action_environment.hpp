@@ -58,6 +58,7 @@ class ActionEnvironment final : public cdtn::Environment {
   void occupy(mission::Engine* opaque_subtree);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);
   [[nodiscard]] type::Value value(cdtn::NodeContext& context, const ValueSource& source) const;
+  [[nodiscard]] type::Value newest(cdtn::NodeContext& context, std::span<const ValueSource> sources) const;
   [[nodiscard]] std::vector<type::Value> inputs(cdtn::NodeContext& context) const;
   [[nodiscard]] std::vector<type::Value> default_outputs(cdtn::NodeId node,
                                                          const mission::Globals& globals) const;

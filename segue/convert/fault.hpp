@@ -11,6 +11,7 @@ enum class ConversionFault : std::uint8_t {
   None,
   ForgetsOldWrites,          ///< of several possible writers of a value, only the last is considered
   TakesOldestWrite,          ///< the first writer counts
+  NullHidesOlder,            ///< a null hides what other writers have written before
   KeepsNull,                 ///< nulls are not replaced by defaults
   ForgetsOuterDefaults,      ///< the defaults of a library are ignored
   SkipsCopies,               ///< a value under a condition counts always

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/convert/fault.hpp>
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/files.hpp>
@@ -12,6 +13,46 @@ namespace segue::convert {
 using cdtn::NodeId;
 using cdtn::OutcomeId;
 using type::Value;
+
+namespace {
+
+/// `given`, or else the first of its defaults that is not null.
+Value replaced(const Value* given, const Defaults& defaults, const InputValues& inputs,
+               const cdtn::NameTable& names) {
+  if (given != nullptr && !given->is_null()) return *given;
+  if (!defaults || planted(ConversionFault::KeepsNull)) return {};
+  for (const Default& one : *defaults) {
+    if (index(one.reader) == cdtn::kNone) {
+      if (!one.value.is_null()) return one.value;
+      continue;
+    }
+    const auto name = names.find("#" + std::to_string(index(one.reader)));
+    const Value* read = name ? inputs(*name) : nullptr;
+    if (read != nullptr && !read->is_null()) return *read;
+  }
+  return {};
+}
+
+}  // namespace
+
+Value newest_value(std::span<const ValueSource> sources, const InputValues& inputs,
+                   const cdtn::NameTable& names) {
+  Value newest;
+  std::uint64_t newest_turn = 0;
+  for (const ValueSource& source : sources) {
+    const Value* given = nullptr;
+    const auto feed = std::ranges::find_if(
+        source.feeds, [&](const ValueSource::Feed& each) { return (given = inputs(each.input)) != nullptr; });
+    const bool fed = feed != source.feeds.end();
+    Value value = replaced(given, fed ? feed->defaults : source.rest, inputs, names);
+    const std::uint64_t turn = fed ? feed->turn : source.rest_turn;
+    const bool none = value.is_null() && !planted(ConversionFault::NullHidesOlder);
+    if (none || turn < newest_turn) continue;
+    newest = std::move(value);
+    newest_turn = turn;
+  }
+  return newest;
+}
 
 MissionPlan::MissionPlan(std::shared_ptr<const mission::Program> program) : program_(std::move(program)) {}
 MissionPlan::~MissionPlan() = default;

@@ -9,7 +9,9 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,10 +30,17 @@ struct ValueSource {
   struct Feed {
     std::uint32_t input = 0;  ///< of TaskNetwork::names
     Defaults defaults;
+    std::uint64_t turn = 0;
   };
   std::vector<Feed> feeds;
   Defaults rest;
+  std::uint64_t rest_turn = 0;
 };
+/// The value of an input of a node (of TaskNetwork::names), null where there is none.
+using InputValues = std::function<const type::Value*(std::uint32_t input)>;
+/// The newest of several values that is not null; null if all are.
+[[nodiscard]] type::Value newest_value(std::span<const ValueSource> sources, const InputValues& inputs,
+                                       const cdtn::NameTable& names);
 
 /// A way in which a sibling of a decider may have ended: with `outcome`, if the input says `reached`.
 struct BranchEnd {
@@ -53,7 +62,8 @@ struct PlannedNode {
       mission::kNoState;        ///< whose output defaults count: the outermost library that it is the root of
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
-  std::vector<ValueSource> inputs;  ///< by port; of a Copy or Global: one, the forwarded value
+  /// By port. Of a Copy: the forwarded values, of which the newest counts that is not null.
+  std::vector<ValueSource> inputs;
   ValueSource error_before;
   ValueSource begun;  ///< how often the state has begun, if its action depends on it
   bool counts = false;

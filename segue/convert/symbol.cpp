@@ -41,29 +41,23 @@ bool Slots::Reader::take(const Write& write) {
   for (auto candidate = candidates.rbegin(); candidate != candidates.rend(); ++candidate) {
     const auto live = paths.live(candidate->when);
     if (!live || paths.exclude(*live, at)) continue;
-    result.candidates.push_back({candidate->node, candidate->output, *live, candidate->defaults});
+    result.candidates.push_back({candidate->node, candidate->output, *live, candidate->defaults, write.turn});
   }
   const bool last = planted(ConversionFault::ForgetsOldWrites) && !write.value.candidates.empty();
   if (!paths.implies(at, *when) && !last) return true;
   result.rest = write.value.rest;
+  result.rest_turn = write.turn;
   return false;
 }
 
-Symbol Slots::read(const std::vector<std::uint32_t>& slots, BranchEdge at, PathConditions& paths) const {
+Symbol Slots::read(std::uint32_t slot, BranchEdge at, PathConditions& paths) const {
   Reader reader{at, paths, {}};
-  if (slots.size() == 1 && !planted(ConversionFault::TakesOldestWrite)) {
-    const auto& writes = slots_[slots.front()];  // in the order of writing
-    for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
+  const auto& writes = slots_[slot];  // in the order of writing
+  if (planted(ConversionFault::TakesOldestWrite)) {
+    for (auto write = writes.begin(); write != writes.end() && reader.take(*write);)
       ++write;
   } else {
-    std::vector<std::pair<std::uint64_t, const Write*>> found;
-    for (const std::uint32_t slot : slots) {
-      for (const Write& write : slots_[slot])
-        found.emplace_back(write.turn, &write);
-    }
-    std::ranges::sort(found, std::greater<>{});
-    if (planted(ConversionFault::TakesOldestWrite)) std::ranges::reverse(found);
-    for (auto write = found.begin(); write != found.end() && reader.take(*write->second);)
+    for (auto write = writes.rbegin(); write != writes.rend() && reader.take(*write);)
       ++write;
   }
   std::ranges::reverse(reader.result.candidates);

@@ -27,6 +27,7 @@ struct Candidate {
   std::uint32_t output = 0;  ///< of TaskNetwork::names
   BranchEdge when;
   Defaults defaults;
+  std::uint64_t turn = 0;  ///< of the write, by which those to several slots are ordered
 };
 
 /// A value that is known when the plan runs: that of the last candidate in program order that has run, or
@@ -34,6 +35,9 @@ struct Candidate {
 struct Symbol {
   std::vector<Candidate> candidates;
   Defaults rest;
+  std::uint64_t rest_turn = 0;
+  /// Nothing may have been written.
+  [[nodiscard]] bool empty() const { return candidates.empty() && !rest; }
 };
 
 /// The ports and variables of a container at a point of the plan: for each slot, the nodes that may have
@@ -44,10 +48,8 @@ class Slots {
 
   /// From here on the slot holds `value` if `when` is on the path. All candidates of `value` lie on `when`.
   void write(std::uint32_t slot, BranchEdge when, Symbol value, PathConditions& paths);
-  /// What was written last to any of the slots, seen from `at`. If nothing may have been written, `rest` is
-  /// null.
-  [[nodiscard]] Symbol read(const std::vector<std::uint32_t>& slots, BranchEdge at,
-                            PathConditions& paths) const;
+  /// What was written last to the slot, seen from `at`. If nothing may have been written, `rest` is null.
+  [[nodiscard]] Symbol read(std::uint32_t slot, BranchEdge at, PathConditions& paths) const;
 
  private:
   struct Write {

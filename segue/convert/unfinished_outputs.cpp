@@ -2,6 +2,7 @@
 #include <segue/convert/fault.hpp>
 #include <segue/convert/unfinished_outputs.hpp>
 
+#include <deque>
 #include <string>
 #include <unordered_map>
 
@@ -45,12 +46,35 @@ class Replay {
   };
 
   void end(NodeId node) {
+    if ((*again_)[node].role == Role::Copy) {
+      ValueMap outputs;
+      outputs.append(std::string(kValueOutput), copied(node));
+      return end(node, cdtn::kSuccess, &given_.emplace_back(std::move(outputs)));
+    }
     Recorded& recorded = recorded_[again_->network().name_of(node)];
     if (recorded.next == recorded.nodes.size()) return end_unrecorded(node);
     const NodeId then = recorded.nodes[recorded.next++];
     const cdtn::NodeResult& result = result_.nodes[index(then)];
     if (result.status == NodeStatus::NotReached) return end_unrecorded(node);
-    again_->ended(node, translated(result.outcome), result_.outputs[index(then)].get());
+    end(node, translated(result.outcome), result_.outputs[index(then)].get());
+  }
+
+  void end(NodeId node, OutcomeId outcome, const Value* outputs) {
+    outputs_.resize(index(node) + 1);
+    outputs_[index(node)] = outputs;
+    again_->ended(node, outcome, outputs);
+  }
+
+  Value copied(NodeId node) const {
+    const cdtn::TaskNetwork& network = again_->network();
+    const auto input = [&](std::uint32_t name) -> const Value* {
+      for (const cdtn::DataInput& each : network.inputs(node)) {
+        const Value* outputs = each.input == name ? outputs_[index(each.producer)] : nullptr;
+        if (outputs != nullptr) return outputs->find(network.names.name(each.output));
+      }
+      return nullptr;
+    };
+    return newest_value((*again_)[node].inputs, input, network.names);
   }
 
   /// Actions that did not end leave their default outputs; global variables have the values that they have.
@@ -60,15 +84,14 @@ class Replay {
     if (planned.role == Role::Global)
       outputs.append(std::string(kValueOutput), globals_.get(planned.global).value_or(Value()));
     if (planned.state == mission::kNoState)
-      return again_->ended(node, cdtn::kSuccess, &(given_ = Value(std::move(outputs))));
+      return end(node, cdtn::kSuccess, &given_.emplace_back(std::move(outputs)));
     const mission::CompiledState& state = plan_.program().node(planned.state);
     for (std::size_t i = 0; i < state.outputs.size(); ++i) {
       const mission::PortSource& output = plan_.program().node(planned.shown_as).outputs[i];
       auto global = output.global.empty() ? std::nullopt : globals_.get(output.global);
       outputs.append((*state.output_ports)[i].name, global ? std::move(*global) : output.fallback);
     }
-    again_->ended(node, result_.failed ? cdtn::kAborted : cdtn::kPreempted,
-                  &(given_ = Value(std::move(outputs))));
+    end(node, result_.failed ? cdtn::kAborted : cdtn::kPreempted, &given_.emplace_back(std::move(outputs)));
   }
 
   /// Both plans number the outcomes of the mission as they meet them.
@@ -83,7 +106,8 @@ class Replay {
   const mission::Globals& globals_;
   const std::unique_ptr<MissionPlan> again_;
   std::unordered_map<std::string, Recorded> recorded_;
-  Value given_;
+  std::deque<Value> given_;            ///< outputs that the run did not record
+  std::vector<const Value*> outputs_;  ///< by node that has ended; may be null
 };
 
 }  // namespace

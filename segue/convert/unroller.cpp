@@ -267,7 +267,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
   for (std::uint32_t i = 0; i < activation->entry.inputs.size(); ++i)
     activation->slots.write(i, when, activation->entry.inputs[i], paths_);
   for (const mission::SlotCopy& copy : container.at_begin)
-    activation->slots.write(copy.to, when, activation->slots.read({copy.from}, when, paths_), paths_);
+    activation->slots.write(copy.to, when, activation->slots.read(copy.from, when, paths_), paths_);
   if (container.kind == StateKind::Hierarchy) {
     activation->arrivals.resize(container.children.size());
     activation->order = order_of(state);
@@ -313,7 +313,7 @@ void Unroller::leave(Track& track) {
   StateEnd end;
   end.exits = activation->exits;
   for (const mission::PortSource& output : node(state).outputs) {
-    Symbol value = activation->slots.read(output.slots, activation->entry.when, paths_);
+    Symbol value = read(*activation, output.slots, activation->entry.when);
     const mission::PortSource& shown = node(shown_as(activation->entry)).outputs[end.outputs.size()];
     if (!planted(ConversionFault::ForgetsOuterDefaults)) {
       const Default none = fallback(shown, activation->entry.when);

@@ -147,13 +147,15 @@ class Unroller {
                                                    mission::StateIndex opaque) const;
   void find_varying();
 
-  // Nodes (unroller_nodes.cpp)
+  // Nodes (unroller_nodes.cpp), data (unroller_data.cpp)
   StateEnd add_action(const StateEntry& entry, const std::vector<StateEnd>* branches);
   std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const StateEntry& decider,
                                              const std::vector<StateEnd>& ends);
   StateEnd add_subtree(const StateEntry& entry);
   BranchEdge meet(const std::vector<Arrival>& arrivals);
   Symbol copied(Symbol value, BranchEdge when);
+  Symbol copied(std::vector<Symbol> values, BranchEdge when);
+  Symbol read(const ContainerExecution& activation, const std::vector<std::uint32_t>& slots, BranchEdge at);
   cdtn::NodeSpec& new_spec();
   cdtn::NodeId append(cdtn::NodeSpec& spec, PlannedNode node, std::string_view name);
   ValueSource connect(cdtn::NodeSpec& spec, const Symbol& symbol, std::string_view name);

@@ -54,10 +54,6 @@ bool uses_variables(const Action& action) {
          });
 }
 
-std::string numbered(std::string_view name, std::size_t number) {
-  return number == 0 ? std::string(name) : std::string(name) + '~' + std::to_string(number);
-}
-
 }  // namespace
 
 /// Finds the states that run sequentially as one node: preemptive ones, hierarchies that handle a preemption,
@@ -159,154 +155,6 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   return id;
 }
 
-/// Every candidate becomes a separate input, since their defaults may differ.
-ValueSource Unroller::connect(NodeSpec& spec, const Symbol& symbol, std::string_view name) {
-  auto& names = plan_.network_.names;
-  ValueSource source;
-  source.rest = symbol.rest;
-  for (std::size_t i = symbol.candidates.size(); i-- > 0;) {
-    const Candidate& candidate = symbol.candidates[i];
-    const std::size_t number = source.feeds.size();
-    const auto input = number == 0 ? names.intern(name) : names.intern(numbered(name, number));
-    spec.inputs.push_back({candidate.node, candidate.output, input});
-    source.feeds.push_back({input, candidate.defaults});
-  }
-  const auto readers_of = [&](const Defaults& defaults) {
-    if (!defaults) return;
-    for (const Default& one : *defaults) {
-      if (index(one.reader) == cdtn::kNone) continue;
-      const auto input = plan_.network_.names.intern("#" + std::to_string(index(one.reader)));
-      spec.inputs.push_back({one.reader, plan_.network_.names.intern(kValueOutput), input});
-    }
-  };
-  readers_of(symbol.rest);
-  for (const Candidate& candidate : symbol.candidates)
-    readers_of(candidate.defaults);
-  return source;
-}
-
-/// A default of the mission. A global variable is read by a separate node, at its place in the program order.
-Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
-  if (supply.global.empty()) return {supply.fallback};
-  NodeSpec& spec = new_spec();
-  spec.opaque = true;
-  spec.cannot_fail = true;
-  spec.conditions = paths_.conditions(at);
-  PlannedNode planned;
-  planned.role = Role::Global;
-  planned.global = supply.global;
-  return {Value(), append(spec, std::move(planned), "$" + supply.global)};
-}
-
-std::vector<Symbol> Unroller::inputs_of(ContainerExecution& activation, StateIndex child, BranchEdge at) {
-  std::vector<Symbol> inputs;
-  for (const mission::PortSource& supply : node(child).inputs) {
-    Symbol input = activation.slots.read(supply.slots, at, paths_);
-    const Default none = fallback(supply, at);
-    for (Candidate& candidate : input.candidates)
-      candidate.defaults = with(candidate.defaults, none);
-    input.rest = with(input.rest, none);
-    inputs.push_back(std::move(input));
-  }
-  return inputs;
-}
-
-void Unroller::take_outputs(ContainerExecution& activation, StateIndex child, BranchEdge when,
-                            std::vector<Symbol> outputs) {
-  const mission::CompiledState& state = node(child);
-  for (std::uint32_t i = 0; i < outputs.size(); ++i)
-    store(activation, state.first_output + i, when, std::move(outputs[i]));
-  for (const mission::SlotCopy& copy : state.into_variables)
-    store(activation, copy.to, when, activation.slots.read({copy.from}, when, paths_));
-}
-
-/// A value that would also count if `when` is off the path gets a Copy node on it.
-void Unroller::store(ContainerExecution& activation, std::uint32_t slot, BranchEdge when, Symbol value) {
-  const bool certain = paths_.implies(activation.entry.when, when);
-  bool within = certain || planted(ConversionFault::SkipsCopies);
-  if (!within) {
-    within = !value.candidates.empty();
-    bool one_is_certain = false;
-    for (const Candidate& candidate : value.candidates) {
-      const auto live = paths_.live(candidate.when);
-      within = within && live && paths_.implies(*live, when);
-      one_is_certain = one_is_certain || (live && *live == when);
-    }
-    within = within && one_is_certain;
-  }
-  activation.slots.write(slot, when, within ? std::move(value) : copied(std::move(value), when), paths_);
-}
-
-Symbol Unroller::copied(Symbol value, BranchEdge when) {
-  NodeSpec& spec = new_spec();
-  spec.kind = ActionClass::Pure;
-  spec.cannot_fail = true;
-  spec.conditions = paths_.conditions(when);
-  PlannedNode planned;
-  planned.role = Role::Copy;
-  planned.inputs.push_back(connect(spec, value, kValueOutput));
-  const NodeId id = append(spec, std::move(planned), "copy");
-  Symbol result;
-  result.candidates.push_back({id, plan_.network_.names.intern(kValueOutput), when, {}});
-  return result;
-}
-
-/// The edge that represents all the ways that lead to one state.
-BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
-  if (arrivals.size() == 1) return arrivals.front().when;
-  std::vector<BranchEdge> edges;
-  for (const Arrival& arrival : arrivals)
-    edges.push_back(arrival.when);
-  if (const auto one = paths_.merged(edges)) return *one;
-  BranchEdge around = edges.front();
-  for (const BranchEdge edge : edges)
-    around = paths_.common(around, edge);
-  NodeSpec& spec = new_spec();
-  spec.kind = ActionClass::Pure;
-  spec.cannot_fail = true;
-  spec.branches = true;
-  spec.conditions = paths_.conditions(around);
-  const OutcomeId reached = plan_.network_.outcome("reached");
-  const OutcomeId missed = plan_.network_.outcome("missed");
-  spec.expected = reached;
-  PlannedNode planned;
-  planned.role = Role::Join;
-  const auto output = plan_.network_.names.intern(kOutcomeOutput);
-  for (const BranchEdge edge : edges) {
-    const auto input = plan_.network_.names.intern(numbered("way", planned.joined.size()));
-    spec.inputs.push_back({paths_.node(edge), output, input});
-    planned.joined.emplace_back(input, edge.outcome);
-  }
-  const NodeId id = append(spec, std::move(planned), "join");
-  return paths_.add_join(id, around, std::move(edges), reached, missed);
-}
-
-/// The value, once it is known for certain.
-std::optional<Value> Unroller::value_of(const Symbol& symbol) {
-  const auto chosen = [&](Value value, const Defaults& defaults) -> std::optional<Value> {
-    if (!value.is_null() || !defaults) return value;
-    for (const Default& one : *defaults) {
-      value = one.value;
-      if (index(one.reader) != cdtn::kNone) {
-        if (index(one.reader) >= outputs_.size() || !outputs_[index(one.reader)]) return std::nullopt;
-        const Value* read = outputs_[index(one.reader)]->find(kValueOutput);
-        value = read == nullptr ? Value() : *read;
-      }
-      if (!value.is_null()) break;
-    }
-    return value;
-  };
-  for (auto candidate = symbol.candidates.rbegin(); candidate != symbol.candidates.rend(); ++candidate) {
-    if (!paths_.live(candidate->when)) continue;
-    const std::size_t i = index(candidate->node);
-    if (i >= outputs_.size() || !outputs_[i]) return std::nullopt;
-    const Value* value = outputs_[i]->find(plan_.network_.names.name(candidate->output));
-    if (value == nullptr) continue;
-    return chosen(*value, candidate->defaults);
-  }
-  return chosen({}, symbol.rest);
-}
-
 /// The inputs that facts and resources refer to, by port; nothing if one is not known yet.
 std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entry) {
   const Action& what = action(entry.state);
@@ -376,7 +224,7 @@ std::optional<std::string> Unroller::look_up(const StateEntry& entry, Touch& tou
 void Unroller::count(NodeSpec& spec, PlannedNode& planned, const StateEntry& entry) {
   if (!counts_executions(action(entry.state))) return;
   auto& begun = begun_.try_emplace(entry.state, 1).first->second;
-  planned.begun = connect(spec, begun.read({0}, entry.when, paths_), kCountOutput);
+  planned.begun = connect(spec, begun.read(0, entry.when, paths_), kCountOutput);
   planned.counts = true;
 }
 

@@ -56,11 +56,12 @@ Value EngineCore::fallback(const PortSource& supply) {
   return {};
 }
 
+/// A null value hides no older one of another slot.
 const Slot* EngineCore::newest(const PortSource& supply, const Activation& container) {
   const Slot* found = nullptr;
   for (const std::uint32_t index : supply.slots) {
     const Slot& slot = container.slots[index];
-    if (slot.stamp > (found == nullptr ? 0 : found->stamp)) found = &slot;
+    if (!slot.value.is_null() && slot.stamp > (found == nullptr ? 0 : found->stamp)) found = &slot;
   }
   return found;
 }
@@ -72,8 +73,7 @@ void EngineCore::fill_inputs(Activation& child, Activation& container) {
   child.inputs.reserve(node.inputs.size());
   for (std::size_t i = 0; i < node.inputs.size(); ++i) {
     const Slot* slot = newest(node.inputs[i], container);
-    const bool given = slot != nullptr && !slot->value.is_null();
-    child.inputs.push_back(given ? slot->value : fallback(node.inputs[i]));
+    child.inputs.push_back(slot != nullptr ? slot->value : fallback(node.inputs[i]));
     const Port& port = (*node.input_ports)[i];
     if (!options.warn || accepts(port.type, child.inputs.back())) continue;
     warn(child, "input " + port.name + " is of type " + port.type + ", but gets " +
@@ -119,9 +119,8 @@ void EngineCore::give_outputs(Activation& container) {
   container.outputs.clear();
   for (const PortSource& output : node.outputs) {
     const Slot* slot = newest(output, container);
-    const bool given = slot != nullptr && !slot->value.is_null();
     const PortSource& shown = program->node(container.shown_as).outputs[container.outputs.size()];
-    container.outputs.push_back(given ? slot->value : fallback(shown));
+    container.outputs.push_back(slot != nullptr ? slot->value : fallback(shown));
   }
 }
 
