@@ -86,7 +86,8 @@ void add_runner(Verb& verb, Context& context) {
   Verb& runner = add_verb(verb, context, "run", "run a mission as it is written, or a task network",
                           "  segue mission run fetch.yaml\n"
                           "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
-                          "  segue mission run fetch.json --clock virtual",
+                          "  segue mission run fetch.json --clock virtual\n"
+                          "  segue mission run fetch.yaml --follow      # every event as it happens",
                           [options, network, &context] { return run_plan(*options, *network, context); });
   runner.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
       .required();
@@ -108,6 +109,10 @@ void add_runner(Verb& verb, Context& context) {
       .needs(resume)
       .one_of({"again", "skip", "abort"});
   runner.option("--python PROGRAM", options->python, "the interpreter of Python scripts; default: python3");
+  runner.flag("-f,--follow", options->follow,
+              "print every state or node that begins or ends, as it happens; in JSON one a line");
+  runner.flag("--progress,!--no-progress", options->progress,
+              "in real time, show what runs, has ended and waits, on standard error (default)");
   add_library_option(runner, *options);
   add_network_options(runner, *network);
   add_run_files(runner, options->files);

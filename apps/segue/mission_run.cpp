@@ -8,7 +8,11 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <memory>
+#include <stop_token>
+#include <utility>
 
+#include "mission_progress.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
@@ -76,8 +80,38 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
   auto only_networks = network_request(network);
   if (!only_networks) return only_networks.error();
   request.network = std::move(*only_networks);
-  request.note = [](const std::string& text) { print_note(text); };
   return request;
+}
+
+MissionProgress::Style style_of(const MissionOptions& options, const Context& context) {
+  using Style = MissionProgress::Style;
+  if (options.follow) return context.json() ? Style::JsonEvents : Style::Events;
+  if (!options.progress || context.json() || options.clock == "virtual") return Style::None;
+  return errors_are_terminal() ? Style::Block : Style::Lines;
+}
+
+/// What is known before the run of what waits for what: nothing of a mission that runs as it is written.
+draw::Diagram known_plan(const session::Session& plan, const RunRequest& request,
+                         MissionProgress::Style style) {
+  if (style != MissionProgress::Style::Block || request.mode != RunMode::Concurrent) return {};
+  session::ConvertRequest wanted;
+  wanted.inputs = request.inputs;
+  wanted.facts = request.facts;
+  wanted.order = request.network.order;
+  wanted.most = wanted.horizon;
+  auto diagram = plan.convert(wanted);  // where it fails, so does the run
+  return diagram ? std::move(*diagram) : draw::Diagram{};
+}
+
+Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& plan, RunRequest request,
+                                                       const MissionOptions& options, std::stop_token stop,
+                                                       const Context& context) {
+  const auto style = style_of(options, context);
+  MissionProgress progress(plan.name(), style, options.clock == "real", known_plan(plan, request, style));
+  request.note = [&](const std::string& text) { progress.note(text); };
+  if (style != MissionProgress::Style::None)
+    request.on_action = [&](const mission::ActionEvent& event) { progress.observe(event); };
+  return plan.run(request, std::move(stop));
 }
 
 void show_executions(const FinishedRun& run) {
@@ -124,8 +158,8 @@ void show_nodes(FinishedRun& run) {
                          seconds(comparison.sequential), seconds(comparison.critical_path)));
 }
 
-void show_run(FinishedRun& run, bool is_network, const Context& context) {
-  if (context.json()) return print_json(run.to_value());
+void show_run(FinishedRun& run, bool is_network, bool follows, const Context& context) {
+  if (context.json()) return follows ? print_json_line(run.to_value()) : print_json(run.to_value());
   const auto& overview = run.overview();
   run.as_written() ? show_executions(run) : show_nodes(run);
   if (is_network) return;
@@ -183,9 +217,9 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, const
   const auto request = request_of(options, network, plan->is_network());
   if (!request) return failed(context, request.error());
   StopSignal stop;  // until the run has been shown
-  auto run = plan->run(*request, stop.token());
+  auto run = run_with_progress(*plan, *request, options, stop.token(), context);
   if (!run) return failed(context, run.error());
-  if (options.show) show_run(**run, plan->is_network(), context);
+  if (options.show) show_run(**run, plan->is_network(), options.follow, context);
   if (options.files.any()) {
     // Standard output has had its document.
     const auto written = write(options.files, (*run)->gantt());

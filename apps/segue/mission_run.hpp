@@ -36,7 +36,9 @@ struct MissionOptions {
   bool resume = false;
   std::string under_way = "refuse";
   RunFiles files;
-  bool show = true;  ///< what was executed, on standard output
+  bool follow = false;   ///< print its events
+  bool progress = true;  ///< show what goes on, in real time
+  bool show = true;      ///< what was executed, on standard output
   std::string python = "python3";
 };
 

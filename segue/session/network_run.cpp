@@ -10,6 +10,10 @@
 #include <segue/convert/run.hpp>
 #include <segue/session/implementation.hpp>
 
+#include <map>
+#include <string_view>
+#include <utility>
+
 namespace segue::session::detail {
 
 namespace {
@@ -139,6 +143,56 @@ class ConcurrentMissionRun final : public NetworkRun {
   std::unique_ptr<convert::Run> run_;
 };
 
+/// Reports what begins and ends, and hands everything on.
+class ObservedEnvironment final : public cdtn::Environment {
+ public:
+  ObservedEnvironment(const cdtn::FlatNetwork& flat, cdtn::Environment& inner,
+                      mission::ActionObserver observe)
+      : flat_(flat), inner_(inner), observe_(std::move(observe)) {}
+
+  void start(cdtn::NodeContext& context, cdtn::Completions& completions) override {
+    running_.insert_or_assign({cdtn::index(context.node()), context.attempt()}, expected(context.node()));
+    report(mission::ActionEvent::Kind::Began, context.node(), {}, {});
+    inner_.start(context, completions);
+  }
+  cdtn::ReportPtr refuse(cdtn::NodeContext& context, std::string why) override {
+    report(mission::ActionEvent::Kind::Began, context.node(), {}, {});
+    report(mission::ActionEvent::Kind::Ended, context.node(), name_of(cdtn::kAborted), why);
+    return inner_.refuse(context, std::move(why));
+  }
+  void cancel(cdtn::NodeId node, std::uint32_t attempt, cdtn::Completions& completions) override {
+    running_.insert_or_assign({cdtn::index(node), attempt}, cdtn::kPreempted);
+    inner_.cancel(node, attempt, completions);
+  }
+  void ended(cdtn::NodeId node, std::uint32_t attempt) override {
+    const auto found = running_.find({cdtn::index(node), attempt});
+    if (found != running_.end()) {
+      report(mission::ActionEvent::Kind::Ended, node, name_of(found->second), {});
+      running_.erase(found);
+    }
+    inner_.ended(node, attempt);
+  }
+  [[nodiscard]] Duration patience() const override { return inner_.patience(); }
+
+ private:
+  void report(mission::ActionEvent::Kind kind, cdtn::NodeId node, std::string_view outcome,
+              std::string_view error) const {
+    observe_({kind, flat_.network.name_of(node), flat_.network[node].iteration, outcome, error});
+  }
+  [[nodiscard]] cdtn::OutcomeId expected(cdtn::NodeId node) const {
+    return cdtn::index(node) < flat_.trials.size() ? flat_.trials[cdtn::index(node)].outcome : cdtn::kSuccess;
+  }
+  [[nodiscard]] std::string_view name_of(cdtn::OutcomeId outcome) const {
+    return flat_.network.outcomes.name(static_cast<std::uint32_t>(outcome));
+  }
+
+  const cdtn::FlatNetwork& flat_;
+  cdtn::Environment& inner_;
+  const mission::ActionObserver observe_;
+  /// Runs by node and attempt, and how they will end.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, cdtn::OutcomeId> running_;
+};
+
 /// A network from a file, whose nodes are simulated.
 class FlatNetworkRun final : public NetworkRun {
  public:
@@ -162,7 +216,12 @@ class FlatNetworkRun final : public NetworkRun {
   void execute(const RunRequest& request, const std::stop_token& stop) {
     const bool sequential = request.mode == RunMode::Sequential;
     const ProcessorTime time;
-    result_ = sequential ? run_sequentially(request.clock, request, stop) : run_concurrently(request, stop);
+    cdtn::SimulatedEnvironment simulated(network(), flat_->trials, request.network.seed);
+    ObservedEnvironment observed(*flat_, simulated, request.on_action);
+    cdtn::Environment& environment =
+        request.on_action ? static_cast<cdtn::Environment&>(observed) : simulated;
+    result_ = sequential ? cdtn::run_sequential(network(), environment, request.clock, stop)
+                         : run_concurrently(environment, request, stop);
     const double used = time.microseconds();
     const bool is_reference = sequential && request.clock == cdtn::ClockKind::Virtual && !result_.stopped;
     compare(is_reference ? result_.makespan : sequential_time(request, stop), used);
@@ -177,17 +236,12 @@ class FlatNetworkRun final : public NetworkRun {
   [[nodiscard]] const cdtn::RunResult& result() const override { return result_; }
 
   [[nodiscard]] Duration sequential_time(const RunRequest& request, const std::stop_token& stop) const {
-    const auto whole = run_sequentially(cdtn::ClockKind::Virtual, request, stop);
+    cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.network.seed);
+    const auto whole = cdtn::run_sequential(network(), environment, cdtn::ClockKind::Virtual, stop);
     return whole.stopped ? time_of_all(result_) : whole.makespan;
   }
 
-  [[nodiscard]] cdtn::RunResult run_sequentially(cdtn::ClockKind clock, const RunRequest& request,
-                                                 const std::stop_token& stop) const {
-    cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.network.seed);
-    return cdtn::run_sequential(network(), environment, clock, stop);
-  }
-
-  [[nodiscard]] cdtn::RunResult run_concurrently(const RunRequest& request,
+  [[nodiscard]] cdtn::RunResult run_concurrently(cdtn::Environment& environment, const RunRequest& request,
                                                  const std::stop_token& stop) const {
     cdtn::ConcurrentEngineOptions options;
     options.clock = request.clock;
@@ -195,7 +249,6 @@ class FlatNetworkRun final : public NetworkRun {
     options.workers = request.workers;
     options.world_copies = request.network.world_copies;
     options.priorities = cdtn::choose_priorities(network(), order_, flat_->trials, options, stop);
-    cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.network.seed);
     cdtn::ConcurrentEngine engine(network(), order_, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });
     return engine.run();

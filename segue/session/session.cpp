@@ -116,7 +116,7 @@ Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
     return fail(ErrorCode::Unsupported, "inputs and facts are for missions, not for task networks");
   std::vector<cdtn::Dependency> further;
   const cdtn::Order order = cdtn::derive_order(network_->network, request.order, &further);
-  return draw::diagram_of(network_->network, order, further);
+  return draw::diagram_of(network_->network, order, further, request.most);
 }
 
 Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request, std::stop_token stop) const {

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -69,7 +70,8 @@ struct RunRequest {
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
   /// subtree.
   std::function<void(const std::string&)> note;
-  /// Progress of a mission; see convert::RunOptions::observe.
+  /// Progress: of a mission see convert::RunOptions::observe. Of a task network: every run of a node that
+  /// begins and that ends, on the thread of run(); `preempted` where it was cancelled.
   mission::ActionObserver on_action;
 };
 
@@ -80,6 +82,8 @@ struct ConvertRequest {
   bool assume_expected = false;                    ///< where it must be decided to go on: go on as expected
   cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network
   std::function<void(const std::string&)> note;    ///< such as that the mission is expected to fail
+  /// Nodes of a task network in the diagram, at most.
+  std::size_t most = std::numeric_limits<std::size_t>::max();
 };
 
 /// One plan, loaded and compiled. Immutable: any number of threads may use it, and run it, at the same time.

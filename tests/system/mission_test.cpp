@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <sstream>
+
 #include "../support/full_disk.hpp"
 #include "system_test.hpp"
 
@@ -8,6 +10,7 @@ namespace segue::testing {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Two concurrent branches, of 2 s and of 1 s + 4 s, then 3 s.
 constexpr const char* kTwoHands = R"(mission: two_hands
@@ -56,6 +59,89 @@ TEST_F(Missions, AMachineReportsItsCriticalPathAndSequentialTime) {
   ASSERT_EQ(waits.size(), 1U);
   EXPECT_EQ(waits[0].find("node")->as_string(), "hands/both");
   EXPECT_EQ(waits[0].find("subject")->as_string(), "fine");
+}
+
+/// `short` may run beside `long`, `last` only after it.
+constexpr const char* kTimed = R"j(mission: timed
+actions:
+  short: {effects: ["+seen()"], run: {simulated: {duration: 300ms}}}
+  long: {effects: ["+ready()"], run: {simulated: {duration: 600ms}}}
+  last: {preconditions: ["ready()"], run: {simulated: {duration: 10ms}}}
+start: long
+states:
+  long: {on: {success: short}}
+  short: {on: {success: last}}
+  last: {on: {success: return success}}
+)j";
+
+TEST_F(Missions, ItsProgressIsRewrittenOnATerminal) {
+  write("m.yaml", kTimed);
+  const auto run = run_on_terminal(command({"mission", "run", "m.yaml", "--mode", "concurrent"}), folder_);
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("  running  long"));
+  EXPECT_THAT(run.output, HasSubstr("  running  short"));
+  EXPECT_THAT(run.output, HasSubstr("  waits    last"));
+  EXPECT_THAT(run.output, HasSubstr("for long")) << "it makes the fact true that `last` needs";
+  EXPECT_THAT(run.output, HasSubstr(" done, ")) << "`short` ends 300 ms before `long`";
+  const auto table = run.output.rfind("\x1b[J");
+  ASSERT_NE(table, std::string::npos) << "the block is rewritten";
+  EXPECT_THAT(run.output.substr(table), HasSubstr("timed: success")) << "the block has gone from what stays";
+  EXPECT_THAT(run.output.substr(table), Not(HasSubstr(" running, ")));
+  const auto quiet = run_on_terminal(command({"mission", "run", "m.yaml", "--no-progress"}), folder_);
+  EXPECT_THAT(quiet.output, Not(HasSubstr("\x1b[J")));
+}
+
+TEST_F(Missions, ItsProgressIsALineForEachEventElsewhere) {
+  write("m.yaml", kTimed);
+  const auto run = segue({"mission", "run", "m.yaml"});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  for (const char* part : {" s  began long\n", " s  ended long: success\n", " s  began last\n"})
+    EXPECT_THAT(run.errors, HasSubstr(part));
+  EXPECT_THAT(run.errors, Not(HasSubstr("\x1b")));
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--no-progress"}).errors, "");
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--clock", "virtual"}).errors, "") << "no time passes";
+  EXPECT_EQ(segue({"mission", "run", "m.yaml", "--format", "json"}).errors, "");
+}
+
+TEST_F(Missions, ItsEventsAreFollowed) {
+  write("m.yaml", kTimed);
+  write("n.json",
+        R"({"name": "n", "nodes": [{"name": "a", "duration_s": 1}, {"name": "b", "duration_s": 2}]})");
+  const auto text = segue({"mission", "run", "m.yaml", "--follow", "--clock", "virtual"});
+  EXPECT_EQ(text.output.rfind("began long\nended long: success\nbegan short\n", 0), 0U) << text.output;
+  EXPECT_EQ(text.errors, "");
+  const auto timed = segue({"mission", "run", "m.yaml", "-f"});
+  EXPECT_THAT(timed.output, HasSubstr(" s  began long\n"));
+  for (const std::string file : {"m.yaml", "n.json"}) {
+    for (const std::string mode : {"sequential", "concurrent"}) {
+      const auto run =
+          segue({"mission", "run", file, "-f", "--format", "json", "--clock", "virtual", "--mode", mode});
+      ASSERT_EQ(run.status, 0) << run.errors;
+      std::istringstream lines(run.output);
+      std::vector<type::Value> values;
+      for (std::string line; std::getline(lines, line);) {
+        const auto value = type::parse_json(line);
+        ASSERT_TRUE(value) << line;
+        values.push_back(*value);
+      }
+      const std::size_t nodes = file == "m.yaml" ? 3 : 2;
+      ASSERT_EQ(values.size(), 2 * nodes + 1) << run.output;
+      EXPECT_EQ(values.front().find("kind")->as_string(), "began");
+      EXPECT_EQ(values.front().find("time_s"), nullptr) << "the clock is virtual";
+      EXPECT_EQ(values[2 * nodes - 1].find("outcome")->as_string(), "success");
+      EXPECT_EQ(values.back().find("nodes")->as_list().size(), nodes) << "the run comes last";
+    }
+  }
+}
+
+TEST_F(Missions, ATaskNetworkShowsWhatWaits) {
+  write("n.json", R"j({"name": "n", "nodes": [
+    {"name": "dig", "duration_s": 0.3, "effects": ["+hole()"]},
+    {"name": "plant", "duration_s": 0.1, "preconditions": ["hole()"]}]})j");
+  const auto run = run_on_terminal(command({"mission", "run", "n.json"}), folder_);
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("  running  dig"));
+  EXPECT_THAT(run.output, HasSubstr("  waits    plant  for dig"));
 }
 
 TEST_F(Missions, AMachineRunsConcurrently) {

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <pty.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -148,6 +149,33 @@ Finished Process::wait() {
 
 Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder) {
   return Process(command, folder).wait();
+}
+
+Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder) {
+  int master = -1;
+  int terminal = -1;
+  const winsize size{40, 100, 0, 0};
+  if (::openpty(&master, &terminal, nullptr, nullptr, &size) != 0) throw std::runtime_error("openpty");
+  ::fcntl(master, F_SETFD, FD_CLOEXEC);
+  ::fcntl(terminal, F_SETFD, FD_CLOEXEC);
+  const pid_t pid = spawn(command, folder, terminal, terminal);
+  ::close(terminal);
+  Finished finished;
+  const auto deadline = Clock::now() + kPatience;
+  std::array<char, 65536> buffer{};
+  pollfd waited{master, POLLIN, 0};
+  while (::poll(&waited, 1, static_cast<int>(left_until(deadline).count())) > 0) {
+    const auto got = ::read(master, buffer.data(), buffer.size());
+    if (got <= 0) break;  // nobody has the terminal any more
+    finished.output.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  ::close(master);
+  const bool is_late = Clock::now() >= deadline;
+  if (is_late) ::kill(pid, SIGKILL);
+  int status = 0;
+  ::waitpid(pid, &status, 0);
+  if (!is_late) finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return finished;
 }
 
 }  // namespace segue::testing

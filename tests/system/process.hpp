@@ -54,4 +54,8 @@ class Process {
 /// Starts a process and waits for its end.
 Finished run(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
 
+/// The same with its standard output and error on a terminal of 100 columns; all that it writes there is
+/// `output`, as it is.
+Finished run_on_terminal(const std::vector<std::string>& command, const std::filesystem::path& folder = ".");
+
 }  // namespace segue::testing
