@@ -66,6 +66,12 @@ TEST_F(FileTest, RefusesAFolderAndAFileBeyondTheLimit) {
   EXPECT_TRUE(read_file(folder_ / "big", 100));
 }
 
+TEST_F(FileTest, AnErrorWhileReadingIsAnswered) {
+  const auto memory = read_file("/proc/self/mem");  // can be opened, but nothing can be read at its begin
+  ASSERT_FALSE(memory);
+  EXPECT_NE(memory.error().message.find("/proc/self/mem"), std::string::npos);
+}
+
 TEST_F(FileTest, WritingIntoAMissingFolderIsAnError) {
   EXPECT_FALSE(write_file(folder_ / "no" / "x", "content"));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/child_process.hpp>
 #include <segue/base/error.hpp>
+#include <segue/base/file.hpp>
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/script_process.hpp>
@@ -19,8 +20,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -67,9 +66,9 @@ std::string new_mark() {
          std::to_string(++number);
 }
 
-std::string content_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+/// Of a file of a process, which may end meanwhile: reading fails then.
+std::string content_of(const fs::path& file) {
+  return read_file(file).value_or(std::string());
 }
 
 struct Process {
