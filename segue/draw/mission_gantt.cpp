@@ -32,6 +32,7 @@ class MachineGantt {
     find_ends();
     for (std::uint32_t i = 0; i < items().size(); ++i) {
       places_[i].before = leaf_before(i);
+      places_[i].watches = watches(i);
       if (mission::is_leaf(program_.node(items()[i].state).kind)) add(i);
     }
     mark_critical();
@@ -40,11 +41,13 @@ class MachineGantt {
   }
 
  private:
-  /// Of an item: the last leaf in it to end, the leaf whose end let it begin, and its node.
+  /// Of an item: the last leaf in it to end, the leaf whose end let it begin, and its node; whether it only
+  /// watched.
   struct Place {
     std::uint32_t last = kNone;
     std::uint32_t before = kNone;
     std::uint32_t node = kNone;
+    bool watches = false;
   };
 
   [[nodiscard]] const std::vector<History::Item>& items() const { return history_.items(); }
@@ -80,6 +83,20 @@ class MachineGantt {
     return before == kNone ? places_[item.parent].before : before;
   }
 
+  /// Whether it is part of a branch that its preemptive container preempted when another branch ended: a
+  /// watchdog, whose time is not work.
+  [[nodiscard]] bool watches(std::uint32_t i) const {
+    const History::Item& item = items()[i];
+    if (item.parent == History::kNone) return false;
+    const auto is_preempted = [](const History::Item& one) {
+      return one.ended && one.outcome == mission::kPreempted;
+    };
+    const History::Item& around = items()[item.parent];
+    const bool lost = program_.node(around.state).kind == StateKind::Preemptive && is_preempted(item) &&
+                      !is_preempted(around);
+    return lost || places_[item.parent].watches;
+  }
+
   void add(std::uint32_t i) {
     const History::Item& item = items()[i];
     const mission::Action& action = program_.mission().actions[program_.node(item.state).action];
@@ -95,7 +112,7 @@ class MachineGantt {
     if (places_[i].before != kNone) node.waits.push_back(wait_for(places_[i].before, from));
     for (const mission::ResourceUse& use : action.resources)
       use_resource(node, use.resource);
-    gantt_.summary.sequential += until - from;
+    if (!places_[i].watches) gantt_.summary.sequential += until - from;
     places_[i].node = static_cast<std::uint32_t>(gantt_.nodes.size());
     gantt_.bars.push_back({places_[i].node, from, until});
     gantt_.nodes.push_back(std::move(node));

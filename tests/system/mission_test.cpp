@@ -144,6 +144,35 @@ TEST_F(Missions, ATaskNetworkShowsWhatWaits) {
   EXPECT_THAT(run.output, HasSubstr("  waits    plant  for dig"));
 }
 
+TEST_F(Missions, AWatchdogIsNoSequentialTime) {
+  write("m.yaml", R"(mission: guarded
+actions:
+  work: {run: {simulated: {duration: 2s}}}
+  poll: {run: {simulated: {duration: 500ms}}}
+  watch: {run: {simulated: {duration: 60s}}}
+start: both
+states:
+  both:
+    kind: preemptive
+    outcomes: [done]
+    on: {done: return success}
+    states:
+      work: {on: {success: return done}}
+      watch: {on: {success: return done}}
+      polls:
+        outcomes: [done]
+        on: {done: return done}
+        start: poll
+        states:
+          poll: {on: {success: poll}}
+)");
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const auto run = json({"mission", "run", "m.yaml", "--clock", "virtual", "--mode", mode});
+    EXPECT_EQ(run.find("makespan_s")->as_double(), 2) << mode;
+    EXPECT_EQ(run.find("sequential_s")->as_double(), 2) << mode;
+  }
+}
+
 TEST_F(Missions, AMachineRunsConcurrently) {
   write("m.yaml", R"j(mission: m
 actions:
