@@ -200,6 +200,23 @@ TEST_F(ApplyTest, controllers_on_standby_are_prepared_anew) {
   expect_runs(work(2));
 }
 
+TEST_F(ApplyTest, a_preparation_in_progress_makes_way) {
+  ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
+  hold();
+  auto prepared = runtime_.prepare({kWork});
+  wait_until_held();
+  auto applied = runtime_.apply(set_of({work(2), rest()}));
+  go_.set_value();
+  EXPECT_EQ(applied.get().outcome, Outcome::Done);
+  (void)prepared.get();
+  const auto history = runtime_.history();
+  EXPECT_TRUE(std::ranges::any_of(history, [](const SwitchResult& result) {
+    return result.cause == Cause::LookAhead && result.outcome == Outcome::Superseded;
+  }));
+  ASSERT_EQ(runtime_.switch_to(kWork).outcome, Outcome::Done);
+  expect_runs(work(2));
+}
+
 TEST_F(ApplyTest, newer_files_take_the_place_of_those_that_wait) {
   ASSERT_EQ(runtime_.switch_to(kRest).outcome, Outcome::Done);
   hold();

@@ -116,6 +116,9 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
     job.changes = runtime::compare(job.before.controllers, definitions.controllers, runs);
     log.add(EventKind::Files, "", summary(job.changes));
     waiting_apply = std::move(job);
+    if (transaction && transaction_yields) {
+      transaction->supersede();
+    }
   }
   wake.notify_all();
   if (older) {

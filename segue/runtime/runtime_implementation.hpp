@@ -163,7 +163,8 @@ struct Runtime::Implementation {
       pending_reset;  ///< a reset requested during a transition; done after it
   std::deque<SwitchResult> history;
   std::shared_ptr<detail::Transaction> transaction;
-  bool wake_requested = false;  ///< the worker has to supervise now (an event, or the end of a request)
+  bool transaction_yields = false;  ///< it only prepares or collects, so files that are applied supersede it
+  bool wake_requested = false;      ///< the worker has to supervise now (an event, or the end of a request)
   std::vector<model::NetworkName> requests_to_prepare;
   std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
   std::vector<Readiness> readiness;

@@ -133,9 +133,10 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   {
     const std::lock_guard lock(mutex);
     transaction = running;
+    transaction_yields = result.cause == Cause::LookAhead || result.cause == Cause::Collect;
     if (stopping) {
       running->cancel();
-    } else if (waiting) {
+    } else if (waiting || (waiting_apply && transaction_yields)) {
       running->supersede();
     }
   }
