@@ -22,11 +22,17 @@ AbandonedTasks::~AbandonedTasks() {
 }
 
 void AbandonedTasks::destroy(std::shared_ptr<task::Task> task) {
-  if (task == nullptr || task->settle(RealClock::instance().now() + kBriefWork)) {
+  if (task == nullptr) {
     return;
   }
-  log(LogLevel::Warning, task->id(),
-      "is removed although it is still at work; it is destroyed when that ends");
+  const bool at_work = !task->settle(RealClock::instance().now() + kBriefWork);
+  if (!at_work && !is_configured(task->state())) {
+    return;
+  }
+  if (at_work) {
+    log(LogLevel::Warning, task->id(),
+        "is removed although it is still at work; it is destroyed when that ends");
+  }
   const std::lock_guard lock(mutex_);
   forget_ended();
   Removed& removed = waiting_.emplace_back();

@@ -156,7 +156,7 @@ Result<void> TaskActions::perform_on_task(ActionKind kind, const model::TaskId& 
       return free;
     }
   }
-  const VerbWatch::Verb verb(verbs_, id, to_string(kind), deadline);
+  const VerbWatch::Verb verb(verbs_, id, entry->task.get(), to_string(kind), deadline);
   auto done = run_verb(kind, *entry, deadline);
   if (!done && done.error().code == ErrorCode::DeadlineExceeded) {
     verbs_.blocked(id, entry->task);
@@ -192,12 +192,19 @@ Result<type::Value> TaskActions::call(const model::TaskId& id, std::string_view 
     return std::move(entry.error());
   }
   const TimePoint overdue = deadline < TimePoint::max() - kCallGrace ? deadline + kCallGrace : deadline;
-  const VerbWatch::Verb calling(verbs_, id, operation, overdue);
+  const VerbWatch::Verb calling(verbs_, id, entry->task.get(), operation, overdue);
   return entry->task->call(operation, arguments, deadline);
 }
 
 std::map<model::TaskId, std::string> TaskActions::hanging() {
-  auto hanging = verbs_.overdue();
+  std::map<model::TaskId, std::string> hanging;
+  for (auto& late : verbs_.overdue()) {
+    const auto entry = table_.find(late.id);
+    // One that was removed meanwhile hangs on, but the task that has its id now does not.
+    if ((entry ? entry->task.get() : nullptr) == late.task) {
+      hanging.emplace(std::move(late.id), std::move(late.why));
+    }
+  }
   for (const TaskEntry& entry : table_.all()) {
     if (auto overdue = entry.task->overdue()) {
       hanging.insert_or_assign(entry.definition.id, std::move(*overdue));
@@ -211,7 +218,7 @@ Result<std::optional<task::SavedState>> TaskActions::save_state(const model::Tas
   if (!entry) {
     return std::move(entry.error());
   }
-  const VerbWatch::Verb saving(verbs_, id, "save_state", deadline);
+  const VerbWatch::Verb saving(verbs_, id, entry->task.get(), "save_state", deadline);
   return entry->task->save_state(deadline);
 }
 
@@ -221,7 +228,7 @@ Result<void> TaskActions::restore_state(const model::TaskId& id, const task::Sav
   if (!entry) {
     return std::move(entry.error());
   }
-  const VerbWatch::Verb restoring(verbs_, id, "restore_state", deadline);
+  const VerbWatch::Verb restoring(verbs_, id, entry->task.get(), "restore_state", deadline);
   const Acting acting(*entry->task);
   // A component in which restoring fails is cleaned up, which removes its ports.
   const std::unique_lock ports(*entry->ports, deadline);
@@ -298,7 +305,6 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
 }
 
 Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePoint deadline) {
-  const VerbWatch::Verb verb(verbs_, action.definition.id, "creating or setting properties", deadline);
   std::optional<ProcessEntry> process;
   if (!action.process.is_runtime()) {
     process = table_.find_process(action.process);
@@ -313,6 +319,8 @@ Result<void> TaskActions::apply_config(const model::ConfigAction& action, TimePo
   }
   const ProcessEntry* place = process ? &*process : nullptr;
   auto entry = table_.find(action.definition.id);
+  const task::Task* const present = entry ? entry->task.get() : nullptr;
+  const VerbWatch::Verb verb(verbs_, action.definition.id, present, "applying the configuration", deadline);
   if (!entry) {
     return create(action, place, deadline);
   }
@@ -403,7 +411,9 @@ void TaskActions::conclude(const model::Transition& transition) {
   const auto hangs = hanging();
   for (const auto& id : transition.removes) {
     const auto entry = table_.find(id);
-    if (entry && (!entry->configured() || hangs.contains(id))) {
+    // One that hangs in a process of its own ends with that.
+    const bool dropped = entry && entry->process.is_runtime() && hangs.contains(id);
+    if (entry && (!entry->configured() || dropped)) {
       table_.take_connections_of(id);
       abandoned_.destroy(table_.take(id));
     }

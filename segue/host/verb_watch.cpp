@@ -12,8 +12,9 @@ constexpr Duration kPatience = std::chrono::milliseconds(20);
 
 }  // namespace
 
-VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId task, std::string_view name, TimePoint deadline)
-    : watch_(watch), task_(std::move(task)), name_(name), deadline_(deadline) {
+VerbWatch::Verb::Verb(VerbWatch& watch, model::TaskId id, const task::Task* task, std::string_view name,
+                      TimePoint deadline)
+    : watch_(watch), id_(std::move(id)), task_(task), name_(name), deadline_(deadline) {
   const std::lock_guard lock(watch_.mutex_);
   place_ = watch_.verbs_.insert(watch_.verbs_.end(), this);
 }
@@ -28,15 +29,15 @@ void VerbWatch::blocked(const model::TaskId& id, const std::shared_ptr<task::Tas
   blocked_.insert_or_assign(id, task);
 }
 
-std::map<model::TaskId, std::string> VerbWatch::overdue() {
+std::vector<VerbWatch::Overdue> VerbWatch::overdue() {
   const TimePoint now = RealClock::instance().now();
-  std::map<model::TaskId, std::string> late;
+  std::vector<Overdue> late;
   std::map<model::TaskId, std::weak_ptr<task::Task>> blocked;
   {
     const std::lock_guard lock(mutex_);
     for (const Verb* verb : verbs_) {
       if (verb->deadline_ < now) {
-        late.emplace(verb->task_, verb->name_ + " has not returned by its deadline");
+        late.push_back({verb->id_, verb->task_, verb->name_ + " has not returned by its deadline"});
       }
     }
     blocked = blocked_;
@@ -44,7 +45,7 @@ std::map<model::TaskId, std::string> VerbWatch::overdue() {
   for (const auto& [id, weak] : blocked) {
     const auto task = weak.lock();
     if (task != nullptr && !task->settle(now + kPatience)) {
-      late.emplace(id, "a hook or an update has not returned");
+      late.push_back({id, task.get(), "a hook or an update has not returned"});
       continue;
     }
     const std::lock_guard lock(mutex_);

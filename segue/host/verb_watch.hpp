@@ -11,6 +11,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::host::detail {
 
@@ -21,8 +22,9 @@ class VerbWatch {
   /// A verb, from its begin to its end.
   class Verb {
    public:
-    /// `name`: of the verb, such as "configure".
-    Verb(VerbWatch& watch, model::TaskId task, std::string_view name, TimePoint deadline);
+    /// `task`: nullptr where it is just being created. `name`: of the verb, such as "configure".
+    Verb(VerbWatch& watch, model::TaskId id, const task::Task* task, std::string_view name,
+         TimePoint deadline);
     Verb(const Verb&) = delete;
     Verb& operator=(const Verb&) = delete;
     ~Verb();
@@ -30,7 +32,8 @@ class VerbWatch {
    private:
     friend class VerbWatch;
     VerbWatch& watch_;
-    const model::TaskId task_;
+    const model::TaskId id_;
+    const task::Task* const task_;
     const std::string name_;
     const TimePoint deadline_;
     std::list<const Verb*>::iterator place_;
@@ -39,8 +42,13 @@ class VerbWatch {
   /// Notes that a verb could not begin because another hook of the task had not returned by its deadline.
   void blocked(const model::TaskId& id, const std::shared_ptr<task::Task>& task);
 
-  /// Tasks with a verb that is overdue, or still blocked, and why: "configure has not returned".
-  [[nodiscard]] std::map<model::TaskId, std::string> overdue();
+  /// A task with a verb that is overdue, or still blocked. Another task may have got its id since.
+  struct Overdue {
+    model::TaskId id;
+    const task::Task* task = nullptr;  ///< to be compared only; nullptr: it was just being created
+    std::string why;                   ///< "configure has not returned by its deadline"
+  };
+  [[nodiscard]] std::vector<Overdue> overdue();
 
  private:
   std::mutex mutex_;

@@ -230,6 +230,14 @@ bool Transaction::replan(const ActionRecord& failed, SwitchResult& result) {
   if (error || !includes(observed, plan_.target)) {
     return false;
   }
+  const auto rest = subtract(observed, plan_.target).tasks;
+  if (!rest.empty()) {
+    result.leftover =
+        fail(ErrorCode::DeadlineExceeded,
+             "hung when the transition was planned again and has returned since; it is removed next",
+             rest.front().id.str())
+            .because_of(error_of(failed));
+  }
   return true;
 }
 

@@ -126,6 +126,18 @@ class FaultyHost final : public ForwardingHost {
     return seen;
   }
 
+  /// Drops hanging tasks as the real host does.
+  void conclude(const model::Transition& transition) override {
+    const model::Network truth = inner_.observe();
+    for (const auto& id : transition.removes) {
+      const model::Task* task = truth.find_task(id);
+      if (task == nullptr || !forget_hanging(id)) continue;
+      if (task->state == TaskState::Running) take_down(model::ActionKind::Stop, id);
+      if (is_configured(task->state)) take_down(model::ActionKind::Cleanup, id);
+    }
+    inner_.conclude(transition);
+  }
+
   void set_listener(Listener listener) override {
     {
       const std::lock_guard lock(mutex_);
@@ -229,6 +241,16 @@ class FaultyHost final : public ForwardingHost {
     return id != nullptr && std::any_of(hanging_.begin(), hanging_.end(), [&](const Hanging& one) {
              return one.action.task() != nullptr && *one.action.task() == *id;
            });
+  }
+  /// False where no action of the task hangs.
+  bool forget_hanging(const model::TaskId& id) {
+    const std::lock_guard lock(mutex_);
+    return std::erase_if(hanging_, [&](const Hanging& one) {
+             return one.action.task() != nullptr && *one.action.task() == id;
+           }) > 0;
+  }
+  void take_down(model::ActionKind kind, const model::TaskId& id) {
+    static_cast<void>(inner_.perform({0, kind, model::TaskAction{id}, {}, {}}, patience()));
   }
   /// Hanging actions end with their process.
   void end_hanging(model::Action& undeploy) {
