@@ -196,8 +196,10 @@ class Overtaking : public ::testing::Test {
         return;
       }
     }
-    const auto wrong = model::differences(wanted, robot_.world.truth());
-    FAIL() << story(result) << "\n" << (wrong.empty() ? "" : wrong.front());
+    FAIL() << story(result)
+           << "\ntruly: " << ::testing::PrintToString(model::differences(wanted, robot_.world.truth()))
+           << "\nseen: " << ::testing::PrintToString(robot_.runtime.observed_differences())
+           << "\norphaned endpoints: " << robot_.world.orphaned_endpoints();
   }
 
   bool comes_about(const model::Network& wanted, Duration patience) {

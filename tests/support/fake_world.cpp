@@ -2,6 +2,7 @@
 #include <support/fake_world.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace segue::deploy::testing {
 
@@ -19,7 +20,7 @@ bool same_place(const EndpointReport& a, const EndpointReport& b) {
 }  // namespace
 
 FakeWorld::FakeWorld() : own_(std::make_shared<FakeProcess>()) {
-  own_->incarnation = 1000;
+  own_->incarnation = std::numeric_limits<link::Incarnation>::max();  // no other process gets as far
   own_->info.pid = 1;
 }
 
