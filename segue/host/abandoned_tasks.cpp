@@ -22,17 +22,11 @@ AbandonedTasks::~AbandonedTasks() {
 }
 
 void AbandonedTasks::destroy(std::shared_ptr<task::Task> task) {
-  if (task == nullptr) {
+  if (task == nullptr || task->settle(RealClock::instance().now() + kBriefWork)) {
     return;
   }
-  const bool at_work = !task->settle(RealClock::instance().now() + kBriefWork);
-  if (!at_work && !is_configured(task->state())) {
-    return;
-  }
-  if (at_work) {
-    log(LogLevel::Warning, task->id(),
-        "is removed although it is still at work; it is destroyed when that ends");
-  }
+  log(LogLevel::Warning, task->id(),
+      "is removed although it is still at work; it is destroyed when that ends");
   const std::lock_guard lock(mutex_);
   forget_ended();
   Removed& removed = waiting_.emplace_back();

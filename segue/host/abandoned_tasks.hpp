@@ -22,8 +22,8 @@ class AbandonedTasks {
   /// Waits for all that hang.
   ~AbandonedTasks();
 
-  /// Destroys the task: here, or on a thread of its own if it is still at work shortly afterwards, or has to
-  /// be stopped and cleaned up. nullptr: nothing.
+  /// Destroys the task here, or on a thread of its own if it is still at work shortly afterwards. nullptr:
+  /// nothing.
   void destroy(std::shared_ptr<task::Task> task);
   /// Whether all tasks have been destroyed.
   [[nodiscard]] bool empty();
