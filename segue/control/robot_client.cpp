@@ -26,6 +26,20 @@ Result<void> without_value(const Result<Value>& answer) {
   return {};
 }
 
+/// Of requests that may be dry runs.
+template <class Request>
+void set_options(Request& request, const SwitchOptions& options) {
+  request.setDryRun(options.dry_run);
+  request.setForce(options.force);
+  request.setOrder(as_text(options.order));
+  request.setWho(as_text(options.who));
+}
+
+/// Whether the text of a file fits into a message.
+Result<void> check_text(std::string_view text) {
+  return detail::check_size(Value(text), detail::kServerMessageWords);
+}
+
 class Client final : public RobotService {
  public:
   explicit Client(std::shared_ptr<RpcChannel> channel) : channel_(std::move(channel)) {}
@@ -52,10 +66,7 @@ class Client final : public RobotService {
                                             RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().switchToRequest();
       request.setController(as_text(controller));
-      request.setDryRun(options.dry_run);
-      request.setForce(options.force);
-      request.setOrder(as_text(options.order));
-      request.setWho(as_text(options.who));
+      set_options(request, options);
       request.setTimeout(left.count());
       return RpcChannel::send(request);
     });
@@ -63,17 +74,13 @@ class Client final : public RobotService {
 
   Result<Value> switch_to_network(std::string_view network, std::string_view file,
                                   const SwitchOptions& options, TimePoint deadline) override {
-    const Value sized(network);
-    if (auto fits = detail::check_size(sized, detail::kServerMessageWords); !fits) return fits.error();
+    if (auto fits = check_text(network); !fits) return fits.error();
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [&, file = std::string(file)](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().switchToNetworkRequest();
       request.setText(detail::as_data(network));
       request.setFile(as_text(file));
-      request.setDryRun(options.dry_run);
-      request.setForce(options.force);
-      request.setOrder(as_text(options.order));
-      request.setWho(as_text(options.who));
+      set_options(request, options);
       request.setTimeout(left.count());
       return RpcChannel::send(request);
     });
@@ -118,8 +125,7 @@ class Client final : public RobotService {
 
   Result<Value> apply_transition(std::string_view transition, std::string_view file,
                                  TimePoint deadline) override {
-    const Value sized(transition);
-    if (auto fits = detail::check_size(sized, detail::kServerMessageWords); !fits) return fits.error();
+    if (auto fits = check_text(transition); !fits) return fits.error();
     const Duration left = time_left(deadline);
     return channel_->ask(left + kGrace, [&, file = std::string(file)](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().applyTransitionRequest();

@@ -23,6 +23,12 @@ Result<Value> as_value(const Result<void>& outcome) {
   return Value();
 }
 
+/// Of requests that may be dry runs.
+template <class Params>
+SwitchOptions options_of(const Params& params) {
+  return {params.getDryRun(), params.getForce(), as_string(params.getOrder()), as_string(params.getWho())};
+}
+
 /// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
 Result<Value> wait_for_events(ServerCore& core, std::uint64_t after, TimePoint deadline) {
   auto& service = core.service<RobotService>();
@@ -52,23 +58,18 @@ class RobotServer final : public wire::Robot::Server {
     const auto params = context.getParams();
     return caller_.answer_value(
         context, [&service = service(), controller = as_string(params.getController()),
-                  options = SwitchOptions{params.getDryRun(), params.getForce(), as_string(params.getOrder()),
-                                          as_string(params.getWho())},
-                  deadline = deadline_after(params.getTimeout())] {
+                  options = options_of(params), deadline = deadline_after(params.getTimeout())] {
           return service.switch_to(controller, options, deadline);
         });
   }
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        context,
-        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
-         options = SwitchOptions{params.getDryRun(), params.getForce(), as_string(params.getOrder()),
-                                 as_string(params.getWho())},
-         deadline = deadline_after(params.getTimeout())] {
-          return service.switch_to_network(text, file, options, deadline);
-        });
+    return caller_.answer_value(context, [&service = service(), text = as_string(params.getText()),
+                                          file = as_string(params.getFile()), options = options_of(params),
+                                          deadline = deadline_after(params.getTimeout())] {
+      return service.switch_to_network(text, file, options, deadline);
+    });
   }
 
   kj::Promise<void> plan(PlanContext context) override {
