@@ -164,4 +164,14 @@ model::Network already_present(const model::Network& standby, const model::Netwo
   return kept;
 }
 
+model::Network with_properties_of(const model::Network& seen, model::Network controller) {
+  for (auto& task : controller.tasks) {
+    const model::Task* observed = seen.find_task(task.id);
+    if (observed != nullptr && observed->component == task.component) {
+      task.properties = observed->properties;
+    }
+  }
+  return controller;
+}
+
 }  // namespace segue::runtime::detail

@@ -36,4 +36,8 @@ LookAheadPlan look_ahead(const model::Network& controller,
 /// The parts of `standby` that exist in `current`, running or not, and can stay as they are.
 model::Network already_present(const model::Network& standby, const model::Network& current);
 
+/// `controller` with the properties that its tasks have in `seen`: users may set properties of a running
+/// controller, and look-ahead leaves them as they are.
+model::Network with_properties_of(const model::Network& seen, model::Network controller);
+
 }  // namespace segue::runtime::detail

@@ -55,6 +55,13 @@ solve::RepairScope scope_of(const std::vector<DetectedFault>& faults) {
   return scope;
 }
 
+/// Why nothing can be prepared while `controller` should run and `seen` was observed.
+std::string drift_of(const model::Network& controller, const model::Network& seen) {
+  const auto sentences = differences(controller, seen, 1);
+  return "the running network has drifted from its controller" +
+         (sentences.empty() ? std::string() : ": " + sentences.front());
+}
+
 std::string names_of(const std::vector<DetectedFault>& faults) {
   std::vector<std::string> names;
   for (const auto& fault : faults) {
@@ -258,8 +265,8 @@ void Runtime::Implementation::look_ahead() {
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
   auto ahead = plan_ahead(plan.controller);
-  plan.target = detail::unite(plan.controller, ahead.standby);
   const Observation seen = belief.starting_point();
+  plan.target = detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby);
   auto how = detail::solve_options(host, model::Order::Seamless, false);
   how.idle = detail::idle_tasks(seen.network, held.controller);
   auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));
@@ -284,8 +291,10 @@ void Runtime::Implementation::look_ahead() {
       return before;
     });
   } else if (!harmless) {
+    const std::string reason =
+        transition ? drift_of(plan.controller, seen.network) : to_string(transition.error());
     for (auto& one : ahead.readiness) {
-      one = {one.controller, false, 0, one.tasks, "the running network has drifted from its controller"};
+      one = {one.controller, false, 0, one.tasks, reason};
     }
   }
   answer_prepare(std::move(ahead.readiness));

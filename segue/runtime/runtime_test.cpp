@@ -449,6 +449,20 @@ TEST_F(RuntimeTest, a_property_changed_from_outside_is_drift_and_undone_by_the_n
   expect_truth(first_);
 }
 
+TEST_F(RuntimeTest, nothing_differs_after_a_reset_however_much_of_it_was_noticed_before) {
+  for (const bool noticed : {false, true}) {
+    ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
+    const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
+    ASSERT_TRUE(robot_.host.set_property(model::TaskId("changed"), "gain", 7, deadline));
+    if (noticed) {
+      EXPECT_TRUE(eventually([&] { return differences(runtime_.belief(), robot_.host.observe()).empty(); }));
+    }
+    runtime_.reset_belief();
+    EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << noticed;
+    EXPECT_EQ(runtime_.belief().name, model::NetworkName());
+  }
+}
+
 TEST_F(RuntimeTest, events_are_numbered_without_gaps) {
   ASSERT_EQ(switch_to("first").outcome, Outcome::Done);
   const auto events = runtime_.events();

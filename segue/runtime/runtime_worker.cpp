@@ -306,8 +306,9 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     log.add(EventKind::BeliefReset, network->name.str(), "given: " + detail::summary(*network));
     belief.adopt_assumed(std::move(*network));
   } else {
+    const auto held = belief.held();
     Observation now = belief.observe();
-    now.network.name = name_of_running(now.network, belief.controller(), {});
+    now.network.name = name_of_running(now.network, held.wanted.value_or(held.controller), {});
     log.add(EventKind::BeliefReset, now.network.name.str(), "observed: " + detail::summary(now.network));
     const model::Network all = now.network;
     adopt(now, all, known(all.name));

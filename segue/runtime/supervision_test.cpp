@@ -286,6 +286,21 @@ TEST_F(LookAheadTest, a_prepared_controller_begins_at_its_commit_and_the_old_one
       << "standby has ended";
 }
 
+TEST_F(LookAheadTest, a_property_that_was_set_by_hand_neither_hinders_it_nor_is_undone) {
+  model::Network slow = drive_;
+  slow.name = model::NetworkName("slow");
+  slow.tasks.front().properties = type::Value::map({{"gain", 1}});
+  ASSERT_EQ(runtime_.switch_to(slow).outcome, Outcome::Done);
+  const auto deadline = RealClock::instance().now() + std::chrono::seconds(30);
+  const auto set = robot_.host.set_property(model::TaskId("base"), "gain", 7, deadline);
+  ASSERT_TRUE(set) << to_string(set.error());
+  const auto ready = prepare({dock_.name});
+  ASSERT_EQ(ready.size(), 1U);
+  EXPECT_TRUE(ready[0].ready) << ready[0].reason;
+  EXPECT_THAT(runtime_.observed_differences(),
+              ::testing::ElementsAre("task 'base': property 'gain' is 7, expected 1"));
+}
+
 TEST_F(LookAheadTest, reports_an_exceeded_budget_and_unknown_names) {
   testing::StandInRobot robot(
       RuntimeOptions{.fallback = {}, .policies = {}, .look_ahead = {.processes = 0}, .journal = {}});
