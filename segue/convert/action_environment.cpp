@@ -24,6 +24,12 @@ using type::ValueMap;
 
 namespace {
 
+/// From "p(a)" or "!p(a)".
+cdtn::NamedEffect named_effect(const std::string& text) {
+  const bool value = !text.starts_with('!');
+  return {text.substr(value ? 0 : 1), value};
+}
+
 /// Position 0 is before all nodes.
 std::uint64_t place_number(NodeId node) {
   return std::uint64_t{index(node)} + 1;
@@ -64,11 +70,14 @@ struct ActionEnvironment::Reporter {
   std::vector<std::string> ports;
   std::vector<cdtn::OutcomeId> outcomes;  ///< by the outcomes of the state
   bool counts = false;
+  bool recorded = false;  ///< the run has a journal
   std::int64_t count = 0;
   mission::Globals globals;  ///< as the action uses them
   std::atomic<bool> cancelled{false};
 
-  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs) {
+  /// `facts`: those that it changed without declaring them.
+  [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs,
+                                 const std::vector<std::string>& facts = {}) {
     Outcome outcome = ending.outcome;
     std::string error = ending.error;
     if (cancelled && !planted(ConversionFault::CountsCancelled)) {
@@ -91,6 +100,9 @@ struct ActionEnvironment::Reporter {
     if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
     if (counts)
       map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
+    for (const std::string& fact : facts)
+      report->named_effects.push_back(named_effect(fact));
+    if (recorded) map.append(std::string(kRecordOutput), NodeJournal::record_of(globals, facts));
     report->outputs = std::make_shared<const Value>(std::move(map));
     report->pending = std::make_unique<AllChanges>(globals.pending_changes(), ending.pending);
     return report;
@@ -179,12 +191,13 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
 
 ActionEnvironment::ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
                                      std::vector<std::shared_ptr<mission::ActionRunner>> by_action,
-                                     RunOptions options)
+                                     RunOptions options, NodeJournal* journal)
     : globals(plan.program().mission().globals),
       plan_(plan),
       runners_(runners),
       by_action_(std::move(by_action)),
       options_(std::move(options)),
+      journal_(journal),
       iterations_(std::make_shared<mission::Iterations>(plan.program().nodes().size())) {}
 
 ActionEnvironment::~ActionEnvironment() {
@@ -263,6 +276,7 @@ std::vector<Value> ActionEnvironment::default_outputs(NodeId node, const mission
 std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::reporter(NodeId node) const {
   const mission::CompiledState& state = plan_.program().node(plan_[node].state);
   auto made = std::make_shared<Reporter>(globals_of(node));
+  made->recorded = journal_ != nullptr;
   for (const mission::Port& port : *state.output_ports)
     made->ports.push_back(port.name);
   for (const std::string& outcome : *state.outcomes) {
@@ -294,6 +308,7 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
     const std::lock_guard lock(receiver_->mutex);
     receiver_->completions = &completions;
   }
+  if (journal_ != nullptr && replay(context, completions)) return;
   const PlannedNode& planned = plan_[context.node()];
   switch (planned.role) {
     case Role::Action:
@@ -313,6 +328,26 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
   report->outputs =
       std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
   completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
+}
+
+/// True if the node ended in an earlier run: it ends at once as it did then.
+bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
+  auto end = journal_->recorded(context.node());
+  if (!end) return false;
+  const auto reports = counting_reporter(context);
+  for (auto& [name, value] : end->globals) {
+    if (const auto set = reports->globals.set(name, std::move(value)); !set && options_.warn)
+      options_.warn(plan_.network().label(context.node()) + ": " + set.error().message);
+  }
+  for (const std::string& name : end->erased) {
+    if (const auto erased = reports->globals.erase(name); !erased && options_.warn)
+      options_.warn(plan_.network().label(context.node()) + ": " + erased.error().message);
+  }
+  if (end->outputs.empty()) end->outputs = default_outputs(context.node(), reports->globals);
+  completions.finish_at(
+      completions.now(), context.node(), context.attempt(),
+      reports->report({end->outcome, std::move(end->error)}, std::move(end->outputs), end->facts));
+  return true;
 }
 
 void ActionEnvironment::join(NodeContext& context, Completions& completions) {
@@ -337,6 +372,7 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
   }
   if (options_.observe)
     options_.observe({mission::ActionEvent::Kind::Began, planned.path, planned.iteration});
+  if (journal_ != nullptr) journal_->began(context.node());
   auto reports = counting_reporter(context);
   if (auto used = reports->globals.pending_changes()) unsure_[index(context.node())] = std::move(used);
   NodeCall call(*this, context, completions, reports);
@@ -356,23 +392,22 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
 
 namespace {
 
-/// The facts that became true, and those that became false.
-std::vector<cdtn::NamedEffect> changes(const mission::World::Facts& before,
-                                       const mission::World::Facts& after) {
-  std::vector<cdtn::NamedEffect> effects;
+/// The facts that became true, and with "!" those that became false.
+std::vector<std::string> changes(const mission::World::Facts& before, const mission::World::Facts& after) {
+  std::vector<std::string> facts;
   for (const std::string& fact : after) {
-    if (!before.contains(fact)) effects.push_back({fact, true});
+    if (!before.contains(fact)) facts.push_back(fact);
   }
   for (const std::string& fact : before) {
-    if (!after.contains(fact)) effects.push_back({fact, false});
+    if (!after.contains(fact)) facts.push_back("!" + fact);
   }
-  return effects;
+  return facts;
 }
 
 }  // namespace
 
 /// The subtree of the node, with everything that it begins with.
-mission::MissionPart ActionEnvironment::part(NodeContext& context) const {
+mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission::Globals& used) const {
   const PlannedNode& planned = plan_[context.node()];
   const auto slash = planned.path.rfind('/');
   std::string parent(planned.path);  // the root of a library has no path element of its own
@@ -385,7 +420,7 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context) const {
           parent,
           inputs(context),
           error.is_string() ? error.as_string() : "",
-          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : globals_of(context.node()),
+          planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : used,
           iterations_,
           mission::World::Facts(texts.begin(), texts.end())};
 }
@@ -400,21 +435,21 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   options.history = false;
   options.observe = options_.observe;
   options.preemption_grace = options_.preemption_grace;
-  options.part = part(context);
-  const mission::World::Facts world = options.part->world;
   auto reports = reporter(context.node());
+  options.part = part(context, reports->globals);
+  const mission::World::Facts world = options.part->world;
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
                                  reports->report({kAborted, made.error().message}, {}));
   }
+  if (journal_ != nullptr) journal_->began(context.node());
   std::shared_ptr<mission::Engine> engine = std::move(*made);
   const auto carry_out = [engine, reports, world] {
     engine->run();
-    auto report =
-        reports->report({engine->result().outcome, engine->result().error}, engine->result().outputs);
-    report->named_effects = changes(world, engine->world().facts());
-    return report;
+    const mission::MissionResult& ended = engine->result();
+    return reports->report({ended.outcome, ended.error}, ended.outputs,
+                           changes(world, engine->world().facts()));
   };
   if (in_virtual_time) {
     occupy(engine.get());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/convert/mission_plan.hpp>
+#include <segue/convert/node_journal.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/mission/engine.hpp>
 
@@ -19,7 +20,8 @@ namespace segue::convert {
 class ActionEnvironment final : public cdtn::Environment {
  public:
   ActionEnvironment(const MissionPlan& plan, const mission::Runners& runners,
-                    std::vector<std::shared_ptr<mission::ActionRunner>> by_action, RunOptions options);
+                    std::vector<std::shared_ptr<mission::ActionRunner>> by_action, RunOptions options,
+                    NodeJournal* journal = nullptr);
   ~ActionEnvironment() override;
 
   void start(cdtn::NodeContext& context, cdtn::Completions& completions) override;
@@ -52,8 +54,9 @@ class ActionEnvironment final : public cdtn::Environment {
     std::function<void()> preempt;
   };
 
+  bool replay(cdtn::NodeContext& context, cdtn::Completions& completions);
   void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
-  [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context) const;
+  [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context, const mission::Globals& used) const;
   void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);
@@ -72,6 +75,7 @@ class ActionEnvironment final : public cdtn::Environment {
   const mission::Runners& runners_;
   const std::vector<std::shared_ptr<mission::ActionRunner>> by_action_;
   const RunOptions options_;
+  NodeJournal* const journal_;  ///< null: none
   const std::shared_ptr<mission::Iterations> iterations_;
   std::shared_ptr<EndReceiver> receiver_ = std::make_shared<EndReceiver>();
   std::unordered_map<std::uint32_t, Running> running_;  ///< by node: what can be preempted

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The guarantee: a mission that runs concurrently does what it does as written, under every disturbance:
 // actions that end otherwise or take longer than expected, that abort, throw or lose their worker; loops,
-// preemptions and their handlers; a stop at any moment. SEGUE_MISSION_CASES tries more, SEGUE_MISSION_SEED
-// begins elsewhere, SEGUE_MISSION_SHOW shows what happened. The same program with SEGUE_CONVERT_FAULTS plants
-// faults into the conversion and expects to find each.
+// preemptions and their handlers; a stop at any moment, a crash after any line of the journal.
+// SEGUE_MISSION_CASES tries more, SEGUE_MISSION_SEED begins elsewhere, SEGUE_MISSION_SHOW shows what
+// happened. The same program with SEGUE_CONVERT_FAULTS plants faults into the conversion and expects to find
+// each.
+#include <segue/base/file.hpp>
 #include <segue/convert/fault.hpp>
 #include <segue/mission/files.hpp>
 #include <support/check_mission.hpp>
@@ -11,7 +13,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include <unistd.h>
 
 namespace segue::convert {
 namespace {
@@ -65,7 +72,52 @@ struct Trial {
   bool stopped = false;
 };
 
-/// Runs the mission of that number as written, by itself, and once more until it is stopped.
+/// The first irreversible action that was executed again although its end was recorded, or "".
+std::string executed_again(const ConcurrentRun& resumed, const mission::RunJournal& journal) {
+  std::map<std::string, std::size_t> left;  // by path: executions that the journal does not have
+  resumed.for_each_action([&](cdtn::NodeId node, const std::string&) {
+    const PlannedNode& planned = resumed.plan()[node];
+    if (resumed.plan().network()[node].kind != ActionClass::Irreversible) return;
+    left[std::string(planned.path)] += journal.find({std::string(planned.path), 0, planned.loops}) ? 0 : 1;
+  });
+  for (const auto& [path, executions] : left) {
+    if (resumed.begun_at(path) > executions) return path + " was executed again";
+  }
+  return {};
+}
+
+/// Runs the mission with a journal, and once more with what is left of that journal after a crash; the second
+/// run must do what the mission does as written. Returns the difference, or "".
+std::string difference_after_crash(const std::shared_ptr<const mission::Program>& program, const Ran& written,
+                                   RunOptions options, std::uint64_t seed) {
+  const auto file = std::filesystem::path(testing::TempDir()) / ("segue_crash_" + std::to_string(::getpid()));
+  std::filesystem::remove(file);
+  mission::RunJournal::Start start;
+  start.concurrent = true;
+  options.journal = mission::RunJournal::create(file, program->mission(), start).value();
+  (void)ConcurrentRun(program, options);
+  options.journal.reset();
+  const std::string text = read_file(file).value();
+  const auto lines = static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
+  std::size_t end = 0;
+  for (std::uint64_t left = 1 + seed / 8 % (lines - 1); left > 0; --left)
+    end = text.find('\n', end) + 1;
+  EXPECT_TRUE(write_file(file, text.substr(0, end)));
+  auto journal =
+      mission::RunJournal::resume(file, program->mission(), true, mission::RunJournal::UnderWay::Again);
+  if (!journal) return to_string(journal.error());
+  options.journal = std::move(*journal);
+  const ConcurrentRun resumed(program, options);
+  std::string difference = MissionCheck(written, resumed, options.strict).difference();
+  if (difference.empty() && resumed.ran.result.outcome >= 0)
+    difference = executed_again(resumed, *options.journal);
+  if (!difference.empty()) difference += ", resumed after\n" + text.substr(0, end);
+  std::filesystem::remove(file);
+  return difference;
+}
+
+/// Runs the mission of that number as written, by itself, in some cases again after a crash, and once more
+/// until it is stopped.
 Trial attempt(std::uint64_t seed) {
   Trial trial;
   trial.text = RandomMission(seed).text();
@@ -82,6 +134,8 @@ Trial attempt(std::uint64_t seed) {
   trial.succeeded = written.result.outcome >= 0;
   trial.preempted = run.network_result().statistics.preempted > 0;
   if (!trial.difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, run);
+  if (trial.difference.empty() && seed % 8 == 3)
+    trial.difference = difference_after_crash(program, written, options, seed);
   if (!trial.difference.empty() || run.begun() == 0) return trial;
   const ConcurrentRun stopped(program, options, 1 + seed % run.begun());
   trial.stopped = stopped.ran.result.outcome == mission::kPreempted;

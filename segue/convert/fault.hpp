@@ -33,7 +33,10 @@ enum class ConversionFault : std::uint8_t {
   ChangesGlobalsAtOnce,      ///< actions that may be discarded change global variables before they count
   ForgetsSharedGlobals,      ///< opaque subtrees have their own global variables
   ForgetsUnfinishedOutputs,  ///< a mission that fails has no outputs
-  Last = ForgetsUnfinishedOutputs
+  ResumesNothing,            ///< a resumed run executes everything again
+  ForgetsRecord,             ///< the journal lacks facts of subtrees and global variables
+  ForgetsLoops,              ///< the journal does not tell iterations of loops apart
+  Last = ForgetsLoops
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

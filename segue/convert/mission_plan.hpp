@@ -61,6 +61,7 @@ struct PlannedNode {
   mission::StateIndex shown_as =
       mission::kNoState;        ///< whose output defaults count: the outermost library that it is the root of
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
+  std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
   /// By port. Of a Copy: the forwarded values, of which the newest counts that is not null.
   std::vector<ValueSource> inputs;
@@ -79,6 +80,7 @@ struct PlannedNode {
 inline constexpr std::string_view kOutcomeOutput = "#outcome";  ///< an OutcomeId, of nodes that branch
 inline constexpr std::string_view kErrorOutput = "#error";      ///< only if it aborted
 inline constexpr std::string_view kCountOutput = "#count";
+inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
 inline constexpr std::string_view kValueOutput = "value";
 
 /// Why a state is an opaque subtree.

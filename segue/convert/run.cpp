@@ -11,14 +11,16 @@ namespace segue::convert {
 
 namespace {
 
-/// A plan, and whoever follows the actions whose ends count.
+/// A plan, and whoever follows or records the actions whose ends count.
 class ObservedPlan final : public cdtn::Expansion {
  public:
-  ObservedPlan(MissionPlan& plan, mission::ActionObserver observe)
-      : plan_(plan), observe_(std::move(observe)) {}
+  /// `journal` may be null.
+  ObservedPlan(MissionPlan& plan, mission::ActionObserver observe, NodeJournal* journal)
+      : plan_(plan), observe_(std::move(observe)), journal_(journal) {}
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
   [[nodiscard]] bool finished() const override { return plan_.finished(); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
+    if (journal_ != nullptr) journal_->ended(node, outcome, outputs);
     if (observe_ && plan_[node].role == Role::Action) report(node, outcome, outputs);
     plan_.ended(node, outcome, outputs);
   }
@@ -43,6 +45,7 @@ class ObservedPlan final : public cdtn::Expansion {
 
   MissionPlan& plan_;
   const mission::ActionObserver observe_;
+  NodeJournal* const journal_;
 };
 
 /// Opaque subtrees report from threads of their own.
@@ -63,8 +66,9 @@ class Run::Implementation {
                  std::vector<std::shared_ptr<mission::ActionRunner>> by_action, const RunOptions& options)
       : plan_(std::move(plan)),
         runners_(runners),
-        environment_(*plan_, runners_, std::move(by_action), options),
-        observed_(*plan_, options.observe),
+        journal_(options.journal ? std::make_unique<NodeJournal>(*plan_, options.journal) : nullptr),
+        environment_(*plan_, runners_, std::move(by_action), options, journal_.get()),
+        observed_(*plan_, options.observe, journal_.get()),
         engine_(plan_->network(), observed_, environment_, settings(options)) {}
 
   const mission::MissionResult& run() {
@@ -82,6 +86,7 @@ class Run::Implementation {
                           ? plan_->final_outputs()
                           : unfinished_outputs(*plan_, network_result_, environment_.globals);
     result_.outputs.resize(program.node(0).output_ports->size());
+    if (journal_ && !network_result_.stopped) journal_->finished(result_.outcome_name);
     return result_;
   }
 
@@ -98,6 +103,7 @@ class Run::Implementation {
 
   std::unique_ptr<MissionPlan> plan_;
   const mission::Runners runners_;
+  const std::unique_ptr<NodeJournal> journal_;
   ActionEnvironment environment_;
   ObservedPlan observed_;
   cdtn::ConcurrentEngine engine_;

@@ -26,6 +26,8 @@ struct RunOptions {
   /// Called for every action that begins, and for every one whose end counts: actions that run ahead and are
   /// discarded begin only. One call at a time, but actions of opaque subtrees report from other threads.
   mission::ActionObserver observe{};
+  /// Records the run, or supplies what an earlier one did; created with RunJournal::Start::concurrent.
+  std::shared_ptr<mission::RunJournal> journal{};
 };
 
 /// Runs a mission concurrently, with the outcome of its sequential run (docs/missions.md). Runs once. For one

@@ -16,6 +16,18 @@ using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
 
+namespace {
+
+/// The iterations of the loops around the position of the frame.
+std::string loops_around(const Frame& frame) {
+  std::string loops = frame.activation->entry.loops;
+  for (const Frame::Loop& loop : frame.loops)
+    loops += (loops.empty() ? "" : ".") + std::to_string(loop.iterations);
+  return loops;
+}
+
+}  // namespace
+
 Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool every_end)
     : plan_(plan),
       given_(std::move(inputs)),
@@ -210,6 +222,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
     candidates.insert(candidates.end(), entry.errors.begin(), entry.errors.end());
   }
   entry.path = path_of(activation, state);
+  entry.loops = loops_around(frame);
   entry.aborts_handled =
       activation.entry.aborts_handled || node(state).next[1].kind != NextStep::Kind::Nowhere;
   waiting = {};  // no further way leads to it, unless it is in a loop
@@ -295,6 +308,7 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
     branch.when = when;
     branch.inputs = inputs_of(activation, child, when);
     branch.path = path_of(activation, child);
+    branch.loops = activation.entry.loops;
     branch.aborts_handled = true;
     auto beside = std::make_shared<Track>();
     beside->branch = std::make_shared<const mission::ParallelBranch>(
@@ -422,6 +436,7 @@ void Unroller::join_barrier(Track& track) {
   entry.when = activation.entry.when;
   entry.inputs = inputs_of(activation, barrier.decider, entry.when);
   entry.path = path_of(activation, barrier.decider);
+  entry.loops = activation.entry.loops;
   entry.aborts_handled =
       activation.entry.aborts_handled || node(barrier.decider).next[1].kind != NextStep::Kind::Nowhere;
   enter(track, std::move(entry));

@@ -36,6 +36,7 @@ struct StateEntry {
   mission::StateIndex library = mission::kNoState;  ///< the outermost that it is the root of
   BranchEdge when;
   std::string path;
+  std::string loops;            ///< as PlannedNode
   bool aborts_handled = false;  ///< an enclosing state handles its abort
   std::vector<Symbol> inputs;
   std::vector<Candidate> errors;

@@ -293,6 +293,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   NodeSpec& spec = new_spec();
   PlannedNode planned;
   planned.path = entry.path;
+  planned.loops = entry.loops;
   planned.state = entry.state;
   planned.shown_as = shown_as(entry);
   spec.kind = what.action_class();
@@ -329,6 +330,7 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
   PlannedNode planned;
   planned.role = Role::OpaqueSubtree;
   planned.path = entry.path;
+  planned.loops = entry.loops;
   planned.state = entry.state;
   planned.shown_as = shown_as(entry);
   spec.opaque_subtree = true;

@@ -118,7 +118,6 @@ class EngineCore {
   bool replay_end(Activation& leaf);
   bool replay_next();
   bool begin_postponed();
-  [[nodiscard]] std::optional<Ending> settled(const Activation& leaf) const;
   void record_begin(const Activation& leaf);
   void record_end(const Activation& leaf);
 

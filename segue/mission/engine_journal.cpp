@@ -3,8 +3,6 @@
 // Recording a run in its journal, and replaying the journal of an interrupted run.
 #include <segue/mission/engine_core.hpp>
 
-#include <algorithm>
-
 namespace segue::mission::detail {
 
 /// Ends that the journal has are replayed first; actions that it lacks begin only after that.
@@ -20,7 +18,9 @@ Ending EngineCore::call_with_journal(Activation& leaf, bool& under_way) {
 
 Ending EngineCore::begin_with_journal(Activation& leaf, bool& under_way) {
   under_way = false;
-  if (auto ending = settled(leaf)) return *std::move(ending);
+  const Action& action = program->mission().actions[program->node(leaf.state).action];
+  if (auto end = options.journal->assumed_end({path(leaf), leaf.iteration}, action))
+    return {end->outcome, std::move(end->error)};
   record_begin(leaf);
   return execute(leaf, under_way);
 }
@@ -38,30 +38,12 @@ bool EngineCore::begin_postponed() {
 
 /// True if the journal has the end of this execution: replay_next() will deliver it in its turn.
 bool EngineCore::replay_end(Activation& leaf) {
-  const auto place = options.journal->find(path(leaf), leaf.iteration);
+  const auto place = options.journal->find({path(leaf), leaf.iteration});
   if (!place) return false;
   leaf.deferred = true;
   ++open_calls_;
   replaying_.emplace(*place, std::pair(&leaf, leaf.generation));
   return true;
-}
-
-/// For an action that was running when the earlier run was interrupted: how it is taken to have ended.
-std::optional<Ending> EngineCore::settled(const Activation& leaf) const {
-  const Action& action = program->mission().actions[program->node(leaf.state).action];
-  switch (options.journal->interrupted(path(leaf), leaf.iteration)) {
-    case RunJournal::UnderWay::Skip: {
-      const auto& outcomes = action.outcomes;
-      const auto expected = std::ranges::find(outcomes, action.foreseen_outcome());
-      return Ending{expected == outcomes.end() ? 0 : static_cast<Outcome>(expected - outcomes.begin()), {}};
-    }
-    case RunJournal::UnderWay::Abort:
-      return Ending{kAborted, "it had begun but not ended when the earlier run was interrupted"};
-    case RunJournal::UnderWay::Again:
-    case RunJournal::UnderWay::Refuse:
-      break;
-  }
-  return std::nullopt;
 }
 
 /// Delivers the next end of the earlier run. Called only when nothing else can go on, so that all ends come
@@ -89,11 +71,11 @@ bool EngineCore::replay_next() {
 
 void EngineCore::record_begin(const Activation& leaf) {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
-  options.journal->began(path(leaf), leaf.iteration, action.action_class() == ActionClass::Irreversible);
+  options.journal->began({path(leaf), leaf.iteration}, action.action_class() == ActionClass::Irreversible);
 }
 
 void EngineCore::record_end(const Activation& leaf) {
-  options.journal->ended(path(leaf), leaf.iteration,
+  options.journal->ended({path(leaf), leaf.iteration},
                          {leaf.outcome, leaf.error, leaf.preempted, leaf.outputs, {}, {}},
                          globals.snapshot());
 }

@@ -54,6 +54,12 @@ class Globals {
   [[nodiscard]] Globals kept_aside_at(Place place) const;
   /// What has been used through this handle; null unless it was made by kept_aside_at().
   [[nodiscard]] std::shared_ptr<PendingChanges> pending_changes() const;
+  struct Changes {
+    type::ValueMap set;
+    std::vector<std::string> erased;
+  };
+  /// What was changed through a handle made by at() or kept_aside_at(), with the last values.
+  [[nodiscard]] Changes changes() const;
   /// The execution has ended: a handle made by kept_aside_at() changes nothing any more (InvalidState).
   void close();
   /// All actions before this position have ended.

@@ -60,7 +60,7 @@ struct Globals::View {
   struct Use {
     std::uint64_t version = 0;  ///< the last one by an action before it
     Key holder = 0;             ///< that it has seen
-    Variable own{};
+    Variable own{};             ///< with kept_aside: as it sees it
     bool changed = false;
   };
   Place place;

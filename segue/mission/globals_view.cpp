@@ -88,8 +88,15 @@ Globals::Variable Globals::look(std::string_view name) const {
 }
 
 Result<void> Globals::put(const std::string& name, Variable variable) {
-  if (!view_ || !view_->kept_aside) {
-    variables_->write(variables_->by_name[name], view_ ? &view_->place : nullptr, std::move(variable));
+  if (!view_) {
+    variables_->write(variables_->by_name[name], nullptr, std::move(variable));
+    return {};
+  }
+  if (!view_->kept_aside) {
+    View::Use& use = view_->uses[name];
+    use.own = variable;
+    use.changed = true;
+    variables_->write(variables_->by_name[name], &view_->place, std::move(variable));
     return {};
   }
   if (view_->closed) {
@@ -134,7 +141,7 @@ class Globals::Pending final : public PendingChanges {
     }
     view_->closed = true;
     for (auto& [name, use] : view_->uses) {
-      if (use.changed) variables_->write(variables_->by_name[name], &view_->place, std::move(use.own));
+      if (use.changed) variables_->write(variables_->by_name[name], &view_->place, use.own);
     }
     return {};
   }
@@ -192,6 +199,20 @@ Globals Globals::kept_aside_at(Place place) const {
 std::shared_ptr<PendingChanges> Globals::pending_changes() const {
   if (!view_ || !view_->kept_aside) return nullptr;
   return std::make_shared<Pending>(variables_, view_);
+}
+
+Globals::Changes Globals::changes() const {
+  const std::lock_guard guard(variables_->mutex);
+  Changes changes;
+  if (!view_) return changes;
+  for (const auto& [name, use] : view_->uses) {
+    if (!use.changed) continue;
+    if (use.own.content)
+      changes.set.append(name, use.own.content->value);
+    else
+      changes.erased.push_back(name);
+  }
+  return changes;
 }
 
 void Globals::close() {

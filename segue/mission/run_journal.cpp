@@ -7,6 +7,7 @@
 #include <segue/mission/files.hpp>
 #include <segue/type/json.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -72,6 +73,15 @@ Value list(const std::vector<std::string>& texts) {
   return values;
 }
 
+/// The fields that begin the line of an event.
+ValueMap event(const std::string& kind, const Execution& execution) {
+  ValueMap line;
+  line.append(kind, execution.path);
+  line.append("n", execution.iteration);
+  if (!execution.loops.empty()) line.append("loops", execution.loops);
+  return line;
+}
+
 Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
   Descriptor file(::open(path.c_str(), flags | O_RDWR | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
   std::error_code ignored;
@@ -104,6 +114,7 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
   line.append("inputs", start.inputs);
   line.append("facts", list(start.facts));
   line.append("start_at", start.start_at);
+  if (start.concurrent) line.append("concurrent", true);
   journal->start_ = std::move(start);
   journal->write(line, true);
   if (!journal->file_.valid()) return fail(ErrorCode::IoError, "cannot write to " + quote(file.string()));
@@ -111,8 +122,8 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
 }
 
 Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::path& file,
-                                                       const Mission& mission, UnderWay under_way,
-                                                       Warn warn) {
+                                                       const Mission& mission, bool concurrent,
+                                                       UnderWay under_way, Warn warn) {
   auto opened = open_locked(file, 0);
   if (!opened) return opened.error();
   auto text = read_file(file);
@@ -121,6 +132,10 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
   const std::size_t whole = text->rfind('\n') == std::string::npos ? 0 : text->rfind('\n') + 1;
   if (auto taken = journal->read(std::string_view(*text).substr(0, whole), mission, file.string()); !taken)
     return taken.error();
+  if (journal->start_.concurrent != concurrent) {
+    return fail(ErrorCode::InvalidArgument, concurrent ? "that run was a sequential one: --mode sequential"
+                                                       : "that run was a concurrent one: --mode concurrent");
+  }
   if (journal->finished_) return fail(ErrorCode::InvalidState, "that run has ended; start a new one");
   if (const std::string open = journal->open_actions(); under_way == UnderWay::Refuse && !open.empty()) {
     return fail(
@@ -155,7 +170,8 @@ Result<void> RunJournal::read(std::string_view text, const Mission& mission, con
       return fail(ErrorCode::InvalidArgument, "the run was one of " + quote(text_of(*line, "mission")) +
                                                   " as it was then; this mission is another one");
     }
-    start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at")};
+    start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at"),
+              flag_of(*line, "concurrent")};
   }
   return number > 0 ? Result<void>{} : not_a_journal("it is empty, as a full disk leaves it");
 }
@@ -168,7 +184,7 @@ Result<void> RunJournal::take(const Value& line) {
   const Value& n = part(line, "n");
   if (!n.is_integer()) return fail(ErrorCode::ParseError, "the number of the execution is missing");
   if (const Value* path = line.find("begun"); path != nullptr && path->is_string()) {
-    open_[{path->as_string(), n.as_uint()}] = flag_of(line, "irreversible");
+    open_[{path->as_string(), n.as_uint(), text_of(line, "loops")}] = flag_of(line, "irreversible");
     return {};
   }
   const Value* path = line.find("ended");
@@ -181,49 +197,65 @@ Result<void> RunJournal::take(const Value& line) {
           flag_of(line, "preempted"),
           outputs.is_list() ? outputs.as_list() : Value::List(),
           map_of(line, "globals"),
-          texts_of(line, "erased")};
-  const Key key{path->as_string(), n.as_uint()};
-  open_.erase(key);
-  if (!places_.emplace(key, ends_.size()).second)
-    return fail(ErrorCode::ParseError, quote(key.first) + " ends twice");
+          texts_of(line, "erased"),
+          texts_of(line, "facts")};
+  const Execution execution{path->as_string(), n.as_uint(), text_of(line, "loops")};
+  open_.erase(execution);
+  if (!places_.emplace(execution, ends_.size()).second)
+    return fail(ErrorCode::ParseError, quote(execution.path) + " ends twice");
   ends_.push_back(std::move(end));
   return {};
 }
 
 std::string RunJournal::open_actions() const {
   std::vector<std::string> names;
-  for (const auto& [key, irreversible] : open_) {
-    if (irreversible) names.push_back(quote(key.first));
+  for (const auto& [execution, irreversible] : open_) {
+    if (irreversible) names.push_back(quote(execution.path));
   }
   return names.empty() ? std::string() : listed(names);
 }
 
-std::optional<std::size_t> RunJournal::find(const std::string& path, std::uint64_t iteration) const {
-  const auto found = places_.find({path, iteration});
+std::optional<std::size_t> RunJournal::find(const Execution& execution) const {
+  const auto found = places_.find(execution);
   return found == places_.end() ? std::nullopt : std::optional(found->second);
 }
 
-RunJournal::UnderWay RunJournal::interrupted(const std::string& path, std::uint64_t iteration) const {
-  const auto found = open_.find({path, iteration});
-  return found != open_.end() && found->second ? under_way_ : UnderWay::Refuse;
+std::optional<RunJournal::End> RunJournal::assumed_end(const Execution& execution,
+                                                       const Action& action) const {
+  const auto found = open_.find(execution);
+  if (found == open_.end() || !found->second) return std::nullopt;
+  End end;
+  if (under_way_ == UnderWay::Abort) {
+    end.outcome = kAborted;
+    end.error = "it had begun but not ended when the earlier run was interrupted";
+    return end;
+  }
+  if (under_way_ != UnderWay::Skip) return std::nullopt;
+  const auto expected = std::ranges::find(action.outcomes, action.foreseen_outcome());
+  if (expected != action.outcomes.end())
+    end.outcome = static_cast<Outcome>(expected - action.outcomes.begin());
+  return end;
 }
 
-void RunJournal::began(const std::string& path, std::uint64_t iteration, bool irreversible) {
-  ValueMap line;
-  line.append("begun", path);
-  line.append("n", iteration);
+void RunJournal::began(const Execution& execution, bool irreversible) {
+  ValueMap line = event("begun", execution);
   if (irreversible) line.append("irreversible", true);
   write(line, irreversible);
 }
 
-void RunJournal::ended(const std::string& path, std::uint64_t iteration, End end, const Value& globals) {
-  ValueMap line;
-  line.append("ended", path);
-  line.append("n", iteration);
+void RunJournal::ended(const Execution& execution, const End& end) {
+  ValueMap line = event("ended", execution);
   line.append("outcome", static_cast<std::int64_t>(end.outcome));
-  if (!end.error.empty()) line.append("error", std::move(end.error));
+  if (!end.error.empty()) line.append("error", end.error);
   if (end.preempted) line.append("preempted", true);
-  line.append("outputs", Value::List(std::move(end.outputs)));
+  line.append("outputs", Value::List(end.outputs));
+  if (!end.globals.empty()) line.append("globals", end.globals);
+  if (!end.erased.empty()) line.append("erased", list(end.erased));
+  if (!end.facts.empty()) line.append("facts", list(end.facts));
+  write(line, false);
+}
+
+void RunJournal::ended(const Execution& execution, End end, const Value& globals) {
   const auto& now = globals.as_map();
   for (const auto& [name, value] : now) {
     const Value* before = globals_.is_map() ? globals_.find(name) : nullptr;
@@ -232,10 +264,8 @@ void RunJournal::ended(const std::string& path, std::uint64_t iteration, End end
   for (const auto& [name, value] : globals_.is_map() ? globals_.as_map() : ValueMap()) {
     if (now.find(name) == nullptr) end.erased.push_back(name);
   }
-  if (!end.globals.empty()) line.append("globals", std::move(end.globals));
-  if (!end.erased.empty()) line.append("erased", list(end.erased));
   globals_ = globals;
-  write(line, false);
+  ended(execution, end);
 }
 
 void RunJournal::finished(const std::string& outcome) {

@@ -7,6 +7,7 @@
 #include <segue/mission/program.hpp>
 #include <segue/type/value.hpp>
 
+#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,14 +16,24 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace segue::mission {
 
+/// Tells the executions of a run apart. A concurrent run begins actions before it is known how often their
+/// states have begun, so there the iterations of the loops around the state count instead, the outermost
+/// first: "2.1".
+struct Execution {
+  std::string path;
+  std::uint64_t iteration = 0;  ///< how often the state had begun before
+  std::string loops{};          ///< concurrent runs; empty if there is no loop around it
+  friend auto operator<=>(const Execution&, const Execution&) = default;
+};
+
 /// A file that records a run: a line of JSON for each action that begins and for each that ends. A later run
-/// of the same mission replays the recorded ends in their order instead of executing these actions, and so
-/// gets to the point at which the earlier run was interrupted. Not thread safe.
+/// of the same mission replays the recorded ends in their order (concurrently: as actions get their turn)
+/// instead of executing these actions, and so gets to the point at which the earlier run was interrupted. Not
+/// thread safe.
 ///
 /// A potentially irreversible action is recorded, and the record synced to disk, before it begins. If the
 /// file can no longer be written, the run continues, `warn` is called once, and the file is emptied, since it
@@ -34,6 +45,7 @@ class RunJournal {
     type::ValueMap inputs;
     std::vector<std::string> facts;
     std::string start_at;
+    bool concurrent = false;  ///< of a concurrent run, which can only be resumed concurrently
   };
   /// What resume() does about potentially irreversible actions that were running when the run was
   /// interrupted: refuse; execute them again; take them as ended as expected, with default outputs; or as
@@ -46,39 +58,42 @@ class RunJournal {
     std::vector<type::Value> outputs;
     type::ValueMap globals;           ///< variables that were set
     std::vector<std::string> erased;  ///< names of variables
+    /// Of an opaque subtree: the facts that became true, and with "!" those that became false.
+    std::vector<std::string> facts{};
   };
   using Warn = std::function<void(std::string)>;
 
   /// AlreadyExists if the file exists, IoError, PermissionDenied.
   static Result<std::unique_ptr<RunJournal>> create(const std::filesystem::path& file, const Mission& mission,
                                                     Start start, Warn warn = {});
-  /// NotFound; ParseError if it is not a journal; InvalidArgument if it is that of another mission;
-  /// InvalidState if that run has ended, if another process writes the file, and with Refuse if actions were
-  /// running, which it names. An incomplete last line is cut off.
+  /// NotFound; ParseError if it is not a journal; InvalidArgument if it is that of another mission
+  /// or, with another `concurrent`, of another kind of run; InvalidState if that run has ended, if another
+  /// process writes the file, and with Refuse if actions were running, which it names. An incomplete last
+  /// line is cut off.
   static Result<std::unique_ptr<RunJournal>> resume(const std::filesystem::path& file, const Mission& mission,
-                                                    UnderWay under_way, Warn warn = {});
+                                                    bool concurrent, UnderWay under_way, Warn warn = {});
 
   [[nodiscard]] const Start& start() const { return start_; }
   /// How many actions had ended in the earlier run.
   [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
   /// The position of the end of this execution.
-  [[nodiscard]] std::optional<std::size_t> find(const std::string& path, std::uint64_t iteration) const;
+  [[nodiscard]] std::optional<std::size_t> find(const Execution& execution) const;
   [[nodiscard]] const End& operator[](std::size_t place) const { return ends_[place]; }
-  /// What to do about this execution if it was running; Refuse if it was not.
-  [[nodiscard]] UnderWay interrupted(const std::string& path, std::uint64_t iteration) const;
+  /// How an execution of a potentially irreversible action that was running is taken to have ended; nothing
+  /// if it was not running, or is to be executed again.
+  [[nodiscard]] std::optional<End> assumed_end(const Execution& execution, const Action& action) const;
 
-  void began(const std::string& path, std::uint64_t iteration, bool irreversible);
-  /// `globals`: all variables, by name.
-  void ended(const std::string& path, std::uint64_t iteration, End end, const type::Value& globals);
+  void began(const Execution& execution, bool irreversible);
+  void ended(const Execution& execution, const End& end);
+  /// `globals`: all variables, by name, of which those that have changed since the last call belong to `end`.
+  void ended(const Execution& execution, End end, const type::Value& globals);
   void finished(const std::string& outcome);
   /// The run is being stopped: actions that end from now on were preempted and are not recorded, so that a
   /// later run executes them.
   void close() { file_ = Descriptor(); }
 
  private:
-  using Key = std::pair<std::string, std::uint64_t>;
-
   RunJournal(Descriptor file, Warn warn) : file_(std::move(file)), warn_(std::move(warn)) {}
   Result<void> read(std::string_view text, const Mission& mission, const std::string& name);
   Result<void> take(const type::Value& line);
@@ -90,8 +105,8 @@ class RunJournal {
   Start start_;
   UnderWay under_way_ = UnderWay::Refuse;
   std::vector<End> ends_;
-  std::map<Key, std::size_t> places_;
-  std::map<Key, bool> open_;  ///< begun and not ended; whether irreversible
+  std::map<Execution, std::size_t> places_;
+  std::map<Execution, bool> open_;  ///< begun and not ended; whether irreversible
   bool finished_ = false;
   type::Value globals_;  ///< as recorded last
 };

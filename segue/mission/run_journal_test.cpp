@@ -63,7 +63,8 @@ class RunJournals : public ::testing::Test {
   }
   [[nodiscard]] const Mission& mission() const { return program_->mission(); }
   Result<std::unique_ptr<RunJournal>> resume(UnderWay under_way = UnderWay::Refuse) {
-    return RunJournal::resume(file_, mission(), under_way, [this](const std::string& text) { told_ = text; });
+    return RunJournal::resume(file_, mission(), false, under_way,
+                              [this](const std::string& text) { told_ = text; });
   }
   Result<std::unique_ptr<RunJournal>> create() {
     return RunJournal::create(file_, mission(), {}, [this](const std::string& text) { told_ = text; });
@@ -166,7 +167,8 @@ TEST_F(RunJournals, OthersAreRefused) {
   break_off_after(1);
   Mission other = mission();
   other.actions.front().pure = false;
-  EXPECT_THAT(to_string(RunJournal::resume(file_, other, UnderWay::Again).error()), HasSubstr("another one"));
+  EXPECT_THAT(to_string(RunJournal::resume(file_, other, false, UnderWay::Again).error()),
+              HasSubstr("another one"));
 }
 
 TEST_F(RunJournals, ALinkIsNotFollowed) {
@@ -196,9 +198,9 @@ RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {
   std::filesystem::remove(file);
   {
     auto journal = RunJournal::create(file, mission, {}).value();
-    journal->began("look", 0, false);
-    journal->ended("look", 0, {0, "e", false, {type::Value(1)}, {}, {}}, type::Value::map({{"g", 1}}));
-    journal->began("grasp", 0, true);
+    journal->began({"look"}, false);
+    journal->ended({"look"}, {0, "e", false, {type::Value(1)}, {}, {}}, type::Value::map({{"g", 1}}));
+    journal->began({"grasp"}, true);
   }
   std::string text = read_file(file).value();
   const auto damages = *rc::gen::inRange(1, 4);
@@ -207,7 +209,7 @@ RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {
     text[at] = *rc::gen::elementOf(std::string("{}[]\",:0a\n-"));
   }
   RC_ASSERT(write_file(file, text).has_value());
-  const auto resumed = RunJournal::resume(file, mission, UnderWay::Again);
+  const auto resumed = RunJournal::resume(file, mission, false, UnderWay::Again);
   RC_ASSERT(resumed || !resumed.error().message.empty());
   std::filesystem::remove(file);
 }

@@ -17,6 +17,11 @@ RunResult run_concurrently(SharedProgram program, const RunRequest& request, std
 RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
                       std::stop_token stop);
 
+/// What the run begins with: as requested, or as the journal says that it continues. `journal` is set if one
+/// is wanted.
+Result<mission::RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
+                                                std::shared_ptr<mission::RunJournal>& journal);
+
 /// The diagram of a mission, planned as the request says. Blocks.
 Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequest& request);
 

@@ -89,11 +89,13 @@ class NetworkRun : public FinishedRun {
 class ConcurrentMissionRun final : public NetworkRun {
  public:
   Result<void> prepare(SharedProgram program, const RunRequest& request) {
-    auto inputs = inputs_by_port(*program, request.inputs);
-    if (!inputs) return inputs.error();
-    auto facts = parse_facts(request.facts);
-    if (!facts) return facts.error();
     convert::RunOptions options;
+    auto start = open_journal(program->mission(), request, options.journal);
+    if (!start) return start.error();
+    auto inputs = inputs_by_port(*program, start->inputs);
+    if (!inputs) return inputs.error();
+    auto facts = parse_facts(start->facts);
+    if (!facts) return facts.error();
     options.facts = std::move(*facts);
     options.clock = request.clock;
     options.strict = request.strict;

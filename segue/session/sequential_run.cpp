@@ -111,32 +111,6 @@ class SequentialRun final : public FinishedRun {
   }
 
  private:
-  /// What the run begins with: as requested, or as the journal says that it continues.
-  static Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
-                                                std::shared_ptr<RunJournal>& journal) {
-    RunJournal::Start start{request.inputs, request.facts, request.start_at};
-    if (!request.journal) return start;
-    const JournalRequest& wanted = *request.journal;
-    if (!wanted.resume) {
-      auto created = RunJournal::create(wanted.file, mission, start, request.note);
-      if (!created) return created.error();
-      journal = std::move(*created);
-      return start;
-    }
-    if (!start.inputs.empty() || !start.facts.empty() || !start.start_at.empty()) {
-      return fail(ErrorCode::InvalidArgument,
-                  "a run that is resumed has the inputs, facts and start that it began with");
-    }
-    auto found = RunJournal::resume(wanted.file, mission, wanted.under_way, request.note);
-    if (!found) return found.error();
-    journal = std::move(*found);
-    if (request.note) {
-      request.note("the run is resumed: " + std::to_string(journal->size()) +
-                   (journal->size() == 1 ? " action" : " actions") + " had ended");
-    }
-    return journal->start();
-  }
-
   [[nodiscard]] const mission::Program& program() const { return engine_->program(); }
   [[nodiscard]] const std::vector<mission::History::Item>& items() const {
     return engine_->history().items();

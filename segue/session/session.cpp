@@ -101,8 +101,8 @@ std::string problem_of(const RunRequest& request, bool is_network) {
   if (request.mode == RunMode::Sequential &&
       (request.strict || request.workers != 0 || network.world_copies != 0))
     return "strict, a number of workers and of copies of the world are for concurrent runs";
-  if (request.mode == RunMode::Concurrent && (!request.start_at.empty() || request.journal))
-    return "a state to start at and a journal are for missions that run as they are written";
+  if (request.mode == RunMode::Concurrent && !request.start_at.empty())
+    return "a state to start at is for missions that run as they are written";
   return {};
 }
 

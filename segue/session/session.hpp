@@ -53,10 +53,10 @@ struct RunRequest {
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
 
   // Missions only; given for a task network they are refused.
-  type::ValueMap inputs;                  ///< in place of their defaults
-  std::vector<std::string> facts;         ///< "p(a)" holds at the beginning, "!p(a)" does not
-  std::string start_at;                   ///< "fetch/grasp"; sequential only
-  std::optional<JournalRequest> journal;  ///< sequential only
+  type::ValueMap inputs;           ///< in place of their defaults
+  std::vector<std::string> facts;  ///< "p(a)" holds at the beginning, "!p(a)" does not
+  std::string start_at;            ///< "fetch/grasp"; sequential only
+  std::optional<JournalRequest> journal;
 
   // Who executes the actions of a mission.
   mission::Runners runners;        ///< callbacks in C++

@@ -279,30 +279,38 @@ TEST_F(Sessions, AStopBeforeTheRunLeavesNothingDone) {
 
 TEST_F(Sessions, AJournalLetsALaterRunContinue) {
   const Session session = load("m.yaml", kGrasp);
-  RunRequest wanted = request(RunMode::Sequential);
-  wanted.journal = JournalRequest{folder_ / "journal"};
-  std::stop_source stop;
-  wanted.on_action = [&](const mission::ActionEvent& event) {
-    if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
-  };
-  EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
-  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    const bool concurrent = mode == RunMode::Concurrent;
+    RunRequest wanted = request(mode);
+    wanted.journal = JournalRequest{folder_ / (concurrent ? "concurrent" : "sequential")};
+    std::stop_source stop;
+    wanted.on_action = [&](const mission::ActionEvent& event) {
+      if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
+    };
+    EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
+    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
 
-  std::vector<std::string> begun;
-  std::vector<std::string> notes;
-  wanted.journal->resume = true;
-  wanted.note = [&](const std::string& text) { notes.push_back(text); };
-  wanted.on_action = [&](const mission::ActionEvent& event) {
-    if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
-  };
-  const auto run = session.run(wanted).value();
-  EXPECT_EQ(run->overview().outcome, "success");
-  EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7)) << "from the journal";
-  EXPECT_THAT(begun, ElementsAre("grasp"));
-  EXPECT_THAT(notes, ElementsAre("the run is resumed: 2 actions had ended"));
-  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
-  wanted.inputs.append("force", 2);
-  EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument);
+    std::vector<std::string> begun;
+    std::vector<std::string> notes;
+    wanted.journal->resume = true;
+    // Concurrently the grasp may have begun before the stop was heeded.
+    if (concurrent) wanted.journal->under_way = mission::RunJournal::UnderWay::Again;
+    wanted.note = [&](const std::string& text) { notes.push_back(text); };
+    wanted.on_action = [&](const mission::ActionEvent& event) {
+      if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
+    };
+    const auto run = session.run(wanted).value();
+    EXPECT_EQ(run->overview().outcome, "success");
+    EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7)) << "from the journal";
+    // Concurrently it looks while it warms up.
+    EXPECT_EQ(begun, concurrent ? std::vector<std::string>({"warm_up", "grasp"})
+                                : std::vector<std::string>({"grasp"}));
+    EXPECT_THAT(notes, ElementsAre(concurrent ? "the run is resumed: 1 action had ended"
+                                              : "the run is resumed: 2 actions had ended"));
+    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
+    wanted.inputs.append("force", 2);
+    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument);
+  }
 }
 
 TEST_F(Sessions, ANetworkRunsInEitherMode) {

@@ -52,12 +52,7 @@ class Trial {
     options.preemption_grace = std::chrono::milliseconds(1);
     options.facts = facts();
     options.warn = [this](const std::string& text) { warnings_.emplace_back(text); };
-    if (!journal_.empty()) {
-      auto journal = resume_ ? RunJournal::resume(journal_, program_->mission(), RunJournal::UnderWay::Again)
-                             : RunJournal::create(journal_, program_->mission(), {});
-      ASSERT_TRUE(journal) << to_string(journal.error());
-      options.journal = std::move(*journal);
-    }
+    ASSERT_NO_FATAL_FAILURE(open_journal(false, options.journal));
     auto engine = Engine::create(program_, runners_, std::move(options));
     ASSERT_TRUE(engine) << to_string(engine.error());
     engine_ = std::move(*engine);
@@ -86,6 +81,7 @@ class Trial {
     options.clock = cdtn::ClockKind::Virtual;
     options.facts = facts();
     options.preemption_grace = std::chrono::milliseconds(1);
+    ASSERT_NO_FATAL_FAILURE(open_journal(true, options.journal));
     std::vector<Value> inputs(program_->node(0).input_ports->size());
     if (const Value* given = test_.find("inputs")) {
       for (const auto& [name, value] : given->as_map())
@@ -116,6 +112,17 @@ class Trial {
     auto program = Program::compile(std::move(*mission));
     ASSERT_TRUE(program) << to_string(program.error());
     program_ = std::move(*program);
+  }
+
+  void open_journal(bool concurrent, std::shared_ptr<RunJournal>& journal) const {
+    if (journal_.empty()) return;
+    const auto& mission = program_->mission();
+    auto opened =
+        resume_ ? RunJournal::resume(journal_, mission, concurrent, RunJournal::UnderWay::Again)
+                : RunJournal::create(journal_, mission,
+                                     {.inputs = {}, .facts = {}, .start_at = {}, .concurrent = concurrent});
+    ASSERT_TRUE(opened) << to_string(opened.error());
+    journal = std::move(*opened);
   }
 
   [[nodiscard]] std::vector<Fact> facts() const {
@@ -283,16 +290,19 @@ class Trial {
 
 /// Each ended action began once, unless it was in progress at a cut.
 void expect_nothing_done_twice(const std::string& journal) {
-  std::map<std::pair<std::string, std::uint64_t>, bool> ended;
+  std::map<Execution, bool> ended;
   std::size_t begin = 0;
   for (std::size_t end = journal.find('\n'); end != std::string::npos; end = journal.find('\n', begin)) {
     const Value line = type::parse_json(journal.substr(begin, end - begin)).value();
     begin = end + 1;
-    const Value* n = line.find("n");
+    const auto execution = [&](const Value& path) {
+      const Value* loops = line.find("loops");
+      return Execution{path.as_string(), line.find("n")->as_uint(), loops ? loops->as_string() : ""};
+    };
     if (const Value* begun = line.find("begun")) {
-      EXPECT_FALSE((ended[{begun->as_string(), n->as_uint()}])) << begun->as_string();
+      EXPECT_FALSE(ended[execution(*begun)]) << begun->as_string();
     } else if (const Value* done = line.find("ended")) {
-      EXPECT_FALSE((std::exchange(ended[{done->as_string(), n->as_uint()}], true))) << done->as_string();
+      EXPECT_FALSE(std::exchange(ended[execution(*done)], true)) << done->as_string();
     }
   }
 }
@@ -316,37 +326,54 @@ TEST_P(MissionRunCase, goesSoConcurrently) {
   Trial(*root).execute_concurrently();
 }
 
-/// Runs that were cut off after any line of their journal, or within one, resume to the same end.
-TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
-  const auto text = read_file(GetParam());
-  const auto test = type::parse_yaml(*text);
-  ASSERT_TRUE(test);
-  const std::string& mission = test->find("mission")->as_string();
+/// Why a run of the case cannot be broken off and resumed by itself, or "".
+std::string led_by_hand(const Value& test, bool concurrent) {
   for (const char* hand : {"steps", "start_at", "inputs"}) {
-    if (test->find(hand) != nullptr) GTEST_SKIP() << "it is led by hand";
+    if (test.find(hand) != nullptr) return "it is led by hand";
   }
+  if (concurrent && test.find("backward") != nullptr) return "only a run as written has steps back";
+  const std::string& mission = test.find("mission")->as_string();
   for (const char* hand : {"callback: stop", "callback: pause", "callback: deaf"}) {
     if (mission.find(hand) != std::string::npos)
-      GTEST_SKIP() << "an action of it stops the engine, or would not be stopped";
+      return "an action of it stops the engine, or would not be stopped";
   }
+  return {};
+}
+
+/// Runs that were cut off after any line of their journal, or within one, resume to the same end.
+void expect_to_go_on_from_everywhere(const Value& test, void (Trial::*execute)()) {
   const auto file =
       std::filesystem::path(::testing::TempDir()) / ("segue_run_" + std::to_string(::getpid()) + ".journal");
   std::filesystem::remove(file);
-  Trial whole(*test);
+  Trial whole(test);
   whole.keep_journal(file, false);
-  whole.execute();
+  (whole.*execute)();
   const std::string journal = read_file(file).value();
   for (std::size_t cut = journal.find('\n') + 1; cut + 2 < journal.size();
        cut = std::min(journal.find('\n', cut) + 1, cut + 40)) {
     if (journal.find("\"finished\"", 0) < cut) break;
     ASSERT_TRUE(write_file(file, journal.substr(0, cut)));
-    Trial rest(*test);
+    Trial rest(test);
     rest.keep_journal(file, true);
-    rest.execute();
-    if (HasFailure()) FAIL() << "after\n" << journal.substr(0, cut);
+    (rest.*execute)();
+    if (::testing::Test::HasFailure()) FAIL() << "after\n" << journal.substr(0, cut);
     expect_nothing_done_twice(read_file(file).value());
   }
   std::filesystem::remove(file);
+}
+
+TEST_P(MissionRunCase, goesOnFromWhereverItBrokeOff) {
+  const auto test = type::parse_yaml(*read_file(GetParam()));
+  ASSERT_TRUE(test);
+  if (const auto why = led_by_hand(*test, false); !why.empty()) GTEST_SKIP() << why;
+  expect_to_go_on_from_everywhere(*test, &Trial::execute);
+}
+
+TEST_P(MissionRunCase, goesOnConcurrentlyFromWhereverItBrokeOff) {
+  const auto test = type::parse_yaml(*read_file(GetParam()));
+  ASSERT_TRUE(test);
+  if (const auto why = led_by_hand(*test, true); !why.empty()) GTEST_SKIP() << why;
+  expect_to_go_on_from_everywhere(*test, &Trial::execute_concurrently);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, MissionRunCase, ::testing::ValuesIn(glob_files(kCases)),

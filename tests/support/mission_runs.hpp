@@ -169,6 +169,7 @@ class ConcurrentRun {
     options.clock = cdtn::ClockKind::Virtual;
     options.log = true;
     const auto at_start = [this, stop_at](const mission::ActionCall& call) {
+      ++begun_at_[call.path()];
       if (++begun_ != stop_at) return;
       stopped_in_ = call.path();
       run_->stop();
@@ -189,6 +190,10 @@ class ConcurrentRun {
   [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
   [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
   [[nodiscard]] std::uint64_t begun() const { return begun_; }
+  [[nodiscard]] std::size_t begun_at(const std::string& path) const {
+    const auto found = begun_at_.find(path);
+    return found == begun_at_.end() ? 0 : found->second;
+  }
 
   /// When it was stopped: the begin of the last execution of the node that requested it.
   [[nodiscard]] TimePoint stopped() const {
@@ -233,6 +238,7 @@ class ConcurrentRun {
 
   std::unique_ptr<Run> run_;
   std::uint64_t begun_ = 0;
+  std::map<std::string, std::size_t> begun_at_;
   std::optional<std::string> stopped_in_;
 };
 

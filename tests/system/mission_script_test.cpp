@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <sstream>
@@ -249,27 +250,35 @@ states:
   count: {on: {more: rest, enough: return success}}
   rest: {on: {success: count}}
 )");
-  const std::vector<std::string> begun = {"mission", "run", "m.yaml", "--journal", "run.journal"};
-  {
-    Process process(command(begun), folder_);
-    ASSERT_TRUE(
-        wait_until([&] { return read("run.journal").find("\"ended\":\"rest\"") != std::string::npos; }));
-    process.signal(SIGKILL);
-    process.wait();
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const std::string other = mode == "sequential" ? "concurrent" : "sequential";
+    const std::string journal = mode + ".journal";
+    const std::vector<std::string> begun = {"mission", "run", "m.yaml", "--mode", mode, "--journal", journal};
+    std::filesystem::remove(folder_ / "done.txt");
+    {
+      Process process(command(begun), folder_);
+      ASSERT_TRUE(wait_until([&] { return read(journal).find("\"ended\":\"rest\"") != std::string::npos; }));
+      process.signal(SIGKILL);
+      process.wait();
+    }
+    EXPECT_THAT(segue(begun).errors, HasSubstr("'" + journal + "' already exists"));
+    auto resumed = begun;
+    resumed[4] = other;
+    resumed.emplace_back("--resume");
+    EXPECT_THAT(segue(resumed).errors, HasSubstr("that run was a " + mode + " one: --mode " + mode));
+    resumed = begun;
+    resumed.insert(resumed.end(), {"--resume", "--under-way", "again"});
+    const auto rest = json(resumed);
+    EXPECT_EQ(rest.find("outcome")->as_string(), "success");
+    EXPECT_EQ(*rest.find("globals")->find("last"), Value(4));
+    std::map<std::string, int> lines;
+    std::istringstream done(read("done.txt"));
+    for (std::string line; std::getline(done, line);)
+      ++lines[line];
+    EXPECT_EQ(lines.size(), 5U);
+    EXPECT_EQ(lines["0"], 1) << "it had ended";
+    EXPECT_THAT(segue(resumed).errors, HasSubstr("that run has ended"));
   }
-  EXPECT_THAT(segue(begun).errors, HasSubstr("'run.journal' already exists"));
-  auto resumed = begun;
-  resumed.insert(resumed.end(), {"--resume", "--under-way", "again"});
-  const auto rest = json(resumed);
-  EXPECT_EQ(rest.find("outcome")->as_string(), "success");
-  EXPECT_EQ(*rest.find("globals")->find("last"), Value(4));
-  std::map<std::string, int> lines;
-  std::istringstream done(read("done.txt"));
-  for (std::string line; std::getline(done, line);)
-    ++lines[line];
-  EXPECT_EQ(lines.size(), 5U);
-  EXPECT_EQ(lines["0"], 1) << "it had ended";
-  EXPECT_THAT(segue(resumed).errors, HasSubstr("that run has ended"));
 }
 
 }  // namespace

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/convert/fault.hpp>
+#include <segue/convert/node_journal.hpp>
+
+#include <string>
+#include <utility>
+
+namespace segue::convert {
+
+using cdtn::NodeId;
+using cdtn::OutcomeId;
+using mission::RunJournal;
+using type::Value;
+
+namespace {
+
+std::vector<std::string> texts_of(const Value& list) {
+  std::vector<std::string> texts;
+  for (const Value& text : list.as_list())
+    texts.push_back(text.as_string());
+  return texts;
+}
+
+Value list_of(const std::vector<std::string>& texts) {
+  Value::List list;
+  for (const std::string& text : texts)
+    list.emplace_back(text);
+  return list;
+}
+
+RunJournal::End end_of(const mission::CompiledState& state, const Value& outputs) {
+  RunJournal::End end;
+  for (const mission::Port& port : *state.output_ports) {
+    const Value* value = outputs.find(port.name);
+    end.outputs.push_back(value == nullptr ? Value() : *value);
+  }
+  if (const Value* error = outputs.find(kErrorOutput)) end.error = error->as_string();
+  const Value* record = outputs.find(kRecordOutput);
+  if (record != nullptr && !planted(ConversionFault::ForgetsRecord)) {
+    end.globals = record->find("globals")->as_map();
+    end.erased = texts_of(*record->find("erased"));
+    end.facts = texts_of(*record->find("facts"));
+  }
+  return end;
+}
+
+}  // namespace
+
+Value NodeJournal::record_of(const mission::Globals& used, const std::vector<std::string>& facts) {
+  auto changes = used.changes();
+  return Value::map(
+      {{"globals", std::move(changes.set)}, {"erased", list_of(changes.erased)}, {"facts", list_of(facts)}});
+}
+
+bool NodeJournal::records(NodeId node) const {
+  const Role role = plan_[node].role;
+  return role == Role::Action || role == Role::OpaqueSubtree;
+}
+
+mission::Execution NodeJournal::execution(NodeId node) const {
+  if (planted(ConversionFault::ForgetsLoops)) return {std::string(plan_[node].path)};
+  return {std::string(plan_[node].path), 0, plan_[node].loops};
+}
+
+std::optional<RunJournal::End> NodeJournal::recorded(NodeId node) const {
+  if (!records(node) || planted(ConversionFault::ResumesNothing)) return std::nullopt;
+  if (const auto place = journal_->find(execution(node))) return (*journal_)[*place];
+  static const mission::Action kSubtree;  // of which nothing is foreseen but its first outcome
+  const mission::Program& program = plan_.program();
+  const mission::StateIndex state = plan_[node].state;
+  const bool is_action = plan_[node].role == Role::Action;
+  return journal_->assumed_end(execution(node),
+                               is_action ? program.mission().actions[program.node(state).action] : kSubtree);
+}
+
+void NodeJournal::began(NodeId node) {
+  if (records(node) && plan_.network()[node].kind == ActionClass::Irreversible)
+    journal_->began(execution(node), true);
+}
+
+void NodeJournal::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
+  if (!records(node) || journal_->find(execution(node))) return;
+  static const Value kNone{type::ValueMap()};
+  auto end = end_of(plan_.program().node(plan_[node].state), outputs == nullptr ? kNone : *outputs);
+  end.outcome = plan_.outcome(node, outcome);
+  journal_->ended(execution(node), end);
+}
+
+void NodeJournal::finished(const std::string& outcome) {
+  journal_->finished(outcome);
+}
+
+}  // namespace segue::convert
