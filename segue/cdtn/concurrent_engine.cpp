@@ -19,6 +19,15 @@ RunResult ConcurrentEngine::run() {
 void ConcurrentEngine::stop() {
   implementation_->stop();
 }
+void ConcurrentEngine::pause() {
+  implementation_->pause(true);
+}
+void ConcurrentEngine::resume() {
+  implementation_->pause(false);
+}
+void ConcurrentEngine::step() {
+  implementation_->step();
+}
 const Order& ConcurrentEngine::order() const {
   return implementation_->order();
 }
@@ -157,13 +166,14 @@ bool ConcurrentEngine::Implementation::complete() const {
 /// Takes all ends at the next point in time; false if none can come.
 bool ConcurrentEngine::Implementation::take_ends() {
   const auto counts = [this](const auto& end) {
-    if (index(end.node) == kNone) return true;  // posted by `stop`
+    if (index(end.node) == kNone) return true;  // posted by wake()
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
   };
-  auto end = events_.next(!running_.empty(), patience_, counts);
+  const bool holds = hold();
+  auto end = events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_, counts);
   if (!end) return false;
   while (end) {
-    if (stop_asked_.exchange(false)) ask_to_stop();
+    take_requests();
     if (index(end->node) != kNone) end_run(std::move(*end));
     end = events_.next_now(counts);
   }
@@ -186,7 +196,27 @@ void ConcurrentEngine::Implementation::loop() {
 
 void ConcurrentEngine::Implementation::stop() {
   stop_asked_ = true;
+  wake();
+}
+
+void ConcurrentEngine::Implementation::pause(bool paused) {
+  pause_.ask(paused);
+  wake();
+}
+
+void ConcurrentEngine::Implementation::step() {
+  pause_.ask_step();
+  wake();
+}
+
+/// Makes the loop look at requests.
+void ConcurrentEngine::Implementation::wake() {
   events_.finish(NodeId{kNone}, 0, nullptr);
+}
+
+void ConcurrentEngine::Implementation::take_requests() {
+  if (stop_asked_.exchange(false)) ask_to_stop();
+  pause_.take(stopped_);
 }
 
 void ConcurrentEngine::Implementation::ask_to_stop() {
@@ -194,8 +224,22 @@ void ConcurrentEngine::Implementation::ask_to_stop() {
   truncate(NodeId{0});
 }
 
+/// Whether a pause keeps nodes from beginning. Says so once nothing runs any more.
+bool ConcurrentEngine::Implementation::hold() {
+  if (!pause_.paused() || (ready_.empty() && ready_speculative_.empty())) return false;
+  if (!running_.empty() || !options_.held || !pause_.tells()) return true;
+  std::vector<NodeId> next;
+  for (const auto* from : {&ready_, &ready_speculative_}) {
+    for (const Rank& each : *from)
+      next.push_back(each.node);
+  }
+  options_.held(next);
+  return true;
+}
+
 RunResult ConcurrentEngine::Implementation::run() {
   events_.begin();
+  take_requests();
   loop();
   return result();
 }

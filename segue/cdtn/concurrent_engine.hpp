@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct ConcurrentEngineOptions {
   bool log = false;
   std::size_t horizon = 1000;               ///< unfinished nodes that an Expansion is asked for
   std::vector<std::uint64_t> priorities{};  ///< by node, the least first; empty: program order
+  /// Called on the engine's thread when it is paused and nothing runs any more, with the nodes that could
+  /// begin, those first that are certain to count.
+  std::function<void(const std::vector<NodeId>& next)> held{};
 };
 
 /// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
@@ -60,8 +64,14 @@ class ConcurrentEngine {
   /// Runs it to its end. A failure of the mission is part of the result. Blocks; call it once.
   RunResult run();
 
-  /// Ends the run soon: what runs is preempted, nothing new starts. On any thread.
+  /// Ends the run soon: what runs is preempted, nothing new starts. On any thread, as the next three.
   void stop();
+  /// No node begins any more; what runs goes on. May be called before run().
+  void pause();
+  /// Ends a pause.
+  void resume();
+  /// During a pause: begins one more node, the first that can.
+  void step();
 
   /// The order that it runs by: the given one, or that of the network as far as it has grown.
   [[nodiscard]] const Order& order() const;

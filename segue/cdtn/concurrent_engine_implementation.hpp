@@ -5,6 +5,7 @@
 #include <segue/cdtn/fault.hpp>
 #include <segue/cdtn/node_outcome.hpp>
 #include <segue/cdtn/node_state.hpp>
+#include <segue/cdtn/pause.hpp>
 #include <segue/cdtn/resource_pool.hpp>
 
 #include <atomic>
@@ -18,8 +19,8 @@
 namespace segue::cdtn {
 
 /// The engine proper. All state belongs to the thread that calls `run`; other threads only post to `events_`
-/// and set `stop_asked_`. What happens to a node puts the nodes that it concerns into `work_`; nothing ever
-/// scans the whole network. NodeState states the invariants of a node.
+/// and set `stop_asked_` and what `pause_` is asked for. What happens to a node puts the nodes that it
+/// concerns into `work_`; nothing ever scans the whole network. NodeState states the invariants of a node.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
@@ -28,6 +29,8 @@ class ConcurrentEngine::Implementation {
                  ConcurrentEngineOptions options);
   RunResult run();
   void stop();
+  void pause(bool paused);
+  void step();
   [[nodiscard]] const Order& order() const { return order_; }
   [[nodiscard]] std::size_t bytes() const;
 
@@ -50,7 +53,10 @@ class ConcurrentEngine::Implementation {
   void loop();
   bool take_ends();
   void work_off();
+  void take_requests();
+  void wake();
   void ask_to_stop();
+  bool hold();
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool beyond(NodeId node) const { return index(node) >= limit_; }
   [[nodiscard]] Rank rank(NodeId node) const;
@@ -76,6 +82,8 @@ class ConcurrentEngine::Implementation {
   void launch(NodeId node);
   void take_granted();
   void take_waiting();
+  [[nodiscard]] bool held(NodeId node) const;
+  std::optional<NodeId> next_ready();
   [[nodiscard]] const Access* false_precondition(NodeId node) const;
   void note_what_is_read(NodeId node);
   void return_copy(NodeId node);
@@ -176,6 +184,7 @@ class ConcurrentEngine::Implementation {
   std::optional<Error> error_;
   std::optional<NodeId> failed_;
   bool stopped_ = false;
+  Pause pause_;
   TimePoint patience_ = TimePoint::max();  ///< until when cancelled runs must have ended
   VersionedWorld prefix_world_;            ///< at prefix_world_at_, in program order
   std::uint32_t prefix_world_at_ = 0;

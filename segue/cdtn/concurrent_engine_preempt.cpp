@@ -88,6 +88,7 @@ void ConcurrentEngine::Implementation::preempt_for_waiting() {
   for (const NodeId node : granted_) {
     if (at(node).phase == Phase::Queued && certain(node)) preempt_for_units(node);
   }
+  if (options_.workers == 0 || pause_.paused()) return;
   const std::uint64_t coming = options_.workers - running_.size() + preempted_workers_;
   for (std::uint64_t wanted = ready_.size(); wanted > coming; --wanted) {
     const NodeId* last = nullptr;

@@ -156,7 +156,7 @@ void ConcurrentEngine::Implementation::claim(NodeId node) {
 
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
   note_speculative(node, true);
-  if (options_.workers == 0) return launch(node);
+  if (options_.workers == 0 && !(pause_.paused() && environment_.is_step(node))) return launch(node);
   at(node).phase = Phase::Ready;
   (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
 }
@@ -175,14 +175,31 @@ void ConcurrentEngine::Implementation::take_granted() {
   }
 }
 
+/// Whether a pause keeps the node from beginning.
+bool ConcurrentEngine::Implementation::held(NodeId node) const {
+  return pause_.blocks() && environment_.is_step(node);
+}
+
+/// Takes out the first node that may begin now: first of those that are certain to count.
+std::optional<NodeId> ConcurrentEngine::Implementation::next_ready() {
+  for (auto* from : {&ready_, &ready_speculative_}) {
+    const auto first = std::ranges::find_if(*from, [&](const Rank& each) { return !held(each.node); });
+    if (first == from->end()) continue;
+    const NodeId node = first->node;
+    from->erase(first);
+    pause_.begins(environment_.is_step(node));
+    return node;
+  }
+  return std::nullopt;
+}
+
 /// Gives free workers and copies of the world to the nodes that wait for them, by rank; workers first to
 /// nodes that are certain to count.
 void ConcurrentEngine::Implementation::take_waiting() {
-  while (running_.size() < options_.workers && !(ready_.empty() && ready_speculative_.empty())) {
-    std::set<Rank>& from = ready_.empty() ? ready_speculative_ : ready_;
-    const NodeId node = from.begin()->node;
-    from.erase(from.begin());
-    launch(node);
+  while (options_.workers == 0 || running_.size() < options_.workers) {
+    const auto node = next_ready();
+    if (!node) break;
+    launch(*node);
   }
   for (std::uint32_t copies = copies_; !copying_.empty() && copies < options_.world_copies; ++copies) {
     const NodeId node = copying_.begin()->node;

@@ -224,6 +224,10 @@ bool ActionEnvironment::in_parallel(NodeId a, NodeId b) const {
   return mission::in_parallel(plan_[a].branch.get(), plan_[b].branch.get());
 }
 
+bool ActionEnvironment::is_step(NodeId node) const {
+  return plan_[node].role == Role::Action || plan_[node].role == Role::OpaqueSubtree;
+}
+
 void ActionEnvironment::passed_before(NodeId node) {
   globals.settle_before(place_number(node));
 }

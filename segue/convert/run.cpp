@@ -90,8 +90,16 @@ class Run::Implementation {
     return result_;
   }
 
-  static cdtn::ConcurrentEngineOptions settings(const RunOptions& options) {
+  [[nodiscard]] cdtn::ConcurrentEngineOptions settings(const RunOptions& options) const {
     cdtn::ConcurrentEngineOptions made;
+    if (options.held) {
+      made.held = [this, told = options.held](const std::vector<cdtn::NodeId>& next) {
+        std::vector<std::string> paths;
+        for (const cdtn::NodeId node : next)
+          paths.emplace_back((*plan_)[node].path);
+        told(paths);
+      };
+    }
     made.clock = options.clock;
     made.strict = options.strict;
     made.speculate = options.speculate;
@@ -132,6 +140,15 @@ const mission::MissionResult& Run::run() {
 void Run::stop() {
   implementation_->engine_.stop();
   implementation_->environment_.stop();
+}
+void Run::pause() {
+  implementation_->engine_.pause();
+}
+void Run::resume() {
+  implementation_->engine_.resume();
+}
+void Run::step() {
+  implementation_->engine_.step();
 }
 const cdtn::RunResult& Run::network_result() const {
   return implementation_->network_result_;

@@ -28,6 +28,9 @@ struct RunOptions {
   mission::ActionObserver observe{};
   /// Records the run, or supplies what an earlier one did; created with RunJournal::Start::concurrent.
   std::shared_ptr<mission::RunJournal> journal{};
+  /// Called on the thread of run() when it is paused and nothing runs any more, with the paths of the actions
+  /// that could begin.
+  std::function<void(const std::vector<std::string>& next)> held{};
 };
 
 /// Runs a mission concurrently, with the outcome of its sequential run (docs/missions.md). Runs once. For one
@@ -43,8 +46,14 @@ class Run {
 
   /// Blocks until the mission has ended.
   const mission::MissionResult& run();
-  /// From any thread: preempts everything that runs; nothing new starts.
+  /// From any thread, as the next three: preempts everything that runs; nothing new starts.
   void stop();
+  /// No action begins any more; running ones continue. May be called before run().
+  void pause();
+  /// Ends a pause.
+  void resume();
+  /// During a pause: begins one more action, or opaque subtree, the first that can.
+  void step();
 
   /// After the run.
   [[nodiscard]] const cdtn::RunResult& network_result() const;

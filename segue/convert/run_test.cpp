@@ -95,6 +95,92 @@ states:
   EXPECT_EQ(run->run().outcome, mission::kPreempted);
 }
 
+constexpr const char* kPacking = R"x(
+mission: m
+actions:
+  box: {outputs: {n: int}, effects: ["+box()"], run: {simulated: {duration: 20ms, outputs: {n: 3}}}}
+  tape: {effects: ["+tape()"], run: {simulated: {duration: 50ms}}}
+  close: {inputs: {n: int}, preconditions: ["box()", "tape()"], effects: ["+closed()"], run: {simulated: {duration: 1s}}}
+variables: {n: {type: int, default: 0}}
+start: box
+flows: [box.n -> variables.n, variables.n -> close.n]
+states:
+  box: {on: {success: tape}}
+  tape: {on: {success: close}}
+  close: {on: {success: return success}}
+)x";
+
+/// The actions that could begin, each time that everything was held; and those that had begun by then.
+struct Steps {
+  std::vector<std::vector<std::string>> next;
+  std::vector<std::vector<std::string>> begun;
+};
+
+/// Runs the mission paused from the beginning; `go` is called each time that everything is held.
+Steps run_paused(RunOptions options, const std::function<void(Run&, std::size_t held)>& go) {
+  Diagnostics diagnostics;
+  auto mission = mission::read_mission(kPacking, "mission.yaml", diagnostics);
+  EXPECT_TRUE(mission) << to_string(diagnostics);
+  mission::Runners runners;
+  Steps steps;
+  std::vector<std::string> begun;
+  Run* run = nullptr;
+  options.observe = [&](const mission::ActionEvent& event) {
+    if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
+  };
+  options.held = [&](const std::vector<std::string>& next) {
+    steps.next.push_back(next);
+    steps.begun.push_back(begun);
+    go(*run, steps.next.size());
+  };
+  const auto made =
+      Run::create(mission::Program::compile(std::move(*mission)).value(), runners, {}, options).value();
+  run = made.get();
+  run->pause();
+  (void)run->run();
+  steps.begun.push_back(begun);
+  return steps;
+}
+
+TEST(ConcurrentMission, AStepBeginsOneActionOfAPausedRun) {
+  using Names = std::vector<std::string>;
+  for (const std::uint32_t workers : {0U, 1U, 4U}) {
+    RunOptions options;
+    options.clock = cdtn::ClockKind::Virtual;
+    options.workers = workers;
+    const Steps steps = run_paused(options, [&](convert::Run& run, std::size_t) { run.step(); });
+    EXPECT_EQ(steps.next, std::vector<Names>({{"box", "tape"}, {"tape"}, {"close"}}));
+    EXPECT_EQ(steps.begun, std::vector<Names>({{}, {"box"}, {"box", "tape"}, {"box", "tape", "close"}}));
+  }
+}
+
+TEST(ConcurrentMission, APauseInRealTimeEndsFromAnotherThread) {
+  RunOptions options;
+  options.clock = cdtn::ClockKind::Real;
+  std::jthread other;
+  const Steps steps = run_paused(options, [&](convert::Run& run, std::size_t held) {
+    other = std::jthread([&run, held] { held == 1 ? run.step() : run.stop(); });
+  });
+  EXPECT_EQ(steps.next.size(), 2U);
+  EXPECT_EQ(steps.begun.back(), std::vector<std::string>({"box"}));
+}
+
+TEST(ConcurrentMission, APausedRunGoesOnOrIsStopped) {
+  RunOptions options;
+  options.clock = cdtn::ClockKind::Virtual;
+  const Steps resumed = run_paused(options, [](convert::Run& run, std::size_t) { run.resume(); });
+  EXPECT_EQ(resumed.next.size(), 1U);
+  EXPECT_EQ(resumed.begun.back().size(), 3U);
+  const Steps stopped = run_paused(options, [](convert::Run& run, std::size_t) { run.stop(); });
+  EXPECT_EQ(stopped.next.size(), 1U);
+  EXPECT_TRUE(stopped.begun.back().empty());
+  const Steps stepped = run_paused(options, [](convert::Run& run, std::size_t held) {
+    run.step();
+    if (held == 1) run.step();
+  });
+  EXPECT_EQ(stepped.next.size(), 2U) << "two steps at once";
+}
+
 TEST(ConcurrentMission, APlanRefusesWhatDoesNotFit) {
   Diagnostics diagnostics;
   auto mission = mission::read_mission(
