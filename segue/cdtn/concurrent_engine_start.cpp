@@ -255,6 +255,7 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   if (state.speculative) ++statistics_.speculative;
   if (state.attempt > 1) ++statistics_.repeated;
   note_what_is_read(node);
+  if (network_[node].reads_world) guesses_.erase(index(node));  // those of the last run
   log(node, LogKind::Start);
   announce_start(node);
   RunContext context(*this, node);

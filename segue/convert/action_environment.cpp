@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/virtual_clock.hpp>
 #include <segue/convert/action_environment.hpp>
+#include <segue/convert/all_changes.hpp>
 #include <segue/convert/fault.hpp>
+#include <segue/convert/world_views.hpp>
 #include <segue/mission/index.hpp>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <exception>
 
@@ -36,30 +37,6 @@ std::uint64_t place_number(NodeId node) {
 }
 
 }  // namespace
-
-/// What an action has changed: global variables, and whatever its runner keeps aside. Either may be null.
-class ActionEnvironment::AllChanges final : public PendingChanges {
- public:
-  AllChanges(std::shared_ptr<PendingChanges> globals, std::shared_ptr<PendingChanges> other)
-      : parts_{std::move(globals), std::move(other)} {}
-  [[nodiscard]] bool empty() const override {
-    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->empty(); });
-  }
-  [[nodiscard]] bool valid() const override {
-    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->valid(); });
-  }
-  /// Only global variables, which come first, may refuse.
-  Result<void> apply() override {
-    for (const auto& part : parts_) {
-      if (!part) continue;
-      if (auto applied = part->apply(); !applied) return applied;
-    }
-    return {};
-  }
-
- private:
-  const std::array<std::shared_ptr<PendingChanges>, 2> parts_;
-};
 
 /// Turns the ending of an action into a report for the engine. Immutable but for `cancelled`, which only ever
 /// becomes true; the report of a run that was cancelled meanwhile is discarded anyway, so relaxed order would
@@ -121,6 +98,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
            std::shared_ptr<Reporter> reporter)
       : environment_(environment),
         planned_(environment.plan_[context.node()]),
+        context_(context),
         node_(context.node()),
         attempt_(context.attempt()),
         completions_(completions),
@@ -164,6 +142,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   std::vector<Value>& results() { return outputs_; }
 
  private:
+  [[nodiscard]] mission::WorldView look_at_world() const override { return environment_.world(context_); }
   mission::BranchResult ended(NodeContext& context, const BranchSource& branch) const {
     for (const BranchEnd& end : branch.ends) {
       if (end.input != cdtn::kNone) {
@@ -179,6 +158,7 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
 
   ActionEnvironment& environment_;
   const PlannedNode& planned_;
+  NodeContext& context_;
   NodeId node_;
   std::uint32_t attempt_;
   Completions& completions_;
@@ -418,7 +398,6 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
   if (plan_.program().node(planned.state).parent != mission::kNoState)
     parent.resize(slash == std::string::npos ? 0 : slash);
   const Value error = value(context, planned.error_before);
-  const auto texts = context.world().texts(plan_.network().facts);
   return {planned.state,
           planned.shown_as,
           parent,
@@ -426,7 +405,14 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
           error.is_string() ? error.as_string() : "",
           planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : used,
           iterations_,
-          mission::World::Facts(texts.begin(), texts.end())};
+          world(context)};
+}
+
+mission::WorldView ActionEnvironment::world(NodeContext& context) const {
+  const cdtn::TaskNetwork& network = plan_.network();
+  const cdtn::VersionedWorld world = context.world();
+  return view_of(planted(ConversionFault::SeesOldWorld) ? network.initial_world : world, network.facts,
+                 options_.world_data);
 }
 
 /// In virtual time the subtree runs immediately, and its end is reported for the time at which it occurs.
@@ -441,7 +427,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   options.preemption_grace = options_.preemption_grace;
   auto reports = reporter(context.node());
   options.part = part(context, reports->globals);
-  const mission::World::Facts world = options.part->world;
+  const mission::World::Facts world = options.part->world.facts();
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
     return completions.finish_at(completions.now(), context.node(), context.attempt(),

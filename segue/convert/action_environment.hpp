@@ -43,7 +43,6 @@ class ActionEnvironment final : public cdtn::Environment {
  private:
   class NodeCall;
   struct Reporter;
-  class AllChanges;
   /// Delivers ends to the engine as long as it runs. Shared with completers, which may outlive this.
   struct EndReceiver {
     std::mutex mutex;  ///< guards `completions`, which is null before the first start and after close()
@@ -58,6 +57,7 @@ class ActionEnvironment final : public cdtn::Environment {
   bool replay(cdtn::NodeContext& context, cdtn::Completions& completions);
   void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
   [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context, const mission::Globals& used) const;
+  [[nodiscard]] mission::WorldView world(cdtn::NodeContext& context) const;
   void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);

@@ -36,7 +36,9 @@ enum class ConversionFault : std::uint8_t {
   ResumesNothing,            ///< a resumed run executes everything again
   ForgetsRecord,             ///< the journal lacks facts of subtrees and global variables
   ForgetsLoops,              ///< the journal does not tell iterations of loops apart
-  Last = ForgetsLoops
+  SeesOldWorld,              ///< actions see the world as it was at the beginning
+  ForgetsWorldData,          ///< what is attached to the world does not follow its facts
+  Last = ForgetsWorldData
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

@@ -2,6 +2,7 @@
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/run.hpp>
 #include <segue/convert/unfinished_outputs.hpp>
+#include <segue/convert/world_views.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -130,6 +131,8 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
   options.observe = one_at_a_time(std::move(options.observe));
   auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts);
   if (!plan) return plan.error();
+  auto& network = (*plan)->network();
+  attach(network.initial_world, network.facts, options.world_data);
   return std::unique_ptr<Run>(
       new Run(std::make_unique<Implementation>(std::move(*plan), runners, std::move(*assigned), options)));
 }

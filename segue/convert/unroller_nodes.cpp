@@ -27,9 +27,9 @@ bool declares_footprint(const Action& action) {
   return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
 }
 
-/// A sensing action without declared preconditions may rely on any fact.
+/// A sensing action without declared preconditions may rely on any fact, and so does one that says so.
 bool is_opaque(const Action& action) {
-  return action.action_class() != ActionClass::Pure && !declares_footprint(action) &&
+  return action.action_class() != ActionClass::Pure && (!declares_footprint(action) || action.reads_world) &&
          !planted(ConversionFault::NothingIsOpaque);
 }
 
@@ -301,6 +301,7 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   spec.branches = what.outcomes.size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;
   spec.opaque = is_opaque(what);
+  spec.reads_world = what.reads_world;
   spec.reads_beside = uses_variables(what);
   const std::string& expected = what.expected_outcome;
   if (!expected.empty())

@@ -136,8 +136,9 @@ struct Action {
   std::vector<Fact> preconditions;
   std::vector<Fact> effects;
   std::vector<ResourceUse> resources;
-  bool pure = false;     ///< its result can be discarded; otherwise it is potentially irreversible
-  bool sensing = false;  ///< observes the real world: never runs on a predicted one
+  bool pure = false;         ///< its result can be discarded; otherwise it is potentially irreversible
+  bool sensing = false;      ///< observes the real world: never runs on a predicted one
+  bool reads_world = false;  ///< looks at facts that it does not declare (ActionCall::world)
   std::optional<Duration> expected_duration;
   std::string expected_outcome;  ///< empty: not known
   Procedure run;

@@ -262,6 +262,7 @@ Action read_action(const std::string& name, const Value& value, const Source& so
   }
   action.pure = fields.boolean("pure", false);
   action.sensing = fields.boolean("sensing", false);
+  action.reads_world = fields.boolean("reads_world", false);
   read_expectation(action, fields, source);
   action.run = read_run(fields, source);
   fields.finish();

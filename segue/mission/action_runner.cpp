@@ -10,6 +10,11 @@ namespace segue::mission {
 
 using type::Value;
 
+Result<WorldView> ActionCall::world() const {
+  if (action().reads_world) return look_at_world();
+  return fail(ErrorCode::InvalidState, "the action does not declare 'reads_world'");
+}
+
 const Action& ActionCall::action() const {
   return program().mission().actions[program().node(state()).action];
 }

@@ -6,6 +6,7 @@
 #include <segue/base/result.hpp>
 #include <segue/mission/globals.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/world_view.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -71,6 +72,10 @@ class ActionCall {
   /// Whether the execution may be discarded, since the action is pure or sensing and the run concurrent: what
   /// it changes must be kept aside (Ending::pending).
   [[nodiscard]] virtual bool may_be_discarded() const { return false; }
+  /// The facts that hold, and what is attached to them. For a pure action in a concurrent run those that are
+  /// predicted; the action is repeated if they were predicted wrongly. InvalidState if the action does not
+  /// declare `reads_world`.
+  [[nodiscard]] Result<WorldView> world() const;
   /// The error with which the preceding state aborted; empty if it did not.
   [[nodiscard]] virtual const std::string& error_before() const = 0;
   /// For deciders: how the siblings ended, in their order.
@@ -93,6 +98,9 @@ class ActionCall {
   bool set_output(std::string_view name, type::Value value);
   /// The number of the outcome of that name; nothing if there is none.
   [[nodiscard]] std::optional<Outcome> outcome(std::string_view name) const;
+
+ private:
+  [[nodiscard]] virtual WorldView look_at_world() const = 0;
 };
 
 /// Executes actions of one kind.

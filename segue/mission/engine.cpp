@@ -19,10 +19,11 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
   }
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
-  auto facts = options.part ? Result<World::Facts>(std::move(options.part->world))
+  auto facts = options.part ? Result<World::Facts>(options.part->world.facts())
                             : initial_facts(program->mission(), options.facts);
   if (!facts) return facts.error();
-  World world(std::move(*facts), options.backward);
+  World world(std::move(*facts), options.backward,
+              options.part ? options.part->world.data() : options.world_data);
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
                                                    std::move(options));
   return std::unique_ptr<Engine>(new Engine(std::move(core)));

@@ -37,7 +37,7 @@ struct MissionPart {
   std::string error_before;  ///< with which the preceding state aborted
   Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
-  World::Facts world;  ///< the facts that hold when it begins
+  WorldView world;  ///< when it begins
 };
 
 struct EngineOptions {
@@ -51,6 +51,8 @@ struct EngineOptions {
   Duration preemption_grace = std::chrono::seconds(10);
   /// Facts that hold at the beginning, or do not, in place of what the mission declares.
   std::vector<Fact> facts{};
+  /// What actions that read the world find attached to it.
+  AttachedData world_data{};
   /// Receives warnings, such as that an input is not of the declared type. On the engine's thread.
   std::function<void(std::string)> warn;
   /// Called for every action that begins and every one that ends, but for those whose ends a journal supplies

@@ -51,6 +51,8 @@ class EngineCore::LeafCall final : public ActionCall {
   }
 
  private:
+  [[nodiscard]] WorldView look_at_world() const override { return engine_.world.view(); }
+
   EngineCore& engine_;
   Activation& activation_;
 };

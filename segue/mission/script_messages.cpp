@@ -209,6 +209,8 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("run", run);
   message.append("backward", call.backward());
   message.append("discardable", call.may_be_discarded());
+  if (const auto world = call.world())
+    message.append("world", Value::List(world->facts().begin(), world->facts().end()));
   message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));

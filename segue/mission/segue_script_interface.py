@@ -159,6 +159,14 @@ class Memories:
                 self._kept[path] = (message["id"], values)
 
 
+class World(frozenset):
+    """The facts that hold, as texts: "at(box,table)"."""
+
+    def __contains__(self, fact):
+        """With blanks after commas or without."""
+        return super().__contains__(",".join(part.strip() for part in str(fact).split(",")))
+
+
 class ScriptState:
     """`self` in execute()."""
 
@@ -166,6 +174,7 @@ class ScriptState:
         self.name = message["name"]
         self.state_id = message["state"]
         self.run_id = message["run"]
+        self._world = message.get("world")
         self._memory = memory
         self.logger = logger
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
@@ -187,6 +196,16 @@ class ScriptState:
     @persistent_variables.setter
     def persistent_variables(self, values):
         self._memory.replace(values)
+
+    @property
+    def world(self):
+        """The facts that hold. In a concurrent run, a pure script gets those that are predicted, and is repeated if they
+        were predicted wrongly."""
+        if self._world is None:
+            raise RuntimeError("the action does not declare 'reads_world'")
+        if not isinstance(self._world, World):
+            self._world = World(self._world)
+        return self._world
 
     @property
     def preempted(self):

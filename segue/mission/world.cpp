@@ -3,19 +3,29 @@
 
 #include <algorithm>
 #include <ranges>
+#include <utility>
 
 namespace segue::mission {
 
-namespace {
-
-void set(World::Facts& facts, const std::string& fact, bool holds) {
-  if (holds)
-    facts.insert(fact);
-  else
-    facts.erase(fact);
+World::World(Facts facts, bool keep, const AttachedData& data) : facts_(std::move(facts)), keep_(keep) {
+  if (keep_) initial_ = facts_;
+  for (const auto& [name, attached] : data)
+    data_.emplace(name, attached);
 }
 
-}  // namespace
+void World::set(const std::string& fact, bool holds) {
+  const bool changed = holds ? facts_.insert(fact).second : facts_.erase(fact) > 0;
+  if (!changed) return;
+  for (auto& [name, attached] : data_)
+    attached.changed(fact, holds);
+}
+
+WorldView World::view() const {
+  AttachedData data;
+  for (const auto& [name, attached] : data_)
+    data.emplace(name, attached.share());
+  return {facts_, std::move(data)};
+}
 
 const GroundFact* World::first_false(std::span<const GroundFact> facts) const {
   const auto found =
@@ -26,7 +36,7 @@ const GroundFact* World::first_false(std::span<const GroundFact> facts) const {
 World::Changes World::apply(std::span<const GroundFact> effects) {
   const auto first = static_cast<std::uint32_t>(changes_.size());
   for (const GroundFact& effect : effects) {
-    set(facts_, effect.text, effect.holds);
+    set(effect.text, effect.holds);
     if (keep_) changes_.push_back({effect, false});
   }
   return {first, static_cast<std::uint32_t>(changes_.size())};
@@ -41,7 +51,7 @@ void World::undo(Changes changes) {
     for (const Change& change : changes_) {
       if (!change.undone && change.fact.text == fact) holds = change.fact.holds;
     }
-    set(facts_, fact, holds);
+    set(fact, holds);
   }
 }
 
@@ -51,7 +61,10 @@ Result<World::Facts> initial_facts(const Mission& mission, std::span<const Fact>
     for (const Fact& fact : list) {
       const auto grounded = ground(fact);
       if (!grounded) return grounded.error();
-      set(facts, grounded->text, grounded->holds);
+      if (grounded->holds)
+        facts.insert(grounded->text);
+      else
+        facts.erase(grounded->text);
     }
   }
   return facts;

@@ -3,10 +3,11 @@
 
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/mission.hpp>
+#include <segue/mission/world_view.hpp>
 
 #include <cstdint>
 #include <functional>
-#include <set>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,18 +19,17 @@ namespace segue::mission {
 /// The facts that hold while a mission runs; all others are false. Not thread safe.
 class World {
  public:
-  using Facts = std::set<std::string, std::less<>>;
+  using Facts = WorldView::Facts;
   /// A range of changes that were made together: first, and one past the last.
   using Changes = std::pair<std::uint32_t, std::uint32_t>;
 
   World() = default;
   /// `keep`: records changes, so that they can be undone.
-  World(Facts facts, bool keep) : facts_(std::move(facts)), keep_(keep) {
-    if (keep_) initial_ = facts_;
-  }
+  World(Facts facts, bool keep, const AttachedData& data = {});
 
   [[nodiscard]] const Facts& facts() const { return facts_; }
   [[nodiscard]] bool holds(std::string_view fact) const { return facts_.contains(fact); }
+  [[nodiscard]] WorldView view() const;
   /// The first of `facts` that is not as it says; null if all are.
   [[nodiscard]] const GroundFact* first_false(std::span<const GroundFact> facts) const;
 
@@ -42,7 +42,10 @@ class World {
     GroundFact fact;
     bool undone = false;
   };
+  void set(const std::string& fact, bool holds);
+
   Facts facts_;
+  std::map<std::string, SharedWorldData, std::less<>> data_;
   Facts initial_;
   std::vector<Change> changes_;
   bool keep_ = false;

@@ -97,6 +97,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     auto facts = parse_facts(start->facts);
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
+    options.world_data = request.world_data;
     options.clock = request.clock;
     options.strict = request.strict;
     options.workers = request.workers;

@@ -29,6 +29,7 @@ class SequentialRun final : public FinishedRun {
     auto facts = parse_facts(start->facts);
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
+    options.world_data = request.world_data;
     auto engine = mission::Engine::create(std::move(program), runners_for(request), std::move(options));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);

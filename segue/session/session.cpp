@@ -88,7 +88,7 @@ namespace {
 /// What a request has and the plan could not heed, or "".
 std::string problem_of(const RunRequest& request, bool is_network) {
   const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
-                           request.journal.has_value();
+                           !request.world_data.empty() || request.journal.has_value();
   if (is_network && of_missions)
     return "inputs, facts, a state to start at and a journal are for missions, not for task networks";
   const NetworkRequest& network = request.network;

@@ -53,9 +53,10 @@ struct RunRequest {
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
 
   // Missions only; given for a task network they are refused.
-  type::ValueMap inputs;           ///< in place of their defaults
-  std::vector<std::string> facts;  ///< "p(a)" holds at the beginning, "!p(a)" does not
-  std::string start_at;            ///< "fetch/grasp"; sequential only
+  type::ValueMap inputs;             ///< in place of their defaults
+  std::vector<std::string> facts;    ///< "p(a)" holds at the beginning, "!p(a)" does not
+  mission::AttachedData world_data;  ///< what actions find attached to the world that they read
+  std::string start_at;              ///< "fetch/grasp"; sequential only
   std::optional<JournalRequest> journal;
 
   // Who executes the actions of a mission.

@@ -313,6 +313,68 @@ TEST_F(Sessions, AJournalLetsALaterRunContinue) {
   }
 }
 
+/// The boxes on the shelf, as a program's own model of the world has them.
+class Shelf final : public mission::WorldData {
+ public:
+  [[nodiscard]] std::shared_ptr<mission::WorldData> clone() const override {
+    return std::make_shared<Shelf>(*this);
+  }
+  void changed(const std::string& fact, bool holds) override {
+    if (fact.starts_with("on_shelf(")) boxes += holds ? 1 : -1;
+  }
+  int boxes = 0;
+};
+
+TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
+  const Session session = load("world.yaml", R"j(mission: m
+actions:
+  place: {inputs: {box: text}, effects: ["+on_shelf({box})"], run: {callback: place}}
+  plan: {outputs: {seen: int}, pure: true, reads_world: true, run: {callback: plan}}
+  blind: {pure: true, run: {callback: blind}}
+start: first
+outputs: {seen: int}
+flows: [plan.seen -> outputs.seen]
+states:
+  first: {action: place, inputs: {box: a}, on: {success: second, aborted: second}}
+  second: {action: place, inputs: {box: b}, on: {success: plan}}
+  plan: {on: {success: blind}}
+  blind: {on: {success: return success}}
+)j");
+  for (const bool fails : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      RunRequest wanted = request(mode);
+      std::vector<std::int64_t> planned;
+      wanted.world_data.emplace("shelf", std::make_shared<Shelf>());
+      wanted.runners.add("place", [&](mission::ActionCall& call) {
+        const bool ends_well = !fails || call.input("box") == type::Value("b");
+        return ends_well ? mission::Ending{} : mission::Ending{mission::kAborted, "it slipped"};
+      });
+      wanted.runners.add("plan", [&](mission::ActionCall& call) {
+        const auto world = call.world().value();
+        const auto shelf = world.attached<Shelf>("shelf");
+        planned.push_back(shelf->boxes);
+        EXPECT_EQ(shelf->boxes, static_cast<int>(world.facts().size()));
+        EXPECT_TRUE(world.holds("on_shelf(b)") && world.holds("on_shelf( b )"));
+        EXPECT_EQ(world.attached<Shelf>("table"), nullptr);
+        call.set_output("seen", type::Value(static_cast<std::int64_t>(shelf->boxes)));
+        return mission::Ending{};
+      });
+      wanted.runners.add("blind", [](mission::ActionCall& call) {
+        EXPECT_EQ(call.world().error().code, ErrorCode::InvalidState) << "it does not declare reads_world";
+        return mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      EXPECT_EQ(*run->overview().outputs.find("seen"), type::Value(fails ? 1 : 2));
+      const bool ahead = mode == RunMode::Concurrent;
+      if (fails && ahead) {
+        EXPECT_THAT(planned, ElementsAre(2, 1)) << "the prediction was wrong";
+      } else {
+        EXPECT_THAT(planned, ElementsAre(fails ? 1 : 2));
+      }
+    }
+  }
+}
+
 TEST_F(Sessions, ANetworkRunsInEitherMode) {
   const Session session = load("n.json", kNetwork);
   EXPECT_TRUE(session.is_network());

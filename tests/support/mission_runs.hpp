@@ -27,6 +27,16 @@ inline std::uint64_t digest(std::string_view text, std::uint64_t number) {
   return hash ^ (hash >> 29);
 }
 
+/// Follows the facts of a run: a digest of all that are not as they were initially.
+class ChangeCount final : public mission::WorldData {
+ public:
+  [[nodiscard]] std::shared_ptr<mission::WorldData> clone() const override {
+    return std::make_shared<ChangeCount>(*this);
+  }
+  void changed(const std::string& fact, bool /*holds*/) override { count ^= digest(fact, 1); }
+  std::uint64_t count = 0;
+};
+
 /// Ends as its state and inputs determine, with any outcome, an abort, an exception or an invalid result,
 /// after up to four seconds. If shared, it also reads and writes a global variable for each resource that it
 /// holds exclusively, or common ones if it may touch anything, so that its result depends on the order of
@@ -67,6 +77,7 @@ class Answers final : public mission::ActionRunner {
     std::uint64_t number = digest(call.path(), x.is_integer() ? static_cast<std::uint64_t>(x.as_int()) : 77);
     const type::Value& error = call.input("error");
     if (error.is_string()) number = digest(error.as_string(), number);
+    number = look(call, number);
     if (kind_ == Kind::Remember) return remember(call, number);
     if (kind_ != Kind::Shared) return number;
     for (const std::string& name : own(call.action())) {
@@ -75,6 +86,15 @@ class Answers final : public mission::ActionRunner {
       (void)call.globals().set(name, type::Value(static_cast<std::int64_t>(number >> 2)));
     }
     return number;
+  }
+
+  /// Mostly looks at the world, if it may.
+  static std::uint64_t look(const mission::ActionCall& call, std::uint64_t number) {
+    if (!call.action().reads_world || (number >> 12) % 4 == 0) return number;
+    const auto world = call.world().value();
+    for (const std::string& fact : world.facts())
+      number = digest(fact, number);
+    return digest("", number ^ world.attached<ChangeCount>("changes")->count);
   }
 
   static std::uint64_t integer(const std::optional<type::Value>& value) {
@@ -142,6 +162,7 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
   VirtualClock clock;
   mission::EngineOptions options;
   options.clock = &clock;
+  options.world_data.emplace("changes", std::make_shared<ChangeCount>());
   auto engine = mission::Engine::create(program, answering(), options).value();
   const TimePoint begin = clock.now();
   engine->run();
@@ -168,6 +189,7 @@ class ConcurrentRun {
                 std::uint64_t stop_at = 0) {
     options.clock = cdtn::ClockKind::Virtual;
     options.log = true;
+    options.world_data.emplace("changes", std::make_shared<ChangeCount>());
     const auto at_start = [this, stop_at](const mission::ActionCall& call) {
       ++begun_at_[call.path()];
       if (++begun_ != stop_at) return;

@@ -95,6 +95,8 @@ class RandomMission {
     text += two ? "    outcomes: [ok, no]\n" : "    outcomes: [ok]\n";
     if (pure) text += "    pure: true\n";
     if (sensing) text += "    sensing: true\n";
+    // The world beside other branches would be a race.
+    if (!where.is_concurrent() && chance(pure ? 20 : 3)) text += "    reads_world: true\n";
     const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
     if (!opaque && (!pure || chance(60))) text += facts(where);
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible

@@ -225,6 +225,65 @@ TEST_F(MissionScripts, AMissingInterpreterRefusesTheRun) {
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--simulate"}).status, 0) << "needs none";
 }
 
+TEST_F(MissionScripts, ScriptsSeeTheWorldIfTheyDeclareIt) {
+  write("m.yaml", R"x(
+mission: m
+world: ["at(box, floor)"]
+actions:
+  lift: {
+  effects:
+    [ "-at(box, floor)", "+at(box, table)" ], run : {
+    simulated : {
+    duration:
+      10ms
+    }
+    }}
+  look:
+    outputs: {there: list}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["there"] = sorted(self.world)
+              return "success" if "at(box, table)" in self.world else "aborted"
+  blind:
+    outputs: {why: text}
+    pure: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              try:
+                  self.world
+              except RuntimeError as error:
+                  outputs["why"] = str(error)
+              return "success"
+outputs: {there: list, why: text}
+start: lift
+flows: [look.there -> outputs.there, blind.why -> outputs.why]
+states:
+  lift: {
+  on : {
+  success:
+    look
+  }}
+  look: {
+  on : {
+  success:
+    blind
+  }}
+  blind: {on: {success: return success}}
+)x");
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    const auto run = json({"mission", "run", "m.yaml", "--mode", mode});
+    const Value& outputs = *run.find("outputs");
+    EXPECT_EQ(*outputs.find("there"), Value(Value::List{Value("at(box,table)")})) << mode;
+    EXPECT_EQ(*outputs.find("why"), Value("the action does not declare 'reads_world'"));
+  }
+}
+
 TEST_F(MissionScripts, AKilledRunResumes) {
   write("m.yaml", R"(
 mission: m

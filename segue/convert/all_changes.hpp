@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/pending_changes.hpp>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+namespace segue::convert {
+
+/// What an action has changed: global variables, and whatever its runner keeps aside. Either may be null.
+class AllChanges final : public PendingChanges {
+ public:
+  AllChanges(std::shared_ptr<PendingChanges> globals, std::shared_ptr<PendingChanges> other)
+      : parts_{std::move(globals), std::move(other)} {}
+  [[nodiscard]] bool empty() const override {
+    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->empty(); });
+  }
+  [[nodiscard]] bool valid() const override {
+    return std::ranges::all_of(parts_, [](const auto& part) { return !part || part->valid(); });
+  }
+  /// Only global variables, which come first, may refuse.
+  Result<void> apply() override {
+    for (const auto& part : parts_) {
+      if (!part) continue;
+      if (auto applied = part->apply(); !applied) return applied;
+    }
+    return {};
+  }
+
+ private:
+  const std::array<std::shared_ptr<PendingChanges>, 2> parts_;
+};
+
+}  // namespace segue::convert
