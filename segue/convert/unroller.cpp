@@ -277,10 +277,12 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
     value.rest = with({}, fallback(variable, when));
     activation->slots.write(slot++, when, std::move(value), paths_);
   }
-  for (std::uint32_t i = 0; i < activation->entry.inputs.size(); ++i)
+  auto copy = container.at_begin.begin();
+  for (std::uint32_t i = 0; i < activation->entry.inputs.size(); ++i) {
     activation->slots.write(i, when, activation->entry.inputs[i], paths_);
-  for (const mission::SlotCopy& copy : container.at_begin)
-    activation->slots.write(copy.to, when, activation->slots.read(copy.from, when, paths_), paths_);
+    for (; copy != container.at_begin.end() && copy->from == i; ++copy)
+      activation->slots.write(copy->to, when, activation->slots.read(i, when, paths_), paths_);
+  }
   if (container.kind == StateKind::Hierarchy) {
     activation->arrivals.resize(container.children.size());
     activation->order = order_of(state);

@@ -93,10 +93,12 @@ void EngineCore::set_up(Activation& container) {
   auto slot = static_cast<std::uint32_t>(container.inputs.size());
   for (const PortSource& variable : node.variables)
     container.slots[slot++] = {fallback(variable), ++stamp_};
-  for (std::uint32_t i = 0; i < container.inputs.size(); ++i)
+  auto copy = node.at_begin.begin();
+  for (std::uint32_t i = 0; i < container.inputs.size(); ++i) {
     container.slots[i] = {container.inputs[i], ++stamp_};
-  for (const SlotCopy& copy : node.at_begin)
-    container.slots[copy.to] = {container.slots[copy.from].value, ++stamp_};
+    for (; copy != node.at_begin.end() && copy->from == i; ++copy)
+      container.slots[copy->to] = {container.inputs[i], ++stamp_};
+  }
 }
 
 void EngineCore::set(Activation& container, std::uint32_t slot, Value value) {

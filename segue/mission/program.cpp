@@ -91,6 +91,9 @@ class Compiler {
     }
     for (std::size_t flow = 0; flow < state.flows.size(); ++flow)
       connect(i, state.flows[flow], index_.flow(i, flow));
+    std::ranges::stable_sort(node.at_begin, {}, &SlotCopy::from);
+    for (const StateIndex child : state.children)
+      std::ranges::stable_sort(nodes_[child].into_variables, {}, &SlotCopy::from);
   }
 
   void connect(StateIndex i, const DataFlow& flow, const FlowStates& states) {

@@ -53,13 +53,13 @@ struct CompiledState {
   std::vector<PortSource> outputs;       ///< containers: from their own slots; others: fallbacks only
   std::vector<NextStep> next;            ///< by outcome + 2
   std::uint32_t first_output = 0;        ///< slot of its first output in the parent
-  std::vector<SlotCopy> into_variables;  ///< done in the parent when it has ended
+  std::vector<SlotCopy> into_variables;  ///< done in the parent when it has ended, by output port
 
   std::uint32_t slots = 0;  ///< containers, from here on
   std::vector<StateIndex> children;
   NextStep start;
   std::vector<PortSource> variables;  ///< initial values
-  std::vector<SlotCopy> at_begin;     ///< from inputs to variables
+  std::vector<SlotCopy> at_begin;     ///< from inputs to variables: each after its input is written
   StateIndex decider = kNoState;      ///< Barrier
 };
 
