@@ -244,16 +244,7 @@ std::vector<std::string> read_outcomes(Fields& fields, const Source& source) {
   return outcomes;
 }
 
-Action read_action(const std::string& name, const Value& value, const Source& source) {
-  Fields fields(value, "action " + quote(name), source);
-  model::detail::check_name(name, "an action", value, source);
-  Action action;
-  action.name = ActionName(name);
-  action.where = source.at(value);
-  action.description = fields.text("description");
-  action.inputs = read_ports(fields, "inputs", source);
-  action.outputs = read_ports(fields, "outputs", source);
-  action.outcomes = read_outcomes(fields, source);
+void read_declarations(Action& action, Fields& fields, const Source& source) {
   read_facts(action.preconditions, fields, "preconditions", "!", source);
   read_facts(action.effects, fields, "effects", "+-", source);
   if (const Value* resources = fields.find("resources", Value::Kind::List)) {
@@ -264,6 +255,19 @@ Action read_action(const std::string& name, const Value& value, const Source& so
   action.sensing = fields.boolean("sensing", false);
   action.reads_world = fields.boolean("reads_world", false);
   read_expectation(action, fields, source);
+}
+
+Action read_action(const std::string& name, const Value& value, const Source& source) {
+  Fields fields(value, "action " + quote(name), source);
+  model::detail::check_name(name, "an action", value, source);
+  Action action;
+  action.name = ActionName(name);
+  action.where = source.at(value);
+  action.description = fields.text("description");
+  action.inputs = read_ports(fields, "inputs", source);
+  action.outputs = read_ports(fields, "outputs", source);
+  action.outcomes = read_outcomes(fields, source);
+  read_declarations(action, fields, source);
   action.run = read_run(fields, source);
   fields.finish();
   return action;

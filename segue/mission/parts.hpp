@@ -26,6 +26,8 @@ std::vector<PortValue> read_values(Fields& fields, std::string_view key, const S
 std::vector<std::string> read_outcomes(Fields& fields, const Source& source);
 /// Reads "world": facts without inputs.
 std::vector<Fact> read_world(Fields& fields, const Source& source);
+/// Reads what an action declares of its facts, resources and class, and what is expected of it.
+void read_declarations(Action& action, Fields& fields, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
 Resource read_resource(const std::string& name, const type::Value& value, const Source& source);
 

@@ -52,6 +52,7 @@ class Converter {
     name_libraries();
     mission_.name = identifier(files_.root->name.empty() ? files_.root->id : files_.root->name);
     add(*files_.root, kNoState, mission_.name);
+    if (is_container(files_.root->kind)) declare(mission_, *files_.root, diagnostics_);
     mission_.states.front().title = files_.root->name == mission_.name ? "" : files_.root->name;
     for (const auto& [path, root] : files_.libraries) {
       const StateIndex index = add(*root, kNoState, library_names_[path]);
@@ -166,6 +167,7 @@ class Converter {
     action.outcomes = outcomes(shown);
     action.where = raw.where;
     if (!raw.script.empty()) action.run = Script{{}, raw.script};
+    declare(action, raw, diagnostics_);
     check_numbers(raw, shown);
     std::string name = id;
     std::ranges::replace(name, '/', ':');

@@ -126,6 +126,37 @@ TEST_F(OwnMachine, keepsScriptsNotesAndValues) {
   EXPECT_EQ(find("show").input_values, (std::vector<PortValue>{{"text", "left: ", {}}}));
 }
 
+TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
+  const auto folder =
+      std::filesystem::path(::testing::TempDir()) / ("segue_declares_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(kOurs / "count_down", folder, std::filesystem::copy_options::recursive);
+  const auto declare = [&](const std::filesystem::path& state, const std::string& text) {
+    ASSERT_TRUE(write_file(folder / state / "semantic_data.json", text));
+  };
+  declare("", R"j({"segue": {"world": "[\"at(robot, dock)\"]", "resources": {"arm": {"count": "2"}}}})j");
+  declare("step down_STEPAA", R"j({"other": "x", "segue": {"pure": "true", "expect": {},
+      "preconditions": "at(robot, dock)", "effects": ["+counted()", "-fresh()"],
+      "resources": "[{block: arm, count: 2}]"}})j");
+  auto machine = import_rafcon(folder, {{"own", kOurs / "libraries"}}, diagnostics_);
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const Mission& mission = machine->mission;
+  const auto step = std::ranges::find_if(mission.actions, [](const Action& each) { return each.pure; });
+  ASSERT_NE(step, mission.actions.end());
+  EXPECT_EQ(step->preconditions.size(), 1U);
+  EXPECT_EQ(step->effects.size(), 2U);
+  EXPECT_EQ(step->resources.at(0).count, 2);
+  EXPECT_EQ(mission.world.size(), 1U);
+  EXPECT_EQ(mission.resources.at(0).name, "arm");
+  EXPECT_TRUE(validate(mission).empty()) << to_string(validate(mission));
+
+  declare("step down_STEPAA", R"j({"segue": {"effect": "+counted()"}})j");
+  EXPECT_FALSE(import_rafcon(folder, {{"own", kOurs / "libraries"}}, diagnostics_));
+  EXPECT_THAT(to_string(diagnostics_), HasSubstr("semantic_data.json"));
+  EXPECT_THAT(to_string(diagnostics_), HasSubstr("'effects'"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(OwnMachine, ofTheOldFormatIsRead) {
   const auto machine = import("side_by_side");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
