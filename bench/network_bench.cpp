@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole networks through the runtime: starting and stopping chains of relays, and exchanging half of a chain
-// (the paper's experiments E1 and E2.3, in one process).
+// (the paper's experiments E2.1 and E2.3, in one process).
 #include "support/chain.hpp"
 #include "support/floor.hpp"
 #include "support/measure.hpp"

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
+#include <charconv>
 #include <filesystem>
-#include <map>
 #include <memory>
 
-#include <segue/draw/chart.hpp>
 #include "bench_experiment.hpp"
-#include "bench_robot.hpp"
+#include "bench_results.hpp"
 #include "command.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
@@ -22,216 +19,165 @@ namespace segue::cli {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct BenchOptions {
-  std::string folder = "segue-bench";
-  std::string order = std::string(to_string(model::Order::Seamless));
-  std::size_t repeat = 5;
-  bool quick = false;
+  std::vector<std::string> experiments;
+  std::string folder;
+  std::string order;
+  BenchSettings settings;
 };
 
-struct BenchPlan {
-  std::vector<std::size_t> in_process = {1, 5, 10, 25, 50, 100, 250};
-  std::vector<std::size_t> in_processes = {1, 5, 10, 25, 50};
-  std::size_t repeat = 5;
-  model::Order order = model::Order::Seamless;
-};
+constexpr std::size_t kLongestBenchChain = 1000;
+constexpr std::size_t kLargestBenchSample = std::size_t{1} << 30;
+constexpr std::size_t kMostBenchRepetitions = 1'000'000;
 
-BenchPlan plan_for(const BenchOptions& options) {
-  BenchPlan plan;
-  plan.repeat = options.repeat;
-  if (options.order == to_string(model::Order::Paper)) plan.order = model::Order::Paper;
-  if (!options.quick) return plan;
-  plan.in_process = {1, 2, 4};
-  plan.in_processes = {1, 2};
-  plan.repeat = std::min<std::size_t>(options.repeat, 2);
-  return plan;
+std::vector<std::string> bench_names() {
+  std::vector<std::string> names;
+  for (const BenchExperiment& experiment : bench_experiments())
+    names.emplace_back(experiment.name);
+  names.emplace_back("all");
+  return names;
 }
 
-const std::vector<std::size_t>& sizes_of(const BenchPlan& plan, Placement placement) {
-  return placement == Placement::OneProcess ? plan.in_process : plan.in_processes;
-}
-
-constexpr std::array kPlacements = {Placement::OneProcess, Placement::ProcessEach};
-
-/// All measurements, in the order in which they were made.
-class BenchResults {
- public:
-  void add(const Measurement& measurement) {
-    times_[{measurement.experiment, measurement.placement, measurement.relays}].push_back(
-        measurement.seconds);
-  }
-  [[nodiscard]] bool empty() const { return times_.empty(); }
-  [[nodiscard]] std::vector<std::size_t> sizes(const std::string& experiment, Placement placement) const {
-    std::vector<std::size_t> sizes;
-    for (const auto& [key, times] : times_) {
-      if (key.experiment == experiment && key.placement == placement) sizes.push_back(key.relays);
+/// "10,25,50": each between 1 and `highest`.
+Result<void> parse_counts(const std::string& text, std::size_t highest, std::vector<std::size_t>& counts) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    std::size_t count = 0;
+    const auto [rest, status] = std::from_chars(at, end, count);
+    if (status != std::errc{} || count < 1 || count > highest || (rest != end && *rest != ',')) {
+      return fail(ErrorCode::InvalidArgument,
+                  fmt::format("expected whole numbers between 1 and {}, separated by commas, got {}", highest,
+                              quote(text)));
     }
-    return sizes;
+    counts.push_back(count);
+    if (rest == end) return {};
+    at = rest + 1;
   }
-  [[nodiscard]] const std::vector<double>& times(const std::string& experiment, Placement placement,
-                                                 std::size_t relays) const {
-    return times_.at({experiment, placement, relays});
-  }
+}
 
- private:
-  struct Key {
-    std::string experiment;
-    Placement placement;
-    std::size_t relays;
-    auto operator<=>(const Key&) const = default;
+std::vector<const BenchExperiment*> selected(const BenchOptions& options) {
+  const auto named = [&](std::string_view name) {
+    return std::ranges::find(options.experiments, name) != options.experiments.end();
   };
-  std::map<Key, std::vector<double>> times_;
-};
-
-draw::Chart chart_of(const Experiment& experiment, const BenchResults& results) {
-  draw::Chart chart{experiment.name + ": " + experiment.title, "relays", {}};
-  for (const Placement placement : kPlacements) {
-    draw::Chart::Line line{to_string(placement), {}};
-    for (const std::size_t relays : results.sizes(experiment.name, placement))
-      line.points.push_back({static_cast<double>(relays), results.times(experiment.name, placement, relays)});
-    chart.lines.push_back(std::move(line));
+  std::vector<const BenchExperiment*> experiments;
+  for (const BenchExperiment& experiment : bench_experiments()) {
+    if (named(experiment.name) || named("all")) experiments.push_back(&experiment);
   }
-  return chart;
+  return experiments;
 }
 
-std::string csv_of(const Experiment& experiment, const BenchResults& results) {
-  std::string text = "placement,relays,repetition,milliseconds\n";
-  for (const Placement placement : kPlacements) {
-    for (const std::size_t relays : results.sizes(experiment.name, placement)) {
-      std::size_t repetition = 0;
-      for (const double seconds : results.times(experiment.name, placement, relays))
-        text += fmt::format("{},{},{},{:.4f}\n", to_string(placement), relays, ++repetition, seconds * 1e3);
-    }
-  }
-  return text;
-}
-
-/// "E2.3 worst" as "E2.3_worst".
-std::string file_stem(const Experiment& experiment) {
-  std::string name = experiment.name;
-  std::ranges::replace(name, ' ', '_');
-  return name;
-}
-
-Result<void> write_results(const fs::path& folder, const BenchResults& results) {
-  for (const Experiment& experiment : experiments()) {
-    const fs::path stem = folder / file_stem(experiment);
-    const auto csv = write_file(stem.string() + ".csv", csv_of(experiment, results));
-    if (!csv) return csv;
-    const auto svg = write_file(stem.string() + ".svg", to_svg(chart_of(experiment, results)));
-    if (!svg) return svg;
-  }
-  return {};
-}
-
-/// The largest chain of each series.
-Table summary_of(const BenchResults& results) {
-  using Align = Table::Align;
-  Table table({{"experiment"},
-               {"placement"},
-               {"relays", Align::Right},
-               {"median", Align::Right},
-               {"least", Align::Right},
-               {"most", Align::Right}});
-  for (const Experiment& experiment : experiments()) {
-    for (const Placement placement : kPlacements) {
-      const auto sizes = results.sizes(experiment.name, placement);
-      if (sizes.empty()) continue;
-      const auto& times = results.times(experiment.name, placement, sizes.back());
-      const auto [least, most] = std::ranges::minmax(times);
-      table.add({experiment.name, to_string(placement), std::to_string(sizes.back()),
-                 format_seconds(draw::median_of(times)), format_seconds(least), format_seconds(most)});
-    }
-  }
-  return table;
-}
-
-type::Value json_of(const BenchResults& results) {
-  type::Value::List series;
-  for (const Experiment& experiment : experiments()) {
-    for (const Placement placement : kPlacements) {
-      type::Value::List points;
-      for (const std::size_t relays : results.sizes(experiment.name, placement)) {
-        type::Value::List times;
-        for (const double seconds : results.times(experiment.name, placement, relays))
-          times.emplace_back(seconds);
-        points.push_back(
-            type::Value::map({{"relays", std::uint64_t{relays}}, {"seconds", std::move(times)}}));
-      }
-      series.push_back(type::Value::map({{"experiment", experiment.name},
-                                         {"title", experiment.title},
-                                         {"placement", to_string(placement)},
-                                         {"points", std::move(points)}}));
-    }
-  }
-  return type::Value::map({{"series", std::move(series)}});
-}
-
-/// Measures one placement, with a robot of its own.
-Result<void> measure(Placement placement, const BenchPlan& plan, BenchResults& results, StopSignal& stop) {
-  auto robot = make_bench_robot(placement, plan.order);
-  if (!robot) return robot.error();
+/// Keeps what was measured before a failure.
+Result<void> run_experiment(BenchResults& results, BenchSettings settings, StopSignal& stop) {
+  const BenchExperiment& experiment = *results.experiment;
+  if (settings.repetitions == 0) settings.repetitions = experiment.repetitions;
   Progress progress;
-  const auto report = [&](const Measurement& measurement) {
-    results.add(measurement);
-    progress.show(fmt::format("{}: {} relays, {}: {}", to_string(placement), measurement.relays,
-                              measurement.experiment, format_seconds(measurement.seconds)));
-    return !stop.requested();
-  };
-  return run_experiments(**robot, placement, sizes_of(plan, placement), plan.repeat, report);
+  const BenchReport report = {
+      [&](BenchRow row) { results.rows.push_back(std::move(row)); },
+      [&](const std::string& text) { progress.show(fmt::format("{}: {}", experiment.name, text)); },
+      [&] { return stop.requested(); }};
+  return experiment.run(settings, report);
+}
+
+int list_experiments(const Context& context) {
+  if (context.json()) {
+    print_json(bench_list_value());
+  } else {
+    print(bench_list_text());
+  }
+  return kDone;
+}
+
+Result<void> make_folder(const std::string& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (!problem) return {};
+  return fail(ErrorCode::IoError, "cannot create the folder " + quote(folder) + ": " + problem.message());
 }
 
 int run_bench(const BenchOptions& options, const Context& context) {
+  if (options.experiments.empty()) return list_experiments(context);
   StopSignal stop;
-  std::error_code failed_to_make;
-  fs::create_directories(options.folder, failed_to_make);
-  if (failed_to_make) {
-    return failed(context, fail(ErrorCode::IoError, "cannot create the folder " + quote(options.folder) +
-                                                        ": " + failed_to_make.message()));
+  if (!options.folder.empty()) {
+    if (auto made = make_folder(options.folder); !made) return failed(context, made.error());
   }
   set_log_level(LogLevel::Error);
-  const BenchPlan plan = plan_for(options);
-  BenchResults results;
+  BenchSettings settings = options.settings;
+  if (!options.order.empty())
+    settings.order =
+        options.order == to_string(model::Order::Paper) ? model::Order::Paper : model::Order::Seamless;
+  type::Value::List values;
   Result<void> measured;
-  for (const Placement placement : kPlacements) {
-    if (measured && !stop.requested()) measured = measure(placement, plan, results, stop);
+  for (const BenchExperiment* experiment : selected(options)) {
+    if (!measured || stop.requested()) break;
+    BenchResults results{experiment, {}};
+    measured = run_experiment(results, settings, stop);
+    if (context.json()) values.push_back(bench_value(results));
+    if (!context.json() && !results.rows.empty()) print_line(bench_text(results));
+    if (options.folder.empty()) continue;
+    if (auto written = write_bench_files(options.folder, results); measured && !written) measured = written;
   }
-  const auto written = write_results(options.folder, results);
   if (!measured) return failed(context, measured.error());
-  if (!written) return failed(context, written.error());
-  if (context.json()) {
-    print_json(json_of(results));
-  } else {
-    print(summary_of(results).text());
-    print_line(fmt::format("all series as CSV and SVG: {}", (fs::path(options.folder) / "").string()));
-  }
+  if (context.json()) print_json(type::Value::map({{"experiments", std::move(values)}}));
   if (!stop.requested()) return kDone;
-  print_note("interrupted; the results so far have been written");
+  print_note("interrupted; this is what was measured until then");
   return kFailed;
+}
+
+void add_bench_options(Verb& verb, BenchOptions& options) {
+  BenchSettings& settings = options.settings;
+  verb.option("EXPERIMENT", options.experiments, "E1.1, E1.2, E2.1, E2.2, E2.3 or all").one_of(bench_names());
+  verb.option(
+      "--transport KIND",
+      [&settings](const std::string& text) -> Result<void> {
+        if (text == "local") settings.transports = {BenchTransport::Local};
+        if (text == "shm") settings.transports = {BenchTransport::SharedMemory};
+        if (text == "local" || text == "shm" || text == "all") return {};
+        return fail(ErrorCode::InvalidArgument, "expected local, shm or all, got " + quote(text));
+      },
+      "local: all tasks in one process; shm: a process for each, samples in shared memory; all (default)");
+  verb.option("--repetitions N", settings.repetitions, "how often to measure each (default: by experiment)")
+      .between(1, kMostBenchRepetitions);
+  verb.option(
+      "--relays N,...",
+      [&settings](const std::string& text) {
+        return parse_counts(text, kLongestBenchChain, settings.relays);
+      },
+      "lengths of the chains (default: by experiment)");
+  verb.option(
+      "--bytes N,...",
+      [&settings](const std::string& text) {
+        return parse_counts(text, kLargestBenchSample, settings.bytes);
+      },
+      "payloads of E1.2 (default: 100 to 10,000,000)");
+  verb.option("--order ORDER", options.order,
+              "seamless (default) or paper: one action after the other (default of E2.2)")
+      .one_of({"seamless", "paper"});
+  verb.option("--out DIR", options.folder, "also write all measurements as CSV, and charts as SVG");
+}
+
+std::string bench_help() {
+  std::string text =
+      "  segue bench                       # lists the experiments\n"
+      "  segue bench E1.1 --transport shm\n"
+      "  segue bench all --out results\n\n"
+      "The experiments of M. Wirkus et al., J Intell Robot Syst 100, 2020, with real tasks in real "
+      "processes,\n"
+      "beside the paper's figures. Close other programs first. Ctrl-C ends it cleanly: no process is left.\n"
+      "Lengths, sizes and the cases of E2.3 are a plain reading: the paper's own are not at hand.\n";
+  for (const BenchExperiment& experiment : bench_experiments())
+    text += fmt::format("\n{}: {}\n{}\n", experiment.name, experiment.title, experiment.measured);
+  text.pop_back();
+  return text;
 }
 
 }  // namespace
 
 void add_bench(Verb& app, Context& context) {
   const auto options = std::make_shared<BenchOptions>();
-  Verb& verb = add_verb(
-      app, context, "bench", "measure how fast this computer switches controllers, as CSV and SVG",
-      "  segue bench --quick               # takes some seconds, to check that everything works\n"
-      "  segue bench --out results\n\n"
-      "Chains of producer, relays and consumer are started (E1.1) and removed (E1.2). In running chains, "
-      "one\n"
-      "relay (E2.1), all relays (E2.2) or half of them (E2.3: adjacent ones, the best case; every second "
-      "one,\n"
-      "the worst; and the longest gap between samples) are exchanged. Everything is measured in one process\n"
-      "and with one process per task. Close other programs first. Ctrl-C ends it cleanly: no process is "
-      "left.",
-      [options, &context] { return run_bench(*options, context); });
-  verb.option("--out DIR", options->folder, "the output folder (default segue-bench)");
-  verb.option("--repeat N", options->repeat, "number of repetitions (default 5)").between(1, 1000);
-  add_order_option(verb, options->order);
-  verb.flag("--quick", options->quick, "short chains and two repetitions only");
+  Verb& verb = add_verb(app, context, "bench", "repeat the experiments of the paper on this computer",
+                        bench_help(), [options, &context] { return run_bench(*options, context); });
+  add_bench_options(verb, *options);
 }
 
 }  // namespace segue::cli

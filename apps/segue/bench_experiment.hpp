@@ -2,70 +2,66 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/model/network.hpp>
+#include <segue/model/transition.hpp>
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-/// The experiments of `segue bench`: chains P -> R1 -> ... -> Rn -> C of the bench components, brought up,
-/// taken down, and exchanged in part while samples run through them.
+#include "bench_chain.hpp"
+
+/// The experiments of M. Wirkus et al., J Intell Robot Syst 100, 2020, by their names, as `segue bench`
+/// repeats them.
 namespace segue::cli {
 
-enum class Placement { OneProcess, ProcessEach };
-std::string to_string(Placement placement);
-
-/// The relays of a chain that are exchanged.
-enum class Exchange {
-  None,
-  One,  ///< the one in the middle
-  All,
-  Block,  ///< the half in the middle: best case, because most connections are between tasks of the same kind
-  EverySecond  ///< worst case: every connection changes
+/// What of the experiments to measure.
+struct BenchSettings {
+  std::vector<BenchTransport> transports{BenchTransport::Local, BenchTransport::SharedMemory};
+  std::vector<std::size_t> relays;    ///< lengths of the chain; empty: those of the experiment
+  std::vector<std::size_t> bytes;     ///< sizes of the payload; empty: those of the experiment
+  std::size_t repetitions = 0;        ///< 0: those of the experiment
+  std::optional<model::Order> order;  ///< nothing: that of the experiment
 };
 
-struct ChainOptions {
+/// Repeated measurements of one thing, in seconds.
+struct BenchRow {
+  std::string what;  ///< "latency", "bring-up", "configure", ...
+  BenchTransport transport = BenchTransport::Local;
   std::size_t relays = 0;
-  Exchange exchange = Exchange::None;
-  Placement placement = Placement::OneProcess;
-};
-model::Network relay_chain(const ChainOptions& options);
-
-/// The name and title of a series.
-struct Experiment {
-  std::string name;  ///< "E2.3 worst"; with underscores, the name of its files
-  std::string title;
-};
-/// All series in their order: E1.1, E1.2, E2.1, E2.2, E2.3 best, E2.3 worst, E2.3 gap.
-const std::vector<Experiment>& experiments();
-
-/// One measurement.
-struct Measurement {
-  std::string experiment;
-  Placement placement = Placement::OneProcess;
-  std::size_t relays = 0;
-  double seconds = 0;
+  std::size_t bytes = 0;        ///< of payload; 0: samples of a fixed size
+  std::vector<double> seconds;  ///< at least one
+  std::vector<double> floor{};  ///< of the operating system for the same job; empty: not known
+  std::string published{};      ///< the paper's figure; empty: none for these parameters
 };
 
-/// A robot that executes transitions and measures them, in seconds.
-class BenchRobot {
- public:
-  BenchRobot() = default;
-  BenchRobot(const BenchRobot&) = delete;
-  BenchRobot& operator=(const BenchRobot&) = delete;
-  virtual ~BenchRobot() = default;
-  virtual Result<double> switch_to(const model::Network& network) = 0;
-  /// Blocks until the consumer has received a sample that was sent after this call.
-  virtual Result<void> wait_for_samples() = 0;
-  /// Starts, and ends, the measurement of the longest gap between two samples at the consumer, in seconds.
-  virtual Result<void> watch_gap() = 0;
-  virtual Result<double> longest_gap() = 0;
+/// How an experiment reports; called by one thread.
+struct BenchReport {
+  std::function<void(BenchRow)> add;
+  std::function<void(const std::string&)> progress;
+  std::function<bool()> stopped;  ///< the user wants it to end: add what has been measured and return
 };
 
-/// Runs the experiments of one placement. `report` is called with every measurement and returns whether to
-/// continue. The robot keeps running the last network.
-Result<void> run_experiments(BenchRobot& robot, Placement placement, const std::vector<std::size_t>& sizes,
-                             std::size_t repeat, const std::function<bool(const Measurement&)>& report);
+struct BenchExperiment {
+  std::string_view name;        ///< "E1.1"
+  std::string_view title;       ///< "latency of a chain, by its length"
+  std::string_view measured;    ///< how it is measured here, for people
+  std::string_view published;   ///< the figures of the paper, for people
+  std::string_view by;          ///< what its rows differ in: "relays", "bytes"; empty: nothing to draw
+  std::size_t repetitions = 0;  ///< by default
+  Result<void> (*run)(const BenchSettings& settings, const BenchReport& report);
+};
+
+/// In the order of the paper.
+const std::vector<BenchExperiment>& bench_experiments();
+
+// One function each; failures of the robot end them.
+Result<void> run_latency_by_length(const BenchSettings& settings, const BenchReport& report);
+Result<void> run_latency_by_size(const BenchSettings& settings, const BenchReport& report);
+Result<void> run_bring_up(const BenchSettings& settings, const BenchReport& report);
+Result<void> run_actions(const BenchSettings& settings, const BenchReport& report);
+Result<void> run_exchange(const BenchSettings& settings, const BenchReport& report);
 
 }  // namespace segue::cli

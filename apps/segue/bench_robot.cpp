@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench_robot.hpp"
 
-#include <segue/base/descriptor.hpp>
 #include <segue/base/file.hpp>
 #include <segue/base/folders.hpp>
-#include <segue/runtime/embedded_robot.hpp>
 
 #include <cerrno>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -24,10 +22,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRobotName = "segue-bench";
+constexpr const char* kConsumer = "consumer";
 constexpr auto kBenchPatience = std::chrono::seconds(30);
 
 /// Held as long as the robot exists; the system releases it even if this process crashes.
-Result<Descriptor> take_lock() {
+Result<Descriptor> take_bench_lock() {
   const auto folder = runtime_folder();
   if (!folder) return folder.error();
   const fs::path file = *folder / (std::string(kRobotName) + ".lock");
@@ -37,24 +36,6 @@ Result<Descriptor> take_lock() {
   return fail(ErrorCode::AlreadyExists, "another `segue bench` of yours is running; wait for its end");
 }
 
-/// A folder that the destructor removes.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_((fs::temp_directory_path() / "segue-bench-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) path_.clear();
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] fs::path path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 Error first_error(const Diagnostics& diagnostics) {
   for (const Diagnostic& diagnostic : diagnostics.items()) {
     if (diagnostic.severity == Severity::Error) return fail(ErrorCode::InvalidArgument, diagnostic.message);
@@ -62,92 +43,124 @@ Error first_error(const Diagnostics& diagnostics) {
   return fail(ErrorCode::Internal, "the robot of the benchmark could not be opened");
 }
 
-class EmbeddedBenchRobot final : public BenchRobot {
- public:
-  static Result<std::unique_ptr<BenchRobot>> make(Placement placement, model::Order order) {
-    auto made = std::unique_ptr<EmbeddedBenchRobot>(new EmbeddedBenchRobot(order));
-    auto lock = take_lock();
-    if (!lock) return lock.error();
-    made->lock_ = std::move(*lock);
-    if (auto opened = made->open(placement); !opened) return opened.error();
-    // Removes what an earlier run left when it was killed.
-    if (auto empty = made->switch_to({}); !empty) return empty.error();
-    return std::unique_ptr<BenchRobot>(std::move(made));
-  }
-
-  ~EmbeddedBenchRobot() override {
-    if (robot_ == nullptr) return;
-    const auto result = robot_->shut_down();
-    if (result.error) print_note("the benchmark's robot did not stop cleanly: " + to_string(*result.error));
-  }
-
-  Result<double> switch_to(const model::Network& network) override {
-    const auto begin = RealClock::instance().now();
-    const auto result = robot_->runtime().switch_to(network, options_);
-    const auto end = RealClock::instance().now();
-    if (result.outcome == runtime::Outcome::Done) return std::chrono::duration<double>(end - begin).count();
-    if (result.error) return *result.error;
-    return fail(ErrorCode::Internal, "a switch was " + std::string(to_string(result.outcome)));
-  }
-
-  Result<void> wait_for_samples() override {
-    const auto before = statistic("count");
-    if (!before) return before.error();
-    const auto deadline = RealClock::instance().now() + kBenchPatience;
-    // The first new sample may have been under way already; the second was sent after the call.
-    for (auto now = before; RealClock::instance().now() < deadline; now = statistic("count")) {
-      if (!now) return now.error();
-      if (*now >= *before + 2) return {};
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return fail(ErrorCode::DeadlineExceeded, "no sample came through the chain within 30 s");
-  }
-
-  Result<void> watch_gap() override {
-    const auto done = call("reset");
-    if (!done) return done.error();
-    return {};
-  }
-
-  Result<double> longest_gap() override { return statistic("pause_max"); }
-
- private:
-  explicit EmbeddedBenchRobot(model::Order order) { options_.order = order; }
-
-  Result<void> open(Placement placement) {
-    std::ofstream(folder_.path() / "robot.yaml")
-        << "robot: " << kRobotName << "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n";
-    Diagnostics diagnostics;
-    runtime::EmbeddedOptions options;
-    options.placement = placement == Placement::OneProcess ? runtime::TaskPlacement::InProcess
-                                                           : runtime::TaskPlacement::Processes;
-    options.log_level = LogLevel::Error;
-    robot_ = runtime::EmbeddedRobot::open(folder_.path() / "robot.yaml", diagnostics, options);
-    if (robot_ == nullptr) return first_error(diagnostics);
-    return {};
-  }
-
-  Result<type::Value> call(const char* operation) {
-    return robot_->runtime().host().call(model::TaskId("consumer"), operation, type::Value(type::ValueMap{}),
-                                         RealClock::instance().now() + kBenchPatience);
-  }
-
-  Result<double> statistic(const char* name) {
-    const auto statistics = call("statistics");
-    if (!statistics) return statistics.error();
-    return number_at(*statistics, name);
-  }
-
-  runtime::RequestOptions options_;
-  Descriptor lock_;
-  TemporaryFolder folder_;
-  std::unique_ptr<runtime::EmbeddedRobot> robot_;
-};
+TimePoint patience() {
+  return RealClock::instance().now() + kBenchPatience;
+}
 
 }  // namespace
 
-Result<std::unique_ptr<BenchRobot>> make_bench_robot(Placement placement, model::Order order) {
-  return EmbeddedBenchRobot::make(placement, order);
+BenchRobot::BenchRobot() {
+  std::string pattern = (fs::temp_directory_path() / "segue-bench-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) != nullptr) folder_ = pattern;
+}
+
+BenchRobot::~BenchRobot() {
+  if (robot_ != nullptr) {
+    const auto result = robot_->shut_down();
+    if (result.error) print_note("the benchmark's robot did not stop cleanly: " + to_string(*result.error));
+    robot_.reset();
+  }
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+}
+
+Result<std::unique_ptr<BenchRobot>> BenchRobot::open(BenchTransport transport) {
+  auto robot = std::unique_ptr<BenchRobot>(new BenchRobot());
+  auto lock = take_bench_lock();
+  if (!lock) return lock.error();
+  robot->lock_ = std::move(*lock);
+  if (auto started = robot->start(transport); !started) return started.error();
+  if (auto empty = robot->switch_to({}); !empty) return empty.error();
+  return robot;
+}
+
+Result<void> BenchRobot::start(BenchTransport transport) {
+  const fs::path file = folder_ / "robot.yaml";
+  const auto written =
+      write_file(file, std::string("robot: ") + kRobotName +
+                           "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n");
+  if (!written) return written;
+  Diagnostics diagnostics;
+  runtime::EmbeddedOptions options;
+  options.placement = transport == BenchTransport::Local ? runtime::TaskPlacement::InProcess
+                                                         : runtime::TaskPlacement::Processes;
+  options.log_level = LogLevel::Error;
+  robot_ = runtime::EmbeddedRobot::open(file, diagnostics, options);
+  if (robot_ == nullptr) return first_error(diagnostics);
+  return {};
+}
+
+Result<Switched> BenchRobot::request(runtime::Request request, model::Order order) {
+  runtime::RequestOptions options;
+  options.order = order;
+  const auto begin = RealClock::instance().now();
+  auto result = robot_->runtime().switch_to(std::move(request), options);
+  const auto end = RealClock::instance().now();
+  if (result.outcome == runtime::Outcome::Done) {
+    return Switched{std::chrono::duration<double>(end - begin).count(), std::move(result.actions)};
+  }
+  if (result.error) return *result.error;
+  return fail(ErrorCode::Internal, "a switch was " + std::string(to_string(result.outcome)));
+}
+
+Result<Switched> BenchRobot::switch_to(const model::Network& network, model::Order order) {
+  return request(network, order);
+}
+
+Result<Switched> BenchRobot::call_by_transition(const std::string& task, const std::string& operation) {
+  model::Transition transition;
+  transition.from = transition.to = robot_->runtime().belief().name;
+  model::Action action;
+  action.id = 1;
+  action.kind = model::ActionKind::CallOperation;
+  action.what = model::CallAction{model::TaskId(task), operation, type::Value(type::ValueMap{})};
+  transition.actions.push_back(std::move(action));
+  return request(std::move(transition), model::Order::Paper);
+}
+
+Result<type::Value> BenchRobot::call(const std::string& task, const char* operation) {
+  return robot_->runtime().host().call(model::TaskId(task), operation, type::Value(type::ValueMap{}),
+                                       patience());
+}
+
+Result<void> BenchRobot::make_fail(const std::string& relay) {
+  const auto called = call(relay, "fail");
+  if (!called) return called.error();
+  for (const auto deadline = patience(); RealClock::instance().now() < deadline;) {
+    const model::Network observed = robot_->runtime().host().observe();
+    const model::Task* task = observed.find_task(model::TaskId(relay));
+    if (task != nullptr && task->state == TaskState::RunTimeError) return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return fail(ErrorCode::DeadlineExceeded, "the task " + relay + " did not fail within 30 s");
+}
+
+Result<double> BenchRobot::statistic(const char* name) {
+  const auto statistics = call(kConsumer, "statistics");
+  if (!statistics) return statistics.error();
+  return number_at(*statistics, name);
+}
+
+Result<void> BenchRobot::wait_for_samples() {
+  const auto before = statistic("count");
+  if (!before) return before.error();
+  // The first new sample may have been under way already; the second was sent after the call.
+  const double enough = *before + 2;
+  return wait_for_count(static_cast<std::size_t>(enough), [] { return false; });
+}
+
+Result<void> BenchRobot::wait_for_count(std::size_t samples, const std::function<bool()>& stopped) {
+  std::optional<double> last;
+  for (auto deadline = patience(); RealClock::instance().now() < deadline && !stopped();) {
+    const auto count = statistic("count");
+    if (!count) return count.error();
+    if (*count >= static_cast<double>(samples)) return {};
+    if (last != *count) deadline = patience();
+    last = *count;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (stopped()) return {};
+  return fail(ErrorCode::DeadlineExceeded, "no sample came through the chain within 30 s");
 }
 
 }  // namespace segue::cli

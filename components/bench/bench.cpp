@@ -7,6 +7,8 @@
 #include <segue/task/component.hpp>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace bench {
 
@@ -92,7 +94,7 @@ class Producer final : public Component {
   std::uint64_t sequence_ = 0;
 };
 
-/// Passes every sample on.
+/// Passes every sample on. Can be made to fail, to measure how long its recovery takes.
 class Relay final : public Component {
  public:
   Relay() { doc("Passes every sample on"); }
@@ -105,6 +107,9 @@ class Relay final : public Component {
     while (auto sample = fixed_in_.take()) {
       fixed_out_.write(*sample);
     }
+    if (std::exchange(to_fail_, false)) {
+      error("", "asked to fail");
+    }
   }
 
  private:
@@ -112,6 +117,13 @@ class Relay final : public Component {
   OutputPort<Sample> out_{*this, "out"};
   InputPort<FixedSample> fixed_in_{*this, "fixed_in"};
   OutputPort<FixedSample> fixed_out_{*this, "fixed_out"};
+  Operation<void()> fail_{*this,
+                          "fail",
+                          {},
+                          [this] { to_fail_ = true; },
+                          segue::task::RunsIn::TaskThread,
+                          "the next update ends in the error state"};
+  bool to_fail_ = false;
 };
 
 /// Counts samples and gaps, and measures latency.
@@ -120,6 +132,14 @@ class Consumer final : public Component {
   Consumer() { doc("Counts samples, their latency, and the gaps in their numbers"); }
 
  protected:
+  Result<void> on_configure() override {
+    if (*record_ > kMostLatencies) {
+      return segue::fail(segue::ErrorCode::InvalidArgument, "record must be at most 1,000,000");
+    }
+    latencies_.reserve(*record_);
+    return {};
+  }
+
   Result<void> on_start() override {
     reset();
     return {};
@@ -136,8 +156,11 @@ class Consumer final : public Component {
   }
 
  private:
+  static constexpr std::uint64_t kMostLatencies = 1'000'000;
+
   void reset() {
     statistics_ = {};
+    latencies_.clear();
     latency_sum_ = 0;
     gaps_ = {};
     fixed_gaps_ = {};
@@ -154,6 +177,7 @@ class Consumer final : public Component {
     ++statistics_.count;
     statistics_.lost += gaps.lost_before(sequence);
     latency_sum_ += latency;
+    if (latencies_.size() < *record_) latencies_.push_back(latency);
     statistics_.latency_min = statistics_.count == 1 ? latency : std::min(statistics_.latency_min, latency);
     statistics_.latency_max = std::max(statistics_.latency_max, latency);
     statistics_.latency_mean = latency_sum_ / static_cast<double>(statistics_.count);
@@ -163,8 +187,16 @@ class Consumer final : public Component {
   InputPort<FixedSample> fixed_in_{*this, "fixed_in"};
   OutputPort<Statistics> statistics_out_{*this, "statistics", {.doc = "after every update"}};
   Operation<Statistics()> read_{*this, "statistics", {}, [this] { return statistics_; }};
+  Operation<std::vector<double>()> read_latencies_{*this,
+                                                   "latencies",
+                                                   {},
+                                                   [this] { return latencies_; },
+                                                   segue::task::RunsIn::TaskThread,
+                                                   "of the first samples since the last reset, in seconds"};
   Operation<void()> reset_{*this, "reset", {}, [this] { reset(); }};
+  Property<std::uint64_t> record_{*this, "record", 0, {.doc = "how many latencies to keep after a reset"}};
   Statistics statistics_;
+  std::vector<double> latencies_;
   double latency_sum_ = 0;
   GapCounter gaps_;
   GapCounter fixed_gaps_;

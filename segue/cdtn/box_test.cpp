@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box-fetching plans of Brunner et al. 2019 (section V), as reconstructed in shared data.
+// The box-fetching plans of Brunner et al. 2019 (section V), as reconstructed in examples/07_boxes.
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/critical_path.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/sequential.hpp>
-#include <support/shared_data.hpp>
 
 #include <gmock/gmock.h>
 
@@ -18,8 +17,8 @@ constexpr double kTolerance = 0.06;  // seconds; the figures are rounded to a te
 class Boxes : public testing::TestWithParam<int> {
  protected:
   void SetUp() override {
-    const auto file = shared_data("cdtn") / ("model_" + std::to_string(GetParam()) + "_boxes.json");
-    if (!std::filesystem::exists(file)) GTEST_SKIP() << "without " << file;
+    const std::filesystem::path file =
+        SEGUE_SOURCE_DIR "/examples/07_boxes/boxes_" + std::to_string(GetParam()) + ".json";
     Diagnostics diagnostics;
     flat_ = load_flat_network(file, diagnostics);
     ASSERT_TRUE(flat_) << to_string(diagnostics);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <thread>
 
 #include "system_test.hpp"
@@ -43,26 +44,120 @@ class Bench : public SystemTest {
   }
 };
 
-TEST_F(Bench, ItWritesEverySeriesAndLeavesNoProcess) {
-  const auto finished = segue({"bench", "--quick", "--out", "results"});
-  ASSERT_EQ(finished.status, 0) << finished.output << finished.errors;
-  for (const std::string series : {"E1.1", "E1.2", "E2.1", "E2.2", "E2.3_best", "E2.3_worst", "E2.3_gap"}) {
-    const fs::path file = folder_ / "results" / series;
-    const std::string csv = text_of(file.string() + ".csv");
-    EXPECT_EQ(csv.rfind("placement,relays,repetition,milliseconds\n", 0), 0U) << series;
-    EXPECT_NE(csv.find("\none process,4,2,"), std::string::npos) << csv;
-    EXPECT_NE(csv.find("\na process for each task,2,2,"), std::string::npos) << csv;
-    const std::string svg = text_of(file.string() + ".svg");
-    EXPECT_EQ(svg.rfind("<svg ", 0), 0U) << series;
-    EXPECT_NE(svg.find("</svg>\n"), std::string::npos) << series;
+/// The rows of the only experiment of a run in JSON.
+const type::Value::List& rows_of(const type::Value& report) {
+  return report.find("experiments")->as_list().at(0).find("rows")->as_list();
+}
+
+std::string text(const type::Value& row, const char* key) {
+  return row.find(key) == nullptr ? "" : row.find(key)->as_string();
+}
+
+/// Every row has as many measurements as asked for, all positive and in order.
+void expect_plausible(const type::Value& report, std::size_t count) {
+  for (const type::Value& row : rows_of(report)) {
+    SCOPED_TRACE(text(row, "what") + ", " + text(row, "transport"));
+    EXPECT_EQ(row.find("seconds")->as_list().size(), count);
+    EXPECT_GT(row.find("least_s")->as_double(), 0);
+    EXPECT_LE(row.find("least_s")->as_double(), row.find("median_s")->as_double());
+    EXPECT_LE(row.find("median_s")->as_double(), row.find("p99_s")->as_double());
+    EXPECT_LE(row.find("p99_s")->as_double(), row.find("most_s")->as_double());
+    if (row.find("floor_s") != nullptr) {
+      EXPECT_GT(row.find("floor_s")->as_double(), 0);
+    }
   }
-  EXPECT_EQ(lines_of(folder_ / "results" / "E1.1.csv"), 1 + (3 + 2) * 2);
-  EXPECT_NE(finished.output.find("E2.3 worst"), std::string::npos) << finished.output;
+}
+
+std::set<std::string> values_of(const type::Value& report, const char* key) {
+  std::set<std::string> values;
+  for (const type::Value& row : rows_of(report))
+    values.insert(text(row, key));
+  return values;
+}
+
+TEST_F(Bench, ItListsTheExperimentsOfThePaper) {
+  const auto listed = segue({"bench"});
+  EXPECT_EQ(listed.status, 0) << listed.errors;
+  for (const std::string name : {"E1.1", "E1.2", "E2.1", "E2.2", "E2.3"})
+    EXPECT_NE(listed.output.find(name), std::string::npos) << listed.output;
+  const auto value = json({"bench"});
+  ASSERT_EQ(value.find("experiments")->as_list().size(), 5U);
+  EXPECT_NE(text(value.find("experiments")->as_list()[0], "published"), "");
+}
+
+TEST_F(Bench, LatenciesAreMeasuredByLengthOnEachTransport) {
+  const auto report = json({"bench", "E1.1", "--relays", "1,3", "--repetitions", "12"});
+  EXPECT_EQ(rows_of(report).size(), 4U);
+  EXPECT_EQ(values_of(report, "transport"), (std::set<std::string>{"local", "shm"}));
+  EXPECT_EQ(values_of(report, "published"), (std::set<std::string>{"20 us a hop", "140 us a hop"}));
+  expect_plausible(report, 12);
+  for (const type::Value& row : rows_of(report))
+    EXPECT_NE(row.find("floor_s"), nullptr);
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
 }
 
+TEST_F(Bench, LatenciesAreMeasuredBySize) {
+  const auto report = json({"bench", "E1.2", "--bytes", "100,200000", "--repetitions", "5"});
+  expect_plausible(report, 5);
+  std::multiset<std::uint64_t> sizes;
+  for (const type::Value& row : rows_of(report))
+    sizes.insert(row.find("bytes")->as_uint());
+  EXPECT_EQ(sizes, (std::multiset<std::uint64_t>{100, 100, 200000, 200000}));
+}
+
+TEST_F(Bench, ChainsAreBroughtUpAndTakenDown) {
+  const auto report = json({"bench", "E2.1", "--relays", "2", "--repetitions", "2"});
+  expect_plausible(report, 2);
+  EXPECT_EQ(rows_of(report).size(), 4U);
+  EXPECT_EQ(values_of(report, "what"), (std::set<std::string>{"bring-up", "tear-down"}));
+  EXPECT_EQ(processes_left(), std::vector<std::string>{});
+}
+
+TEST_F(Bench, EveryKindOfActionIsMeasured) {
+  const auto report = json({"bench", "E2.2", "--transport", "shm", "--repetitions", "2"});
+  EXPECT_EQ(values_of(report, "what"),
+            (std::set<std::string>{"recover", "stop", "disconnect", "cleanup", "undeploy", "deploy",
+                                   "apply_config", "configure", "connect", "start", "call_operation"}));
+  for (const type::Value& row : rows_of(report)) {
+    const std::string what = text(row, "what");
+    const bool once = what == "recover" || what == "call_operation";
+    const bool on_connections = what == "connect" || what == "disconnect";
+    EXPECT_EQ(row.find("seconds")->as_list().size(), once ? 2U : on_connections ? 4U : 6U) << what;
+  }
+}
+
+TEST_F(Bench, HalfIsExchangedAndComparedWithARestart) {
+  const auto report = json({"bench", "E2.3", "--transport", "local", "--relays", "4", "--repetitions", "3"});
+  expect_plausible(report, 3);
+  EXPECT_EQ(values_of(report, "what"),
+            (std::set<std::string>{"exchange of neighbours", "pause of neighbours",
+                                   "exchange of every second", "pause of every second", "restart of all"}));
+}
+
+TEST_F(Bench, ATableShowsThePublishedFiguresAndWhatIsNotMeasured) {
+  const auto finished =
+      segue({"bench", "E2.1", "--transport", "local", "--relays", "25", "--repetitions", "1"});
+  ASSERT_EQ(finished.status, 0) << finished.errors;
+  for (const std::string part : {"bring-up", "some ms", "floor", "Not measured: two computers, CORBA"})
+    EXPECT_NE(finished.output.find(part), std::string::npos) << finished.output;
+}
+
+TEST_F(Bench, MeasurementsAreWrittenAsFiles) {
+  const auto finished = segue({"bench", "E2.1", "E2.2", "--transport", "local", "--relays", "1,2",
+                               "--repetitions", "2", "--out", "results"});
+  ASSERT_EQ(finished.status, 0) << finished.errors;
+  const std::string csv = text_of(folder_ / "results" / "E2.1.csv");
+  EXPECT_EQ(csv.rfind("what,transport,relays,bytes,repetition,milliseconds\n", 0), 0U) << csv;
+  EXPECT_EQ(lines_of(folder_ / "results" / "E2.1.csv"), 1 + 2 * 2 * 2);
+  EXPECT_NE(csv.find("\ntear-down,local,2,0,2,"), std::string::npos) << csv;
+  EXPECT_EQ(text_of(folder_ / "results" / "E2.1.svg").rfind("<svg ", 0), 0U);
+  EXPECT_GT(lines_of(folder_ / "results" / "E2.2.csv"), 10);
+}
+
 TEST_F(Bench, AnInterruptEndsItCleanlyAndKeepsTheResults) {
-  Process bench(command({"bench", "--quick", "--repeat", "1000", "--out", "results"}), folder_);
+  Process bench(command({"bench", "E2.1", "--transport", "shm", "--relays", "1", "--repetitions", "100000",
+                         "--out", "results"}),
+                folder_);
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   while (!a_deployment_runs()) {
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
@@ -72,13 +167,23 @@ TEST_F(Bench, AnInterruptEndsItCleanlyAndKeepsTheResults) {
   const auto finished = bench.wait();
   EXPECT_EQ(finished.status, 1) << finished.output << finished.errors;
   EXPECT_NE(finished.errors.find("interrupted"), std::string::npos) << finished.errors;
-  EXPECT_GT(lines_of(folder_ / "results" / "E1.1.csv"), 1);
+  EXPECT_GT(lines_of(folder_ / "results" / "E2.1.csv"), 1);
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
+}
+
+TEST_F(Bench, WrongArgumentsAreExplained) {
+  const auto unknown = segue({"bench", "E3"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.errors.find("E2.3"), std::string::npos) << unknown.errors;
+  const auto lengths = segue({"bench", "E1.1", "--relays", "5,x"});
+  EXPECT_EQ(lengths.status, 2);
+  EXPECT_NE(lengths.errors.find("separated by commas, got '5,x'"), std::string::npos) << lengths.errors;
+  EXPECT_EQ(segue({"bench", "E1.1", "--transport", "dds"}).status, 2);
 }
 
 TEST_F(Bench, AFolderThatCannotBeCreatedIsExplained) {
   write("taken", "a file");
-  const auto finished = segue({"bench", "--quick", "--out", "taken/results"});
+  const auto finished = segue({"bench", "E2.1", "--out", "taken/results"});
   EXPECT_EQ(finished.status, 1);
   EXPECT_NE(finished.errors.find("cannot create the folder 'taken/results'"), std::string::npos)
       << finished.errors;

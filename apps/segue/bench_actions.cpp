@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// E2.2: how long each kind of action takes.
+#include <fmt/core.h>
+
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "bench_experiment.hpp"
+#include "bench_floor.hpp"
+#include "bench_robot.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using model::ActionKind;
+using Durations = std::map<ActionKind, std::vector<double>>;
+
+std::string published_action(ActionKind kind) {
+  switch (kind) {
+    case ActionKind::Configure:
+    case ActionKind::Deploy:
+    case ActionKind::Undeploy:
+      return "tens of ms";
+    case ActionKind::Recover:
+    case ActionKind::Start:
+    case ActionKind::Stop:
+    case ActionKind::Cleanup:
+      return "0.5 ms";
+    default:
+      return {};
+  }
+}
+
+/// The actions of one life of a chain: up, a call, an error, and down.
+class ActionRun {
+ public:
+  ActionRun(BenchRobot& robot, const ChainOptions& chain, model::Order order)
+      : robot_(robot), chain_(relay_chain(chain)), order_(order) {}
+
+  Result<void> repeat() {
+    if (auto up = note(robot_.switch_to(chain_, order_)); !up) return up;
+    if (auto runs = robot_.wait_for_samples(); !runs) return runs;
+    if (auto called = note(robot_.call_by_transition("consumer", "reset")); !called) return called;
+    if (auto failed = robot_.make_fail("relay_1"); !failed) return failed;
+    if (auto recovered = note(robot_.switch_to(chain_, order_)); !recovered) return recovered;
+    return note(robot_.switch_to({}, order_));
+  }
+
+  [[nodiscard]] const Durations& durations() const { return durations_; }
+
+ private:
+  Result<void> note(const Result<Switched>& switched) {
+    if (!switched) return switched.error();
+    for (const runtime::ActionRecord& record : switched->actions) {
+      if (!record.executed) continue;
+      durations_[record.action.kind].push_back(std::chrono::duration<double>(record.duration).count());
+    }
+    return {};
+  }
+
+  BenchRobot& robot_;
+  const model::Network chain_;
+  const model::Order order_;
+  Durations durations_;
+};
+
+/// Of actions in another process; there is none for those in this one.
+struct ActionFloors {
+  std::vector<double> spawn;
+  std::vector<double> message;
+};
+
+Result<ActionFloors> measure_floors(BenchTransport transport, std::size_t repetitions,
+                                    const BenchReport& report) {
+  if (transport == BenchTransport::Local) return ActionFloors{};
+  auto spawn = program_runs(1, repetitions, report.stopped);
+  if (!spawn) return spawn.error();
+  auto message = pipe_latencies(transport, 1, 1, repetitions, report.stopped);
+  if (!message) return message.error();
+  return ActionFloors{std::move(*spawn), std::move(*message)};
+}
+
+Result<void> measure_actions(BenchTransport transport, std::size_t relays, const BenchSettings& settings,
+                             const BenchReport& report) {
+  auto robot = BenchRobot::open(transport);
+  if (!robot) return robot.error();
+  ChainOptions chain;
+  chain.relays = relays;
+  chain.transport = transport;
+  ActionRun run(**robot, chain, settings.order.value_or(model::Order::Paper));
+  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
+    report.progress(fmt::format("{}: {} relays, repetition {}", to_string(transport), relays, i + 1));
+    if (auto done = run.repeat(); !done) return done;
+  }
+  const auto floors = measure_floors(transport, settings.repetitions, report);
+  if (!floors) return floors.error();
+  for (const auto& [kind, seconds] : run.durations()) {
+    const bool spawns = kind == ActionKind::Deploy;
+    const bool messages = !spawns && kind != ActionKind::Undeploy;
+    report.add({std::string(to_string(kind)), transport, relays, 0, seconds,
+                spawns     ? floors->spawn
+                : messages ? floors->message
+                           : std::vector<double>{},
+                published_action(kind)});
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> run_actions(const BenchSettings& settings, const BenchReport& report) {
+  for (const BenchTransport transport : settings.transports) {
+    for (const std::size_t relays : settings.relays.empty() ? std::vector<std::size_t>{1} : settings.relays) {
+      if (report.stopped()) return {};
+      if (auto done = measure_actions(transport, relays, settings, report); !done) return done;
+    }
+  }
+  return {};
+}
+
+}  // namespace segue::cli

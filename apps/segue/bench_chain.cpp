@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_chain.hpp"
+
+#include <chrono>
+#include <cstdint>
+
+namespace segue::cli {
+
+namespace {
+
+/// More relays at 1 kHz overload a machine with two cores.
+constexpr std::size_t kManyRelays = 60;
+
+bool is_exchanged(const ChainOptions& options, std::size_t relay) {
+  switch (options.exchange) {
+    case Exchange::None:
+      return false;
+    case Exchange::Block:
+      return relay >= options.relays / 4 && relay < options.relays / 4 + (options.relays + 1) / 2;
+    default:
+      return relay % 2 == 0;
+  }
+}
+
+model::Task make_task(const std::string& id, const std::string& component) {
+  model::Task task;
+  task.id = model::TaskId(id);
+  task.component = model::ComponentName(component);
+  return task;
+}
+
+model::Task make_producer(const ChainOptions& options) {
+  model::Task task = make_task("producer", "bench::Producer");
+  if (options.bytes > 0) task.properties = type::Value::map({{"size", std::uint64_t{options.bytes}}});
+  std::optional<Duration> period = options.period;
+  if (!period && options.relays > kManyRelays) period = std::chrono::milliseconds(20);
+  if (period) task.activity = Activity{Trigger::Periodic, *period, {}, 0, {}, {}, false};
+  return task;
+}
+
+/// Of each kind of samples, a measured chain drops what comes too fast: its latencies include no queue.
+model::Connection connect(const model::Task& from, const model::Task& to, const ChainOptions& options) {
+  const std::string prefix = options.bytes > 0 ? "" : "fixed_";
+  model::Connection connection;
+  connection.from = {from.id, prefix + "out"};
+  connection.to = {to.id, prefix + "in"};
+  if (options.record == 0) connection.policy = {BufferKind::Buffer, 64};
+  return connection;
+}
+
+model::Deployment own_process(const model::Task& task) {
+  model::Deployment deployment;
+  deployment.process = model::ProcessName(task.id.str());
+  deployment.tasks.push_back({task.id, task.id.str()});
+  return deployment;
+}
+
+}  // namespace
+
+std::string to_string(BenchTransport transport) {
+  return transport == BenchTransport::Local ? "local" : "shm";
+}
+
+model::Network relay_chain(const ChainOptions& options) {
+  model::Network network;
+  network.name = model::NetworkName("chain");
+  network.tasks.push_back(make_producer(options));
+  for (std::size_t i = 0; i < options.relays; ++i) {
+    const std::string stem = is_exchanged(options, i) ? "other_" : "relay_";
+    network.tasks.push_back(make_task(stem + std::to_string(i + 1), "bench::Relay"));
+  }
+  network.tasks.push_back(make_task("consumer", "bench::Consumer"));
+  if (options.record > 0)
+    network.tasks.back().properties = type::Value::map({{"record", std::uint64_t{options.record}}});
+  for (std::size_t i = 1; i < network.tasks.size(); ++i)
+    network.connections.push_back(connect(network.tasks[i - 1], network.tasks[i], options));
+  if (options.transport == BenchTransport::Local) return network;
+  for (const model::Task& task : network.tasks)
+    network.deployments.push_back(own_process(task));
+  return network;
+}
+
+}  // namespace segue::cli

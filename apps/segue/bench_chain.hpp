@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/model/network.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+/// The networks of `segue bench`: chains producer -> relay_1 -> ... -> relay_n -> consumer.
+namespace segue::cli {
+
+/// Where the tasks run, and with that what carries their samples.
+enum class BenchTransport {
+  Local,        ///< all tasks in this process, a thread each
+  SharedMemory  ///< a process for each task
+};
+std::string to_string(BenchTransport transport);  ///< "local", "shm"
+
+/// The relays of a chain that are other tasks than in the chain it is compared with.
+enum class Exchange {
+  None,
+  Block,       ///< the half in the middle: most connections are between tasks of the same kind
+  EverySecond  ///< every connection changes
+};
+
+struct ChainOptions {
+  std::size_t relays = 0;
+  BenchTransport transport = BenchTransport::Local;
+  Exchange exchange = Exchange::None;
+  std::size_t bytes = 0;             ///< of payload; 0: samples of a fixed size, 64 bytes in all
+  std::size_t record = 0;            ///< number of latencies that the consumer keeps
+  std::optional<Duration> period{};  ///< of the producer; nothing: 1 ms, 20 ms for long chains
+};
+model::Network relay_chain(const ChainOptions& options);
+
+}  // namespace segue::cli

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "bench_chain.hpp"
+
+/// The least that the operating system needs for the same job, measured in the same run; in seconds. All end
+/// early where `stopped` returns true.
+namespace segue::cli {
+
+/// Messages that go from this thread through `relays` threads (of this process) or processes (each forked)
+/// and back to this thread, each copied into a pipe and out of it, paced so that all sleep before their turn.
+/// At least one relay. Ends early where `stopped` returns true.
+Result<std::vector<double>> pipe_latencies(BenchTransport transport, std::size_t relays, std::size_t bytes,
+                                           std::size_t repetitions, const std::function<bool()>& stopped);
+
+/// Until `count` new threads run.
+std::vector<double> thread_starts(std::size_t count, std::size_t repetitions,
+                                  const std::function<bool()>& stopped);
+
+/// Until `count` processes with the program `true` have been spawned, all at once, and have ended.
+Result<std::vector<double>> program_runs(std::size_t count, std::size_t repetitions,
+                                         const std::function<bool()>& stopped);
+
+}  // namespace segue::cli

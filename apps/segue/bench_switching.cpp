@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// E2.1 and E2.3: bringing up, taking down and exchanging chains.
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "bench_experiment.hpp"
+#include "bench_floor.hpp"
+#include "bench_robot.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+using Lengths = std::vector<std::size_t>;
+
+model::Order order_of(const BenchSettings& settings) {
+  return settings.order.value_or(model::Order::Seamless);
+}
+
+Result<std::vector<double>> floor_of(const ChainOptions& chain, std::size_t repetitions,
+                                     const BenchReport& report) {
+  const std::size_t tasks = chain.relays + 2;
+  if (chain.transport == BenchTransport::Local) return thread_starts(tasks, repetitions, report.stopped);
+  return program_runs(tasks, repetitions, report.stopped);
+}
+
+using Measure = std::function<Result<void>(BenchRobot&, const ChainOptions&)>;
+
+/// Calls `measure` for each length on each transport, with the chain not running before and after.
+Result<void> for_each_chain(const BenchSettings& settings, const Lengths& lengths, const BenchReport& report,
+                            const Measure& measure) {
+  for (const BenchTransport transport : settings.transports) {
+    auto robot = BenchRobot::open(transport);
+    if (!robot) return robot.error();
+    for (const std::size_t relays : settings.relays.empty() ? lengths : settings.relays) {
+      if (report.stopped()) return {};
+      ChainOptions chain;
+      chain.relays = relays;
+      chain.transport = transport;
+      if (auto done = measure(**robot, chain); !done) return done;
+      if (auto down = (*robot)->switch_to({}); !down) return down.error();
+    }
+  }
+  return {};
+}
+
+void show(const BenchReport& report, const ChainOptions& chain, const std::string& what,
+          std::size_t repetition) {
+  report.progress(fmt::format("{}: {} relays, {}, repetition {}", to_string(chain.transport), chain.relays,
+                              what, repetition + 1));
+}
+
+/// Rows with the same parameters, in the order in which they are first used; those without values are left
+/// out.
+class Rows {
+ public:
+  explicit Rows(const ChainOptions& chain) : chain_(chain) {}
+  BenchRow& row(const std::string& what) {
+    for (BenchRow& row : rows_) {
+      if (row.what == what) return row;
+    }
+    rows_.push_back({what, chain_.transport, chain_.relays, 0, {}, {}, {}});
+    return rows_.back();
+  }
+  void add_to(const BenchReport& report) {
+    for (BenchRow& row : rows_) {
+      if (!row.seconds.empty()) report.add(std::move(row));
+    }
+  }
+
+ private:
+  ChainOptions chain_;
+  std::vector<BenchRow> rows_;
+};
+
+Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
+                              const BenchReport& report) {
+  Rows rows(chain);
+  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
+    show(report, chain, "bring-up", i);
+    const auto up = robot.switch_to(relay_chain(chain), order_of(settings));
+    if (!up) return up.error();
+    if (auto runs = robot.wait_for_samples(); !runs) return runs;
+    const auto down = robot.switch_to({}, order_of(settings));
+    if (!down) return down.error();
+    rows.row("bring-up").seconds.push_back(up->seconds);
+    rows.row("tear-down").seconds.push_back(down->seconds);
+  }
+  auto floor = floor_of(chain, settings.repetitions, report);
+  if (!floor) return floor.error();
+  rows.row("bring-up").floor = std::move(*floor);
+  if (chain.relays == 25)
+    rows.row("bring-up").published = chain.transport == BenchTransport::Local ? "some ms" : "> 1 s";
+  rows.add_to(report);
+  return {};
+}
+
+/// One switch there and one back; both are exchanges of the same tasks.
+Result<void> measure_exchange(BenchRobot& robot, const ChainOptions& target, const BenchSettings& settings,
+                              const std::string& name, Rows& rows) {
+  if (auto reset = robot.call("consumer", "reset"); !reset) return reset.error();
+  if (auto runs = robot.wait_for_samples(); !runs) return runs;
+  const auto done = robot.switch_to(relay_chain(target), order_of(settings));
+  if (!done) return done.error();
+  if (auto runs = robot.wait_for_samples(); !runs) return runs;
+  const auto pause = robot.statistic("pause_max");
+  if (!pause) return pause.error();
+  rows.row("exchange " + name).seconds.push_back(done->seconds);
+  rows.row("pause " + name).seconds.push_back(*pause);
+  return {};
+}
+
+Result<void> measure_exchanges(BenchRobot& robot, ChainOptions chain, Exchange which, const std::string& name,
+                               const BenchSettings& settings, const BenchReport& report, Rows& rows) {
+  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
+    show(report, chain, "exchange of " + name, i);
+    chain.exchange = i % 2 == 0 ? which : Exchange::None;
+    if (auto done = measure_exchange(robot, chain, settings, name, rows); !done) return done;
+  }
+  chain.exchange = Exchange::None;
+  if (auto back = robot.switch_to(relay_chain(chain)); !back) return back.error();
+  return {};
+}
+
+Result<void> measure_restarts(BenchRobot& robot, ChainOptions chain, const BenchSettings& settings,
+                              const BenchReport& report, Rows& rows) {
+  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
+    show(report, chain, "restart", i);
+    chain.exchange = i % 2 == 0 ? Exchange::EverySecond : Exchange::None;
+    const auto down = robot.switch_to({}, order_of(settings));
+    if (!down) return down.error();
+    const auto up = robot.switch_to(relay_chain(chain), order_of(settings));
+    if (!up) return up.error();
+    rows.row("restart of all").seconds.push_back(down->seconds + up->seconds);
+  }
+  return {};
+}
+
+Result<void> measure_half(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
+                          const BenchReport& report) {
+  constexpr const char* kBest = "of neighbours";
+  constexpr const char* kWorst = "of every second";
+  Rows rows(chain);
+  if (auto up = robot.switch_to(relay_chain(chain)); !up) return up.error();
+  auto done = measure_exchanges(robot, chain, Exchange::Block, kBest, settings, report, rows);
+  if (done) done = measure_exchanges(robot, chain, Exchange::EverySecond, kWorst, settings, report, rows);
+  if (done) done = measure_restarts(robot, chain, settings, report, rows);
+  if (!done) return done;
+  if (chain.relays == 50) {
+    rows.row(std::string("exchange ") + kBest).published = "320 ms";
+    rows.row(std::string("exchange ") + kWorst).published = "< 2 s";
+  }
+  rows.add_to(report);
+  return {};
+}
+
+}  // namespace
+
+Result<void> run_bring_up(const BenchSettings& settings, const BenchReport& report) {
+  return for_each_chain(settings, {10, 25, 50}, report, [&](BenchRobot& robot, const ChainOptions& chain) {
+    return measure_bring_up(robot, chain, settings, report);
+  });
+}
+
+Result<void> run_exchange(const BenchSettings& settings, const BenchReport& report) {
+  return for_each_chain(settings, {10, 25, 50}, report, [&](BenchRobot& robot, const ChainOptions& chain) {
+    return measure_half(robot, chain, settings, report);
+  });
+}
+
+}  // namespace segue::cli
