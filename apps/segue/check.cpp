@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
-#include <segue/mission/files.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "checked_missions.hpp"
 #include "models.hpp"
 #include "output.hpp"
 
@@ -30,7 +30,7 @@ struct CheckOptions {
 /// Reads files of all kinds and collects their problems.
 class Checker {
  public:
-  explicit Checker(const CheckOptions& options) : options_(options) {
+  explicit Checker(const CheckOptions& options) : options_(options), missions_(options.libraries) {
     catalog_ = load_catalog(options.sources, diagnostics_);
   }
 
@@ -45,6 +45,7 @@ class Checker {
   }
 
   [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }
+  [[nodiscard]] const CheckedMissions& missions() const { return missions_; }
   [[nodiscard]] std::size_t files() const { return files_; }
   [[nodiscard]] const std::vector<std::string>& shallow() const { return shallow_; }
 
@@ -79,7 +80,7 @@ class Checker {
         read_robot(*text, file);
         return;
       case FileKind::Mission:
-        check_mission(file);
+        missions_.check(file, diagnostics_);
         return;
       case FileKind::Components:
       case FileKind::Typelib:
@@ -134,7 +135,7 @@ class Checker {
     for (const std::string& pattern : robot->missions) {
       for (const auto& path : files_of(*robot, pattern, diagnostics_)) {
         ++files_;
-        check_mission(path);
+        missions_.check(path, diagnostics_);
       }
     }
     check_robot(*robot, controllers, complete);
@@ -155,11 +156,6 @@ class Checker {
     }
   }
 
-  void check_mission(const std::filesystem::path& file) {
-    const std::vector<std::filesystem::path> folders(options_.libraries.begin(), options_.libraries.end());
-    (void)mission::load_mission(file, folders, diagnostics_);
-  }
-
   void check(const Parts& parts, Depth depth) {
     diagnostics_.append(parts.complete ? model::validate(parts.network, catalog_, depth)
                                        : model::validate_references(parts.network, catalog_, depth));
@@ -178,6 +174,7 @@ class Checker {
 
   const CheckOptions& options_;
   Diagnostics diagnostics_;
+  CheckedMissions missions_;
   model::ComponentCatalog catalog_;
   std::vector<Parts> networks_;
   std::vector<std::string> shallow_;
@@ -205,8 +202,9 @@ int check_files(const CheckOptions& options, const Context& context) {
                     file));
   }
   if (context.json()) {
-    print_json(to_value(checker.diagnostics()));
+    print_json(checker.missions().to_value(checker.diagnostics()));
   } else {
+    checker.missions().print();
     print_summary(checker);
   }
   return checker.diagnostics().has_errors() ? kFailed : kDone;

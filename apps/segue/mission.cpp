@@ -10,6 +10,7 @@
 
 #include <memory>
 
+#include "checked_missions.hpp"
 #include "mission_convert.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
@@ -22,13 +23,17 @@ namespace {
 int check_missions(const std::vector<std::string>& files, const MissionOptions& options,
                    const Context& context) {
   Diagnostics diagnostics;
+  CheckedMissions missions(options.libraries);
   for (const std::string& file : files)
-    (void)session::Session::check(file, options.libraries, diagnostics);
+    missions.check(file, diagnostics);
   diagnostics.sort();
   print_diagnostics(diagnostics);
   if (context.json()) {
-    print_json(to_value(diagnostics));
-  } else if (diagnostics.empty()) {
+    print_json(missions.to_value(diagnostics));
+    return diagnostics.has_errors() ? kFailed : kDone;
+  }
+  missions.print();
+  if (diagnostics.empty()) {
     print_line(files.size() == 1 ? "no problems" : fmt::format("{} files: no problems", files.size()));
   }
   return diagnostics.has_errors() ? kFailed : kDone;
@@ -166,7 +171,9 @@ void add_convert(Verb& parent, Context& context) {
   verb.option("--order ORDER", options->order,
               "of a task network: epoch (default) keeps the whole final world, goal only its goal")
       .one_of({"epoch", "goal"});
-  verb.flag("--strict", options->strict, "irreversible nodes wait for all earlier ones that may fail");
+  verb.flag(
+      "--strict", options->strict,
+      "whatever remains waits until nothing before it can fail any more, as if all were declared strict");
   add_library_option(verb, options->mission);
 }
 
@@ -181,9 +188,10 @@ void add_mission(Verb& app, Context& context) {
 
   const auto files = std::make_shared<std::vector<std::string>>();
   const auto options = std::make_shared<MissionOptions>();
-  Verb& checker =
-      add_verb(verb, context, "check", "validate missions", "  segue mission check missions/*.yaml",
-               [files, options, &context] { return check_missions(*files, *options, context); });
+  Verb& checker = add_verb(verb, context, "check",
+                           "validate missions and list what may happen although something earlier fails",
+                           "  segue mission check missions/*.yaml",
+                           [files, options, &context] { return check_missions(*files, *options, context); });
   checker.option("FILE", *files, "mission files").required();
   add_library_option(checker, *options);
 

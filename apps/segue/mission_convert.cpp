@@ -25,6 +25,11 @@ void make_printable(Diagram& diagram) {
   };
   make(diagram.name);
   make(diagram.waits_for);
+  for (cdtn::NamedActsAhead& each : diagram.ahead) {
+    make(each.acts);
+    for (std::string& name : each.fails)
+      make(name);
+  }
   for (Diagram::Node& node : diagram.nodes) {
     make(node.name);
     make(node.note);
@@ -57,12 +62,20 @@ int convert_plan(const ConvertOptions& options, const Context& context) {
   print_diagnostics(diagnostics);
   auto inputs = parse_inputs(options.mission.inputs);
   if (!inputs) return failed(context, inputs.error());
-  auto diagram =
-      plan->convert({std::move(*inputs), options.mission.facts, options.horizon, options.assume_expected,
-                     options.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch,
-                     [](const std::string& text) { print_note(text); }});
+  session::ConvertRequest request;
+  request.inputs = std::move(*inputs);
+  request.facts = options.mission.facts;
+  request.horizon = options.horizon;
+  request.strict = options.strict;
+  request.assume_expected = options.assume_expected;
+  if (options.order == "goal") request.order = cdtn::OrderRule::Goal;
+  request.note = [](const std::string& text) { print_note(text); };
+  auto diagram = plan->convert(request);
   if (!diagram) return failed(context, diagram.error());
-  diagram->strict = options.strict;
+  auto ahead = plan->ahead_of_failures(request);
+  if (!ahead) return failed(context, ahead.error());
+  diagram->ahead = std::move(ahead->pairs);
+  diagram->ahead_complete = ahead->complete;
   const std::string text = diagram_text(std::move(*diagram), options, context);
   return write_or_print(context, options.output, text);
 }

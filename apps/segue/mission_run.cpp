@@ -196,7 +196,9 @@ void add_network_options(Verb& verb, NetworkOptions& options) {
   verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
   verb.option("--resource NAME=COUNT", options.resources,
               "how many units of a resource exist, such as process:planner=2");
-  verb.flag("--strict", options.strict, "irreversible nodes wait for all earlier ones that may fail");
+  verb.flag(
+      "--strict", options.strict,
+      "whatever remains waits until nothing before it can fail any more, as if all were declared strict");
 }
 
 void add_library_option(Verb& verb, MissionOptions& options) {

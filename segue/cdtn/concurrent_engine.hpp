@@ -32,7 +32,7 @@ class Expansion {
 
 struct ConcurrentEngineOptions {
   ClockKind clock = ClockKind::Virtual;
-  bool strict = false;             ///< irreversible nodes wait for every earlier node that may fail
+  bool strict = false;             ///< all nodes are strict (NodeSpec::strict)
   bool speculate = true;           ///< pure nodes may run speculatively
   std::uint32_t workers = 0;       ///< nodes that run at the same time; 0: any number
   std::uint32_t world_copies = 0;  ///< projections that exist at the same time, from the start of a run until
@@ -46,8 +46,9 @@ struct ConcurrentEngineOptions {
 };
 
 /// Runs a network concurrently and speculatively, as far as its order, its resources and the predicted world
-/// allow, with the outcome of the sequential execution: the same values read, the same final world, the same
-/// resources consumed, the same order of irreversible nodes for each fact and resource. All decisions are
+/// allow, with the outcome of the sequential execution: the same end; unless that is a failure, the same
+/// values read, the same final world, the same resources consumed; the same order of irreversible nodes for
+/// each fact and resource. What may have been done besides where it fails: acts_ahead(). All decisions are
 /// made on the thread that calls `run`.
 class ConcurrentEngine {
  public:

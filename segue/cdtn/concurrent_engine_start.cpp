@@ -79,8 +79,8 @@ bool ConcurrentEngine::Implementation::settled(NodeId node) const {
          (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
 }
 
-/// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, in
-/// strict mode not even that. What is beside the network may change until all nodes before have passed.
+/// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
+/// a strict one not even that. What is beside the network may change until all nodes before have passed.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   const bool beside = network_[node].reads_beside && !irreversible(node) && prefix_ != index(node);
   return settled(node) && !must_be_safe(node) && !beside;
@@ -95,9 +95,10 @@ bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
   });
 }
 
-/// In strict mode no effect may happen after a node that can still fail.
+/// No effect of a strict node may happen after a node that can still fail.
 bool ConcurrentEngine::Implementation::must_be_safe(NodeId node) const {
-  return options_.strict && index(node) > safe_ && !planted(EngineFault::StrictIsNot);
+  const bool strict = options_.strict || network_[node].strict;
+  return strict && index(node) > safe_ && !planted(EngineFault::StrictIsNot);
 }
 
 void ConcurrentEngine::Implementation::try_start(NodeId node) {

@@ -135,6 +135,7 @@ Value node_value(const FlatNetwork& flat, NodeId node) {
   entry.set("opaque", source.opaque);
   if (source.uncertain) entry.set("uncertain", true);
   if (source.cannot_fail) entry.set("cannot_fail", true);
+  if (source.strict) entry.set("strict", true);
   if (source.expected != kSuccess)
     entry.set("expected", network.outcomes.name(static_cast<std::uint32_t>(source.expected)));
   const Trial trial = index(node) < flat.trials.size() ? flat.trials[index(node)] : Trial{};

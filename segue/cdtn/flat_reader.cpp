@@ -173,7 +173,7 @@ void FlatReader::read_node(Entry& entry) {
   refuse_unknown(*entry.value, what,
                  {"seq", "name", "duration_s", "pia", "control_flow", "preconditions", "effects", "resources",
                   "data_flows", "condition_deps", "sensing", "outcome", "actual_effects", "fails", "opaque",
-                  "uncertain", "cannot_fail", "expected"});
+                  "uncertain", "cannot_fail", "strict", "expected"});
   read_class(entry);
   read_duration(entry);
   read_facts(entry);
@@ -197,6 +197,7 @@ void FlatReader::read_class(Entry& entry) {
     error("bad-control-flow", quote(flow) + " is none of plain, condition, routine", value);
   spec.opaque_subtree = flow == "routine";
   spec.cannot_fail = flag(value, "cannot_fail", false);
+  spec.strict = flag(value, "strict", false);
   const bool silent = value.find("preconditions") == nullptr && value.find("effects") == nullptr &&
                       value.find("resources") == nullptr;
   spec.opaque = flag(value, "opaque", silent && spec.kind == ActionClass::Irreversible);

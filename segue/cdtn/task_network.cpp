@@ -39,6 +39,7 @@ NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   entry.uncertain = spec.uncertain;
   entry.reads_beside = spec.reads_beside;
   entry.cannot_fail = spec.cannot_fail;
+  entry.strict = spec.strict;
   append_accesses(spec, node);
   append_claims(spec);
   if (entry.reads_world && entry.kind != ActionClass::Pure) entry.opaque = true;

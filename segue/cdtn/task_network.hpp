@@ -47,6 +47,7 @@ struct NodeSpec {
   bool uncertain = false;     ///< its effects may have other values, on the same facts
   bool reads_beside = false;  ///< may read or change what is beside the network (Report::pending)
   bool cannot_fail = false;   ///< neither by itself nor because of a precondition or resource
+  bool strict = false;        ///< it acts once no node before it can fail any more
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;
@@ -85,6 +86,7 @@ struct NodeRecord {
   bool uncertain : 1 = false;
   bool reads_beside : 1 = false;
   bool cannot_fail : 1 = false;
+  bool strict : 1 = false;
 };
 
 /// Nodes in program order, in flat arrays, with the facts and resources that they use. Nodes are only

@@ -38,7 +38,8 @@ enum class ConversionFault : std::uint8_t {
   ForgetsLoops,              ///< the journal does not tell iterations of loops apart
   SeesOldWorld,              ///< actions see the world as it was at the beginning
   ForgetsWorldData,          ///< what is attached to the world does not follow its facts
-  Last = ForgetsWorldData
+  ForgetsStrict,             ///< nothing is strict
+  Last = ForgetsStrict
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

@@ -76,7 +76,8 @@ Result<void> check_inputs(const std::vector<mission::Port>& ports, const std::ve
 
 Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const mission::Program> program,
                                                          std::vector<Value> inputs,
-                                                         const std::vector<mission::Fact>& facts) {
+                                                         const std::vector<mission::Fact>& facts,
+                                                         PlanScope scope) {
   if (auto fits = check_inputs(*program->node(0).input_ports, inputs); !fits) return fits.error();
   const auto world = mission::initial_facts(program->mission(), facts);
   if (!world) return world.error();
@@ -93,7 +94,7 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
     entry.count = static_cast<std::uint32_t>(std::max(0, resource.count));
     entry.commutes = resource.commutes;
   }
-  plan->unroller_ = std::make_unique<Unroller>(*plan, std::move(inputs));
+  plan->unroller_ = std::make_unique<Unroller>(*plan, std::move(inputs), scope);
   if (auto begun = plan->unroller_->begin(); !begun) return begun.error();
   return plan;
 }
@@ -116,6 +117,14 @@ bool MissionPlan::finished() const {
 
 OpaqueSubtreeReason MissionPlan::subtree_reason(mission::StateIndex state) const {
   return unroller_->subtree_reason(state);
+}
+
+bool MissionPlan::implies(NodeId node, NodeId other) const {
+  return unroller_->paths().implies((*this)[node].when, (*this)[other].when);
+}
+
+bool MissionPlan::exclude(NodeId a, NodeId b) const {
+  return unroller_->paths().never_meet((*this)[a].when, (*this)[b].when);
 }
 
 mission::Outcome MissionPlan::outcome(NodeId node, OutcomeId outcome) const {
@@ -160,7 +169,7 @@ std::string MissionPlan::final_error() {
 std::unique_ptr<MissionPlan> MissionPlan::from_the_beginning() const {
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(program_));
   plan->network_.name = network_.name;
-  plan->unroller_ = std::make_unique<Unroller>(*plan, unroller_->given(), true);
+  plan->unroller_ = std::make_unique<Unroller>(*plan, unroller_->given(), PlanScope::EveryEnd);
   (void)plan->unroller_->begin();  // as it has succeeded before
   return plan;
 }

@@ -60,6 +60,7 @@ struct PlannedNode {
   mission::StateIndex state = mission::kNoState;
   mission::StateIndex shown_as =
       mission::kNoState;        ///< whose output defaults count: the outermost library that it is the root of
+  BranchEdge when;              ///< it is on the path if this is
   std::uint32_t iteration = 0;  ///< how many nodes before it are of the same state
   std::string loops;            ///< as mission::Execution
   std::string_view path;        ///< in TaskNetwork::names; empty: the mission itself, or no state
@@ -97,6 +98,12 @@ struct OpaqueSubtreeReason {
 
 class Unroller;
 
+/// How far a plan goes before anything is known. AsKnown: as runs need it, to the first decision or value
+/// that it must wait for. EveryEnd: likewise, also after aborts and preemptions that nothing handles.
+/// Outline: to the end of the mission, with two rounds of each loop; actions of which it is not known yet
+/// what they touch touch nothing.
+enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
+
 /// A mission that is being unrolled into a task network, which grows while it runs. Loops are unrolled ahead
 /// of decisions, by more iterations the longer they run. Unexpected ends (aborts, other than expected
 /// outcomes) that lead back into a loop are planned for once they have happened. For one thread.
@@ -106,7 +113,8 @@ class MissionPlan final : public cdtn::Expansion {
   /// TypeMismatch for an input of another type, InvalidArgument for too many inputs and for malformed facts.
   static Result<std::unique_ptr<MissionPlan>> create(std::shared_ptr<const mission::Program> program,
                                                      std::vector<type::Value> inputs = {},
-                                                     const std::vector<mission::Fact>& facts = {});
+                                                     const std::vector<mission::Fact>& facts = {},
+                                                     PlanScope scope = PlanScope::AsKnown);
   ~MissionPlan() override;
 
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override;
@@ -121,6 +129,10 @@ class MissionPlan final : public cdtn::Expansion {
   /// What must be known before it can plan further; empty if it had planned as much as was wanted.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
+  /// Whether the tree of branches proves that `other` is on the path whenever `node` is.
+  [[nodiscard]] bool implies(cdtn::NodeId node, cdtn::NodeId other) const;
+  /// Whether it proves that they are never both on the path.
+  [[nodiscard]] bool exclude(cdtn::NodeId a, cdtn::NodeId b) const;
   /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 

@@ -39,6 +39,8 @@ class PathConditions {
   bool implies(BranchEdge inner, BranchEdge outer);
   /// Whether the tree proves that they cannot both be on the path.
   bool exclude(BranchEdge a, BranchEdge b);
+  /// Likewise; of a join this takes into account which edges it stands for.
+  bool never_meet(BranchEdge a, BranchEdge b);
   /// The edge that is on the path exactly if one of these is; nothing where there is none or it takes a join.
   /// Requires that they are live.
   std::optional<BranchEdge> merged(std::vector<BranchEdge> edges);
@@ -65,6 +67,7 @@ class PathConditions {
   }
   std::optional<BranchEdge> live_within(BranchEdge edge);
   bool reduce(std::vector<BranchEdge>& edges);
+  bool never_meet(BranchEdge a, BranchEdge b, int& budget);
   bool expand(std::vector<BranchEdge>& edges);
 
   std::vector<Branch> branches_;

@@ -15,11 +15,11 @@ namespace segue::convert {
 
 struct RunOptions {
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
-  bool strict = false;         ///< irreversible nodes wait for all earlier nodes that may fail
-  bool speculate = true;       ///< pure actions run ahead
-  std::uint32_t workers = 0;   ///< actions that run at the same time; 0: any number
-  std::size_t horizon = 1000;  ///< unfinished nodes that are planned ahead
-  bool log = false;            ///< record events in the result of the network
+  bool strict = false;                                   ///< all nodes are strict (cdtn::NodeSpec::strict)
+  bool speculate = true;                                 ///< pure actions run ahead
+  std::uint32_t workers = 0;                             ///< actions that run at the same time; 0: any number
+  std::size_t horizon = 1000;                            ///< unfinished nodes that are planned ahead
+  bool log = false;                                      ///< record events in the result of the network
   Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions
   std::vector<mission::Fact> facts{};                    ///< likewise
   mission::AttachedData world_data{};                    ///< likewise
@@ -34,8 +34,8 @@ struct RunOptions {
   std::function<void(const std::vector<std::string>& next)> held{};
 };
 
-/// Runs a mission concurrently, with the outcome of its sequential run (docs/missions.md). Runs once. For one
-/// thread, except stop().
+/// Runs a mission concurrently, with the outcome of its sequential run (docs/missions.md); where it fails,
+/// what ahead_of_failures() lists may have been done besides. Runs once. For one thread, except stop().
 class Run {
  public:
   /// `inputs` by port of the mission, null for its default. NotFound if an action has no runner; otherwise

@@ -16,22 +16,10 @@ using mission::Outcome;
 using mission::StateIndex;
 using mission::StateKind;
 
-namespace {
-
-/// The iterations of the loops around the position of the frame.
-std::string loops_around(const Frame& frame) {
-  std::string loops = frame.activation->entry.loops;
-  for (const Frame::Loop& loop : frame.loops)
-    loops += (loops.empty() ? "" : ".") + std::to_string(loop.iterations);
-  return loops;
-}
-
-}  // namespace
-
-Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool every_end)
+Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope scope)
     : plan_(plan),
       given_(std::move(inputs)),
-      every_end_(every_end),
+      scope_(scope),
       touches_(plan.program().mission().actions.size()) {
   find_opaque_subtrees();
   find_varying();
@@ -40,7 +28,8 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool ever
 Result<void> Unroller::begin() {
   StateEntry entry;
   entry.state = 0;
-  entry.aborts_handled = every_end_;
+  entry.aborts_handled = scope_ == PlanScope::EveryEnd;
+  entry.strict = plan_.program().state(0).strict;
   const auto& supplies = node(0).inputs;
   for (std::size_t i = 0; i < supplies.size(); ++i) {
     Symbol input;
@@ -77,32 +66,6 @@ bool Unroller::step_within(Track& track) {
   return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
 }
 
-/// Resumes the first loop that turned out to continue; drops alternatives that turned out not to.
-void Unroller::take_alternatives(Track& track) {
-  for (std::size_t i = 0; i < track.alternatives.size();) {
-    Frame& frame = track.alternatives[i].back();
-    ContainerExecution& activation = *frame.activation;
-    const auto head = activation.order->vertices[frame.loops.back().head];
-    const auto& arrivals = live_arrivals(activation.arrivals[head]);
-    const auto base = paths_.live(activation.entry.when);
-    if (arrivals.empty() || !base) {
-      track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
-      continue;
-    }
-    const bool certain = std::ranges::any_of(
-        arrivals, [&](const Arrival& arrival) { return paths_.implies(*base, arrival.when); });
-    if (!certain || planted(ConversionFault::NeverGoesBack)) {
-      ++i;
-      continue;
-    }
-    track.frames = std::move(track.alternatives[i]);
-    track.alternatives.resize(i);
-    track.pending.reset();
-    track.end.reset();
-    return;
-  }
-}
-
 bool Unroller::step_hierarchy(Track& track) {
   Frame& frame = track.frames.back();
   const WeakOrder& order = *frame.activation->order;
@@ -116,72 +79,6 @@ bool Unroller::step_hierarchy(Track& track) {
     frame.loops.push_back({frame.place});
   const StateIndex child = node(frame.activation->entry.state).children[order.vertices[frame.place]];
   return visit(track, child);
-}
-
-/// Plans another iteration if it is certain, or as many ahead as the loop has run before; continues after the
-/// loop if it is expected to end.
-bool Unroller::end_of_loop(Track& track) {
-  Frame& frame = track.frames.back();
-  ContainerExecution& activation = *frame.activation;
-  Frame::Loop& loop = frame.loops.back();
-  const auto again = [&] {
-    frame.place = loop.head;
-    ++loop.iterations;
-    return true;
-  };
-  const auto& arrivals = live_arrivals(activation.arrivals[activation.order->vertices[loop.head]]);
-  if (arrivals.empty()) {
-    frame.loops.pop_back();
-    return true;
-  }
-  const auto base = paths_.live(activation.entry.when);
-  if (!base) return false;
-  const auto certain = [&](const BranchEdge& edge) {
-    const auto live = paths_.live(edge);
-    return live && paths_.implies(*base, *live);
-  };
-  while (!loop.open.empty() && std::ranges::any_of(loop.open.front(), certain))
-    loop.open.erase(loop.open.begin());
-  std::vector<BranchEdge> edges;
-  bool expected = false;
-  for (const Arrival& arrival : arrivals) {
-    edges.push_back(arrival.when);
-    expected = expected || paths_.expected(arrival.when, *base);
-  }
-  if (std::ranges::any_of(edges, certain)) {
-    loop.open.clear();
-    return again();
-  }
-  if (!expected && leads_on(frame, activation.order->end[loop.head])) {
-    track.alternatives.push_back(track.frames);
-    frame.loops.pop_back();
-    return true;
-  }
-  if (2 * loop.open.size() <= loop.iterations) {
-    loop.open.push_back(std::move(edges));
-    return again();
-  }
-  wait_for_loop(frame, "");
-  return false;
-}
-
-void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
-  const ContainerExecution& activation = *frame.activation;
-  const auto place = activation.order->vertices[frame.loops.back().head];
-  const StateIndex head = node(activation.entry.state).children[place];
-  plan_.waits_for_ = "whether the loop at " + path_of(activation, head) + " goes on" + std::string(addition);
-}
-
-/// Whether there is a way to a state after the loop.
-bool Unroller::leads_on(Frame& frame, std::uint32_t from) {
-  ContainerExecution& activation = *frame.activation;
-  const auto live = [&](const Exit& exit) { return paths_.live(exit.arrival.when).has_value(); };
-  if (std::ranges::any_of(activation.exits, live)) return true;
-  const auto& vertices = activation.order->vertices;
-  for (std::uint32_t place = from; place < vertices.size(); ++place) {
-    if (!live_arrivals(activation.arrivals[vertices[place]]).empty()) return true;
-  }
-  return false;
 }
 
 const std::vector<Arrival>& Unroller::live_arrivals(std::vector<Arrival>& arrivals) {
@@ -223,6 +120,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
   }
   entry.path = path_of(activation, state);
   entry.loops = loops_around(frame);
+  entry.strict = activation.entry.strict || plan_.program().state(state).strict;
   entry.aborts_handled =
       activation.entry.aborts_handled || node(state).next[1].kind != NextStep::Kind::Nowhere;
   waiting = {};  // no further way leads to it, unless it is in a loop
@@ -250,7 +148,7 @@ void Unroller::enter(Track& track, StateEntry entry) {
     return finish(track, state, add_subtree(entry));
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
-  if (!naming_values(entry)) {
+  if (scope_ != PlanScope::Outline && !naming_values(entry)) {
     track.pending = std::move(entry);
     return;
   }
@@ -268,6 +166,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
     StateEntry inside = activation->entry;
     inside.library = shown_as(inside);
     inside.state = container.library;
+    inside.strict = inside.strict || plan_.program().state(container.library).strict;
     return enter(track, std::move(inside));
   }
   const BranchEdge when = activation->entry.when;
@@ -312,6 +211,7 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
     branch.path = path_of(activation, child);
     branch.loops = activation.entry.loops;
     branch.aborts_handled = true;
+    branch.strict = activation.entry.strict || plan_.program().state(child).strict;
     auto beside = std::make_shared<Track>();
     beside->branch = std::make_shared<const mission::ParallelBranch>(
         mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
@@ -439,6 +339,7 @@ void Unroller::join_barrier(Track& track) {
   entry.inputs = inputs_of(activation, barrier.decider, entry.when);
   entry.path = path_of(activation, barrier.decider);
   entry.loops = activation.entry.loops;
+  entry.strict = activation.entry.strict || plan_.program().state(barrier.decider).strict;
   entry.aborts_handled =
       activation.entry.aborts_handled || node(barrier.decider).next[1].kind != NextStep::Kind::Nowhere;
   enter(track, std::move(entry));
@@ -462,23 +363,6 @@ void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
     activation.exits.push_back({outcome, std::move(exit.arrival)});
   }
   leave(track);
-}
-
-const std::shared_ptr<const WeakOrder>& Unroller::order_of(StateIndex hierarchy) {
-  auto& order = orders_[hierarchy];
-  if (order) return order;
-  const auto& children = node(hierarchy).children;
-  std::vector<std::vector<std::uint32_t>> successors(children.size());
-  for (std::size_t i = 0; i < children.size(); ++i) {
-    for (const NextStep& step : node(children[i]).next) {
-      if (step.kind == NextStep::Kind::Child) successors[i].push_back(step.child);
-    }
-  }
-  const NextStep& start = node(hierarchy).start;
-  order = start.kind == NextStep::Kind::Child
-              ? std::make_shared<const WeakOrder>(weak_order(successors, start.child))
-              : std::make_shared<const WeakOrder>();
-  return order;
 }
 
 }  // namespace segue::convert

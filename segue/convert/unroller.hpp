@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/convert/mission_plan.hpp>
-#include <segue/convert/weak_order.hpp>
+#include <segue/convert/track.hpp>
 
 #include <memory>
 #include <optional>
@@ -12,78 +12,6 @@
 #include <vector>
 
 namespace segue::convert {
-
-/// A way to a state, with the error that occurred on it.
-struct Arrival {
-  BranchEdge when;
-  bool aborted = false;  ///< the preceding state aborted, and the next one gets its error
-  std::vector<Candidate> errors;
-};
-struct Exit {
-  mission::Outcome outcome = 0;
-  Arrival arrival;
-};
-
-/// All ways in which a state of the plan can end.
-struct StateEnd {
-  std::vector<Symbol> outputs;
-  std::vector<Exit> exits;
-};
-
-/// The data with which a state is entered.
-struct StateEntry {
-  mission::StateIndex state = mission::kNoState;
-  mission::StateIndex library = mission::kNoState;  ///< the outermost that it is the root of
-  BranchEdge when;
-  std::string path;
-  std::string loops;            ///< as PlannedNode
-  bool aborts_handled = false;  ///< an enclosing state handles its abort
-  std::vector<Symbol> inputs;
-  std::vector<Candidate> errors;
-};
-
-/// The state whose defaults of outputs count.
-inline mission::StateIndex shown_as(const StateEntry& entry) {
-  return entry.library == mission::kNoState ? entry.state : entry.library;
-}
-
-/// One execution of a container in the plan.
-struct ContainerExecution {
-  explicit ContainerExecution(StateEntry given, std::size_t slot_count)
-      : entry(std::move(given)), slots(slot_count) {}
-  StateEntry entry;
-  Slots slots;
-  std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
-  std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
-  std::vector<Exit> exits;
-};
-
-struct Track;
-
-/// The position up to which a container has been planned.
-struct Frame {
-  struct Loop {
-    std::uint32_t head = 0;  ///< position in the order
-    std::size_t iterations = 1;
-    std::vector<std::vector<BranchEdge>>
-        open{};  ///< by uncertain iteration: the edges on which it is entered
-  };
-  std::shared_ptr<ContainerExecution> activation;
-  std::uint32_t place = 0;
-  std::vector<Loop> loops;
-  std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state except the decider
-};
-
-/// One sequence of states: the mission, or a state of a barrier. Where it was planned beyond a loop that is
-/// expected to end, `alternatives` has the frames from which to resume that loop.
-struct Track {
-  std::vector<Frame> frames;
-  std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
-  std::vector<std::vector<Frame>> alternatives{};
-  std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
-  std::optional<StateEnd> end{};
-  [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
-};
 
 /// The facts and resources of an action, once known.
 struct Touch {
@@ -99,8 +27,7 @@ struct Touch {
 /// gets one node for each iteration of the loops that contain it.
 class Unroller {
  public:
-  /// `every_end`: plans aborts and preemptions also where nothing handles them.
-  Unroller(MissionPlan& plan, std::vector<type::Value> inputs, bool every_end = false);
+  Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope scope = PlanScope::AsKnown);
   Result<void> begin();
   /// Plans one node or a few; false if the plan must wait for a decision.
   bool step() { return step(main_); }
@@ -121,9 +48,6 @@ class Unroller {
   bool step_within(Track& track);
   bool step_hierarchy(Track& track);
   bool step_barrier(Track& track);
-  bool end_of_loop(Track& track);
-  void take_alternatives(Track& track);
-  void wait_for_loop(const Frame& frame, std::string_view addition);
   bool visit(Track& track, mission::StateIndex state);
   bool enter_pending(Track& track);
   void enter(Track& track, StateEntry entry);
@@ -139,14 +63,22 @@ class Unroller {
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
-  [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
-  const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
   void find_opaque_subtrees();
   [[nodiscard]] mission::StateIndex opaque_within(mission::StateIndex state,
                                                   const std::vector<mission::StateIndex>& opaque) const;
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state,
                                                    mission::StateIndex opaque) const;
   void find_varying();
+  [[nodiscard]] bool strict_within(mission::StateIndex state) const;
+
+  // Loops (unroller_loops.cpp)
+  bool end_of_loop(Track& track);
+  bool end_of_outlined_loop(Frame& frame);
+  void take_alternatives(Track& track);
+  void wait_for_loop(const Frame& frame, std::string_view addition);
+  [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
+  const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
+  [[nodiscard]] static std::string loops_around(const Frame& frame);
 
   // Nodes (unroller_nodes.cpp), data (unroller_data.cpp)
   StateEnd add_action(const StateEntry& entry, const std::vector<StateEnd>* branches);
@@ -169,6 +101,7 @@ class Unroller {
   Default fallback(const mission::PortSource& supply, BranchEdge at);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
   void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
+  void declare_unknown(const StateEntry& entry, cdtn::NodeSpec& spec);
   [[nodiscard]] std::optional<std::string> look_up(const StateEntry& entry, Touch& touch);
   [[nodiscard]] const mission::CompiledState& node(mission::StateIndex state) const {
     return plan_.program().node(state);
@@ -179,7 +112,7 @@ class Unroller {
 
   MissionPlan& plan_;
   const std::vector<type::Value> given_;
-  const bool every_end_;
+  const PlanScope scope_;
   PathConditions paths_;
   Track main_;
   std::shared_ptr<const mission::ParallelBranch> branch_;  ///< of the nodes that are being planned

@@ -55,8 +55,8 @@ Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   NodeSpec& spec = new_spec();
   spec.opaque = true;
   spec.cannot_fail = true;
-  spec.conditions = paths_.conditions(at);
   PlannedNode planned;
+  planned.when = at;
   planned.role = Role::Global;
   planned.global = supply.global;
   return {Value(), append(spec, std::move(planned), "$" + supply.global)};
@@ -123,8 +123,8 @@ Symbol Unroller::copied(std::vector<Symbol> values, BranchEdge when) {
   NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
-  spec.conditions = paths_.conditions(when);
   PlannedNode planned;
+  planned.when = when;
   planned.role = Role::Copy;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::string name = std::string(kValueOutput) + (i == 0 ? "" : "." + std::to_string(i));
@@ -150,12 +150,12 @@ BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
   spec.branches = true;
-  spec.conditions = paths_.conditions(around);
   const OutcomeId reached = plan_.network_.outcome("reached");
   const OutcomeId missed = plan_.network_.outcome("missed");
   spec.expected = reached;
   PlannedNode planned;
   planned.role = Role::Join;
+  planned.when = around;
   const auto output = plan_.network_.names.intern(kOutcomeOutput);
   for (const BranchEdge edge : edges) {
     const auto input = plan_.network_.names.intern(numbered("way", planned.joined.size()));

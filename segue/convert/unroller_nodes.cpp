@@ -101,6 +101,21 @@ void Unroller::find_varying() {
   }
 }
 
+/// Whether the state, or one in it, is declared strict.
+bool Unroller::strict_within(StateIndex state) const {
+  if (plan_.program().state(state).strict) return true;
+  switch (node(state).kind) {
+    case StateKind::Execution:
+    case StateKind::Decider:
+      return action(state).strict;
+    case StateKind::Library:
+      return strict_within(node(state).library);
+    default:
+      return std::ranges::any_of(node(state).children,
+                                 [this](StateIndex child) { return strict_within(child); });
+  }
+}
+
 StateIndex Unroller::opaque_within(StateIndex state, const std::vector<StateIndex>& opaque) const {
   if (node(state).kind == StateKind::Library) return opaque[node(state).library];
   for (const StateIndex child : node(state).children) {
@@ -150,6 +165,7 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   node.iteration = spec.iteration = copies_[number]++;
   if (is_state) node.path = names.name(number);
   node.branch = branch_;
+  spec.conditions = paths_.conditions(node.when);
   const NodeId id = plan_.network_.append(spec, number);
   plan_.nodes_.push_back(std::move(node));
   return id;
@@ -178,6 +194,7 @@ std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entr
 /// Adds the facts and resources of the action; if a name cannot be formed, the action will not begin.
 void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
   Touch& touch = touches_[node(entry.state).action];
+  if (scope_ == PlanScope::Outline && !naming_values(entry)) return declare_unknown(entry, spec);
   if (!touch.known) {
     if (auto refused = look_up(entry, touch)) {
       planned.refused = std::move(*refused);
@@ -188,6 +205,15 @@ void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& pla
   spec.preconditions = touch.preconditions;
   spec.effects = touch.effects;
   spec.claims = touch.claims;
+}
+
+/// Instead of the facts that are not known yet, a fact of its own, so that it changes something but depends
+/// on nothing.
+void Unroller::declare_unknown(const StateEntry& entry, NodeSpec& spec) {
+  const std::string name = "unknown(" + std::to_string(plan_.network_.size()) + ")";
+  const auto fact = plan_.network_.facts.intern_named(name);
+  const Action& what = action(entry.state);
+  if (fact && (!what.effects.empty() || !what.resources.empty())) spec.effects.push_back({*fact, true});
 }
 
 /// The error if a name cannot be formed.
@@ -245,14 +271,15 @@ StateEnd Unroller::ends_of(const StateEntry& entry, NodeId id, const NodeSpec& s
   for (Outcome i = 0; i < own; ++i)
     outcomes.push_back(plan_.network_.outcome((*state.outcomes)[static_cast<std::size_t>(i)]));
   if (entry.aborts_handled) outcomes.push_back(cdtn::kAborted);
-  if (every_end_) outcomes.push_back(cdtn::kPreempted);
+  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
   const bool leaf = state.kind == StateKind::Execution || state.kind == StateKind::Decider;
   const bool foreseen = leaf && !action(entry.state).expected_outcome.empty();
   const auto branch =
       paths_.add(id, entry.when, outcomes, foreseen ? std::optional(spec.expected) : std::nullopt);
   for (Outcome i = 0; i < own; ++i)
     end.exits.push_back({i, {{branch, outcomes[static_cast<std::size_t>(i)]}, false, {}}});
-  if (every_end_) end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
+  if (scope_ == PlanScope::EveryEnd)
+    end.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
   if (!entry.aborts_handled) return end;
   const BranchEdge aborted{branch, cdtn::kAborted};
   end.exits.push_back(
@@ -303,13 +330,14 @@ StateEnd Unroller::add_action(const StateEntry& entry, const std::vector<StateEn
   spec.opaque = is_opaque(what);
   spec.reads_world = what.reads_world;
   spec.reads_beside = uses_variables(what);
+  spec.strict = (entry.strict || what.strict) && !planted(ConversionFault::ForgetsStrict);
   const std::string& expected = what.expected_outcome;
   if (!expected.empty())
     spec.expected = plan_.network_.outcome(expected);
   else if (!what.outcomes.empty())
     spec.expected = plan_.network_.outcome(what.outcomes.front());
   declare(entry, spec, planned);
-  spec.conditions = paths_.conditions(entry.when);
+  planned.when = entry.when;
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], what.inputs[i].name));
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);
@@ -337,10 +365,11 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
   spec.opaque_subtree = true;
   spec.opaque = true;
   spec.reads_world = true;
+  spec.strict = entry.strict || strict_within(entry.state);
   spec.branches = state.outcomes->size() > 1 || entry.aborts_handled;
   spec.handles_abort = entry.aborts_handled;
   if (!state.outcomes->empty()) spec.expected = plan_.network_.outcome(state.outcomes->front());
-  spec.conditions = paths_.conditions(entry.when);
+  planned.when = entry.when;
   for (std::size_t i = 0; i < entry.inputs.size(); ++i)
     planned.inputs.push_back(connect(spec, entry.inputs[i], (*state.input_ports)[i].name));
   planned.error_before = connect(spec, {entry.errors, {}}, kErrorOutput);

@@ -78,6 +78,7 @@ class DiagramMaker {
     const cdtn::NodeRecord& entry = network_[node];
     Diagram::Node made{network_.label(node)};
     made.duration = entry.duration;
+    made.strict = entry.strict;
     if (entry.opaque && !entry.opaque_subtree) made.note = "opaque";
     if (entry.opaque_subtree)
       made.role = Diagram::Role::OpaqueSubtree;

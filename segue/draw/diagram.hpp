@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/cdtn/ahead.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/task_network.hpp>
 #include <segue/type/value.hpp>
@@ -44,15 +45,20 @@ struct Diagram {
     std::string
         container{};      ///< of a mission's state: the path of the state around; empty: the mission itself
     Duration duration{};  ///< expected
+    bool strict = false;  ///< it starts when nothing before it can fail any more
     std::vector<Dependency> before{};
   };
 
   std::string name;
   std::vector<Node> nodes;
   std::uint32_t nodes_in_all = 0;  ///< of the network; `nodes` are the first of them
-  bool strict = false;             ///< irreversible nodes start when nothing before them can fail any more
+  bool strict = false;             ///< all nodes that are not pure are strict
   bool complete = true;            ///< nothing is to come
   std::string waits_for;           ///< what must be known before it goes on; empty: only the horizon ended it
+
+  std::vector<cdtn::NamedActsAhead>
+      ahead{};                 ///< shown below: what may happen although something earlier fails
+  bool ahead_complete = true;  ///< else only the first nodes were examined for this
 
   struct Counts {
     std::array<std::size_t, 7> roles{};
@@ -67,7 +73,7 @@ std::string_view to_string(Diagram::Kind kind);
 /// "data pose -> goal", "world at(base): made true there, relied on here".
 std::string to_string(const Diagram::Cause& cause);
 
-/// The first `most` nodes. `further`: what derive_order says of it.
+/// The first `most` nodes, without `ahead`. `further`: what derive_order says of it.
 Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
                    const std::vector<cdtn::Dependency>& further, std::size_t most = cdtn::kNone);
 
@@ -75,6 +81,10 @@ Diagram diagram_of(const cdtn::TaskNetwork& network, const cdtn::Order& order,
 std::string to_text(const Diagram& diagram);
 /// The same as a map.
 type::Value to_value(const Diagram& diagram);
+/// What may happen although something earlier fails, a line for each state or node that acts; "" if nothing.
+std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete);
+/// The same as a list.
+type::Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead);
 
 /// More are left out of pictures.
 inline constexpr std::size_t kMostDrawn = 1000;

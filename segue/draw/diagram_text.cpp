@@ -23,8 +23,8 @@ std::string plural(std::size_t count, std::string_view one) {
 }
 
 bool waits_for_safety(const Diagram& diagram, const Diagram::Node& node) {
-  return diagram.strict &&
-         (node.role == Diagram::Role::Irreversible || node.role == Diagram::Role::OpaqueSubtree);
+  return node.strict || (diagram.strict && (node.role == Diagram::Role::Irreversible ||
+                                            node.role == Diagram::Role::OpaqueSubtree));
 }
 
 std::string summary(const Diagram& diagram) {
@@ -72,6 +72,28 @@ Value to_value(const Diagram& diagram, const Diagram::Dependency& dependency) {
 
 }  // namespace
 
+std::string ahead_text(const std::vector<cdtn::NamedActsAhead>& ahead, bool complete) {
+  std::string text;
+  if (!ahead.empty())
+    text = "In a concurrent run that is not strict, these may happen although something earlier fails:\n";
+  for (const cdtn::NamedActsAhead& each : ahead)
+    fmt::format_to(std::back_inserter(text), "    {}, although {}{} fails\n", each.acts,
+                   each.fails.size() > 1 ? "one of " : "", fmt::join(each.fails, ", "));
+  if (!complete)
+    text += "The mission is too long to find all that may happen although something earlier fails\n";
+  return text;
+}
+
+Value ahead_value(const std::vector<cdtn::NamedActsAhead>& ahead) {
+  Value::List list;
+  for (const cdtn::NamedActsAhead& each : ahead) {
+    list.push_back(
+        Value::map({{"happens", each.acts},
+                    {"although_fails", Value(Value::List(each.fails.begin(), each.fails.end()))}}));
+  }
+  return list;
+}
+
 std::string to_text(const Diagram& diagram) {
   std::string text = summary(diagram);
   const auto out = std::back_inserter(text);
@@ -93,7 +115,7 @@ std::string to_text(const Diagram& diagram) {
     fmt::format_to(out, "It goes on when it is known: {}\n", diagram.waits_for);
   else if (!diagram.complete)
     text += "It goes on; this is as far as the horizon reaches\n";
-  return text;
+  return text + ahead_text(diagram.ahead, diagram.ahead_complete);
 }
 
 Value to_value(const Diagram& diagram) {
@@ -123,6 +145,7 @@ Value to_value(const Diagram& diagram) {
   map.append("implied", static_cast<std::uint64_t>(counts.implied));
   map.append("complete", diagram.complete);
   map.append("waits_for", diagram.waits_for);
+  map.append("ahead", ahead_value(diagram.ahead));
   return map;
 }
 

@@ -139,6 +139,7 @@ struct Action {
   bool pure = false;         ///< its result can be discarded; otherwise it is potentially irreversible
   bool sensing = false;      ///< observes the real world: never runs on a predicted one
   bool reads_world = false;  ///< looks at facts that it does not declare (ActionCall::world)
+  bool strict = false;       ///< it waits until nothing before it can fail any more
   std::optional<Duration> expected_duration;
   std::string expected_outcome;  ///< empty: not known
   Procedure run;

@@ -254,6 +254,7 @@ void read_declarations(Action& action, Fields& fields, const Source& source) {
   action.pure = fields.boolean("pure", false);
   action.sensing = fields.boolean("sensing", false);
   action.reads_world = fields.boolean("reads_world", false);
+  action.strict = fields.boolean("strict", false);
   read_expectation(action, fields, source);
 }
 

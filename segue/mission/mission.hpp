@@ -78,6 +78,7 @@ struct State {
   std::string description;
   StateKind kind = StateKind::Execution;
   StateIndex parent = kNoState;
+  bool strict = false;  ///< as Action::strict, for every action in it; of the root: of the mission
   std::vector<StateTransition> transitions;  ///< of its own outcomes
 
   ActionName action;                     ///< Execution, Decider

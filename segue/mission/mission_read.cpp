@@ -90,6 +90,7 @@ class Reader {
     state.description = fields.text("description");
     const bool container = fields.find("states", Value::Kind::Map) != nullptr;
     state.kind = kind_of(fields, container);
+    state.strict = fields.boolean("strict", false);
     if (const Value* notes = fields.find("notes", Value::Kind::Map)) state.notes = *notes;
     read_transitions(state, fields);
     if (is_container(state.kind)) {

@@ -64,6 +64,7 @@ void write_state(ValueMap& map, const Mission& mission, StateIndex index) {
   if (!state.title.empty()) map.append("title", state.title);
   if (!state.script_id.empty()) map.append("id", state.script_id);
   if (!state.description.empty()) map.append("description", state.description);
+  if (state.strict) map.append("strict", true);
   if (!plain) map.append("kind", kStateKindNames[static_cast<std::size_t>(state.kind)]);
   container ? write_container(map, state) : write_use(map, state);
   write_transitions(map, state);

@@ -107,6 +107,12 @@ class ActionCheck {
         if (const auto name = parameter_input(parameter)) check_placeholders("{" + *name + "}", use.where);
       }
     }
+    if (action_.strict && action_.action_class() != ActionClass::Irreversible && action_.effects.empty()) {
+      diagnostics_.warning("ignored-strict",
+                           what_ + " is strict, which has no effect: it is " +
+                               (action_.sensing ? "sensing" : "pure") + " and changes no facts",
+                           action_.where);
+    }
     if (!action_.expected_outcome.empty()) check_outcome(action_.expected_outcome);
     if (const auto* simulated = std::get_if<Simulated>(&action_.run)) check(*simulated);
     if (const auto* decision = std::get_if<Decision>(&action_.run)) {

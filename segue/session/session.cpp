@@ -59,12 +59,6 @@ std::optional<Session> Session::load(const std::filesystem::path& file,
   return std::nullopt;
 }
 
-bool Session::check(const std::filesystem::path& file, const std::vector<std::string>& libraries,
-                    Diagnostics& diagnostics) {
-  return is_task_network(file) ? cdtn::load_flat_network(file, diagnostics).has_value()
-                               : load_mission(file, libraries, diagnostics).has_value();
-}
-
 Result<Session> Session::create(mission::Mission mission) {
   auto program = mission::Program::compile(std::move(mission));
   if (!program) return program.error();
@@ -116,7 +110,24 @@ Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
     return fail(ErrorCode::Unsupported, "inputs and facts are for missions, not for task networks");
   std::vector<cdtn::Dependency> further;
   const cdtn::Order order = cdtn::derive_order(network_->network, request.order, &further);
-  return draw::diagram_of(network_->network, order, further, request.most);
+  draw::Diagram diagram = draw::diagram_of(network_->network, order, further, request.most);
+  diagram.strict = request.strict;
+  return diagram;
+}
+
+Result<convert::AheadOfFailures> Session::ahead_of_failures(const ConvertRequest& request) const {
+  if (request.strict) return convert::AheadOfFailures{};
+  if (is_network()) {
+    const cdtn::TaskNetwork& network = network_->network;
+    const auto pairs =
+        cdtn::acts_ahead(network, cdtn::derive_order(network, request.order), cdtn::WholeNetwork(network));
+    return convert::AheadOfFailures{cdtn::by_name(network, pairs), true};
+  }
+  auto inputs = detail::inputs_by_port(*program_, request.inputs);
+  if (!inputs) return inputs.error();
+  const auto facts = detail::parse_facts(request.facts);
+  if (!facts) return facts.error();
+  return convert::ahead_of_failures(program_, std::move(*inputs), *facts);
 }
 
 Result<std::unique_ptr<FinishedRun>> Session::run(const RunRequest& request, std::stop_token stop) const {
@@ -174,7 +185,9 @@ Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequ
       convert::plan_ahead(**plan, request.horizon, request.assume_expected ? &runners : nullptr);
   if (!failure) return failure.error();
   if (*failure && request.note) request.note("as expected, the mission fails: " + (*failure)->message);
-  return draw::diagram_of(**plan);
+  draw::Diagram diagram = draw::diagram_of(**plan);
+  diagram.strict = request.strict;
+  return diagram;
 }
 
 }  // namespace detail

@@ -6,6 +6,7 @@
 #include <segue/cdtn/completion_queue.hpp>
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/order.hpp>
+#include <segue/convert/ahead.hpp>
 #include <segue/draw/diagram.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
@@ -64,7 +65,7 @@ struct RunRequest {
   std::string python = "python3";  ///< executes scripts; empty: as `runners` says
   bool simulate = false;           ///< simulate every action by what is expected of it
 
-  bool strict = false;        ///< concurrent: irreversible nodes wait for all before them that may fail
+  bool strict = false;        ///< concurrent: every node is strict, whatever the plan declares
   std::uint32_t workers = 0;  ///< concurrent: how many nodes run at the same time; 0: any number
   NetworkRequest network;
 
@@ -80,6 +81,7 @@ struct ConvertRequest {
   type::ValueMap inputs;                           ///< missions only, as the next
   std::vector<std::string> facts;                  ///< as in RunRequest
   std::size_t horizon = 1000;                      ///< how many nodes of a mission are planned
+  bool strict = false;                             ///< as in RunRequest
   bool assume_expected = false;                    ///< where it must be decided to go on: go on as expected
   cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network
   std::function<void(const std::string&)> note;    ///< such as that the mission is expected to fail
@@ -97,9 +99,6 @@ class Session {
   /// errors. Blocks while it reads.
   static std::optional<Session> load(const std::filesystem::path& file,
                                      const std::vector<std::string>& libraries, Diagnostics& diagnostics);
-  /// The same without compiling: whether load() would succeed.
-  static bool check(const std::filesystem::path& file, const std::vector<std::string>& libraries,
-                    Diagnostics& diagnostics);
   /// A mission that the program has made. InvalidArgument with the first problem.
   static Result<Session> create(mission::Mission mission);
   static Session create(cdtn::FlatNetwork network);
@@ -113,6 +112,10 @@ class Session {
   /// TypeMismatch for inputs, ParseError for facts, Unsupported where a task network is given either. Blocks
   /// while it plans; nothing is executed.
   [[nodiscard]] Result<draw::Diagram> convert(const ConvertRequest& request) const;
+
+  /// What may happen in a concurrent run although something earlier fails, which a sequential run would not
+  /// do. Nothing if strict. Errors as of convert().
+  [[nodiscard]] Result<convert::AheadOfFailures> ahead_of_failures(const ConvertRequest& request = {}) const;
 
   /// Runs the plan to its end, on this thread; blocks. That an action or the mission fails is no error here
   /// but in the overview. `stop`, requested on any thread, preempts what is under way and ends the run soon;

@@ -444,11 +444,11 @@ TEST_F(Sessions, EveryProblemOfAFileIsReported) {
   EXPECT_TRUE(diagnostics.has_errors());
   EXPECT_THAT(to_string(diagnostics), HasSubstr("nowhere"));
   Diagnostics again;
-  EXPECT_FALSE(Session::check(write("broken.json", R"({"nodes": [{"name": 3}]})"), {}, again));
+  EXPECT_FALSE(Session::load(write("broken.json", R"({"nodes": [{"name": 3}]})"), {}, again));
   EXPECT_TRUE(again.has_errors());
   Diagnostics none;
-  EXPECT_TRUE(Session::check(write("m.yaml", kGrasp), {}, none));
-  EXPECT_TRUE(Session::check(write("n.json", kNetwork), {}, none));
+  EXPECT_TRUE(Session::load(write("m.yaml", kGrasp), {}, none));
+  EXPECT_TRUE(Session::load(write("n.json", kNetwork), {}, none));
   EXPECT_THAT(to_string(none), IsEmpty());
 }
 

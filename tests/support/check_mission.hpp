@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/cdtn/order.hpp>
+#include <segue/convert/ahead.hpp>
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
 
@@ -15,8 +16,9 @@ class MissionCheck {
 
   /// The first difference, or "".
   std::string difference() {
-    for (const auto check : {&MissionCheck::end, &MissionCheck::world, &MissionCheck::happened,
-                             &MissionCheck::outputs, &MissionCheck::log, &MissionCheck::units}) {
+    for (const auto check :
+         {&MissionCheck::end, &MissionCheck::world, &MissionCheck::happened, &MissionCheck::outputs,
+          &MissionCheck::log, &MissionCheck::units, &MissionCheck::ahead}) {
       if (std::string text = (this->*check)(); !text.empty()) return text;
     }
     return {};
@@ -60,7 +62,7 @@ class MissionCheck {
                        a.error);
   }
 
-  /// After a failure, effects of later nodes may exist already, except in strict runs.
+  /// After a failure, effects of what is listed as ahead() may exist already, except in strict runs.
   std::string world() {
     if (failed() && !strict_) return {};
     if (ran_.world != written_.world)
@@ -180,6 +182,37 @@ class MissionCheck {
     });
     const std::int64_t there = run_.network_result().units[index(*stock)];
     return there == left ? "" : fmt::format("{} units are left instead of {}", there, left);
+  }
+
+  /// What acted although an earlier action failed is in the list that is known before the run, and was not
+  /// declared strict.
+  std::string ahead() {
+    const auto failed_node = run_.network_result().failed;
+    if (!failed_node) return {};
+    const cdtn::TaskNetwork& network = run_.plan().network();
+    const auto known = ahead_of_failures(run_.plan().shared_program()).value();
+    const std::string& failed = network.name_of(*failed_node);
+    for (std::uint32_t i = index(*failed_node) + 1; i < run_.network_result().nodes.size(); ++i) {
+      const cdtn::NodeId node{i};
+      if (run_.plan()[node].role == Role::Global) continue;
+      if (!cdtn::has_acted(network, run_.network_result(), node)) continue;
+      const auto entry = std::ranges::find(known.pairs, network.name_of(node), &cdtn::NamedActsAhead::acts);
+      const bool listed =
+          entry != known.pairs.end() && std::ranges::find(entry->fails, failed) != entry->fails.end();
+      if (known.complete && !listed)
+        return fmt::format("{} acted although {} failed, and is not listed", network.name_of(node), failed);
+      if (is_strict(node)) return network.name_of(node) + " is strict and acted ahead of a failure";
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool is_strict(cdtn::NodeId node) const {
+    const mission::Program& program = run_.plan().program();
+    const mission::Action* what = action(node);
+    bool strict = what != nullptr && what->strict;
+    for (auto state = run_.plan()[node].state; state != mission::kNoState; state = program.node(state).parent)
+      strict = strict || program.state(state).strict;
+    return strict;
   }
 
   std::string preempted() {

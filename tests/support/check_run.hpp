@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/cdtn/ahead.hpp>
 #include <segue/cdtn/run_result.hpp>
 #include <segue/cdtn/task_network.hpp>
 
@@ -14,6 +15,15 @@
 /// Checks from results and log that a concurrent run is equivalent to the sequential one. For tests only.
 namespace segue::cdtn {
 
+/// Whether something remains of the node in a concurrent run, also of one that has been preempted.
+inline bool has_acted(const TaskNetwork& network, const RunResult& run, NodeId node) {
+  const NodeResult& result = run.nodes[index(node)];
+  if (!acts(network, node) || result.attempts == 0) return false;
+  if (network[node].kind == ActionClass::Irreversible) return true;
+  return result.status == NodeStatus::Done &&
+         (result.outcome == network[node].expected || network[node].uncertain);
+}
+
 class RunCheck {
  public:
   RunCheck(const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent, bool strict)
@@ -21,8 +31,9 @@ class RunCheck {
 
   /// The first difference, or "".
   std::string difference() {
-    for (const auto check : {&RunCheck::end, &RunCheck::nodes, &RunCheck::world, &RunCheck::grants,
-                             &RunCheck::groups, &RunCheck::resource_order, &RunCheck::failure}) {
+    for (const auto check :
+         {&RunCheck::end, &RunCheck::nodes, &RunCheck::world, &RunCheck::grants, &RunCheck::groups,
+          &RunCheck::resource_order, &RunCheck::failure, &RunCheck::ahead}) {
       if (std::string text = (this->*check)(); !text.empty()) return text;
     }
     return {};
@@ -161,6 +172,19 @@ class RunCheck {
       if (failed && entry.kind == LogKind::Start && entry.node > *concurrent_.failed)
         return fmt::format("n{} starts although n{} has failed", index(entry.node),
                            index(*concurrent_.failed));
+    }
+    return {};
+  }
+
+  /// What acts although an earlier node fails is what the order permits; in strict runs nothing.
+  std::string ahead() {
+    if (!concurrent_.failed || lacking()) return {};
+    const auto pairs = acts_ahead(network_, derive_order(network_), WholeNetwork(network_));
+    for (std::uint32_t i = index(*concurrent_.failed) + 1; i < concurrent_.nodes.size(); ++i) {
+      if (!has_acted(network_, concurrent_, NodeId{i})) continue;
+      const ActsAhead pair{NodeId{i}, *concurrent_.failed};
+      if (strict_ || std::ranges::find(pairs, pair) == pairs.end())
+        return fmt::format("n{} has acted although n{} failed", i, index(*concurrent_.failed));
     }
     return {};
   }

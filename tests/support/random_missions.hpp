@@ -97,6 +97,7 @@ class RandomMission {
     if (sensing) text += "    sensing: true\n";
     // The world beside other branches would be a race.
     if (!where.is_concurrent() && chance(pure ? 20 : 3)) text += "    reads_world: true\n";
+    if (chance(6)) text += "    strict: true\n";
     const bool opaque = !pure && chance(where.is_concurrent() ? 3 : 15);
     if (!opaque && (!pure || chance(60))) text += facts(where);
     if (!opaque) text += resources(pure || remembers);  // what creates or removes units is irreversible
@@ -135,6 +136,7 @@ class RandomMission {
       else if (two)
         result.on += ", no: " + target(i + 1 + under(3), size);
     }
+    if (chance(6)) result.text += indent + "strict: true\n";
     if (chance(25)) result.on += ", aborted: " + target(i + 1 + under(2), size);
     if (chance(2)) result.on += ", preempted: " + target(i + 1 + under(2), size);
     return result;

@@ -66,6 +66,7 @@ class RandomNetwork {
       spec.handles_abort = chance(30);
       if (chance(30)) spec.expected = other_;
     }
+    spec.strict = chance(5);
     add_conditions(spec);
     add_facts(spec);
     add_claims(spec);

@@ -398,6 +398,33 @@ TEST_F(Converted, ATaskNetworkIsShownAsWell) {
   EXPECT_EQ(segue({"mission", "convert", "n.json", "--order", "goal"}).status, 0);
 }
 
+TEST_F(Converted, WhatMayHappenAlthoughSomethingEarlierFailsIsListed) {
+  const std::string actions =
+      "mission: m\nactions:\n  drive: {effects: [\"+there()\"], run: {simulated: {}}}\n"
+      "  unfold: {effects: [\"+unfolded()\"], STRICT run: {simulated: {}}}\n"
+      "start: there\nstates:\n  there: {action: drive, on: {success: arm}}\n"
+      "  arm: {action: unfold, on: {success: return success}}\n";
+  const auto with = [&](const std::string& strict) {
+    std::string text = actions;
+    return text.replace(text.find("STRICT"), 6, strict);
+  };
+  write("open.yaml", with(""));
+  write("strict.yaml", with("strict: true,"));
+  const std::string listed = "    arm, although there fails\n";
+  EXPECT_THAT(segue({"check", "open.yaml"}).output, HasSubstr(listed));
+  EXPECT_THAT(segue({"mission", "check", "open.yaml"}).output, HasSubstr(listed));
+  EXPECT_THAT(segue({"mission", "convert", "open.yaml"}).output, HasSubstr(listed));
+  EXPECT_THAT(segue({"check", "strict.yaml"}).output, ::testing::StartsWith("1 file: no problems"));
+  EXPECT_THAT(segue({"mission", "convert", "open.yaml", "--strict"}).output, Not(HasSubstr("although")));
+  for (const std::string verb : {"check", "convert"}) {
+    const auto ahead = json({"mission", verb, "open.yaml"}).find("ahead")->as_list();
+    ASSERT_EQ(ahead.size(), 1U);
+    EXPECT_EQ(ahead[0].find("happens")->as_string(), "arm");
+    EXPECT_EQ(ahead[0].find("although_fails")->as_list()[0].as_string(), "there");
+    EXPECT_TRUE(json({"mission", verb, "strict.yaml"}).find("ahead")->as_list().empty());
+  }
+}
+
 TEST_F(Converted, PicturesGoToStandardOutputOrAFile) {
   const auto drawn = segue({"mission", "convert", "m.yaml", "--svg"});
   EXPECT_EQ(drawn.status, 0) << drawn.errors;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/diagnostic.hpp>
+#include <segue/convert/ahead.hpp>
+#include <segue/type/value.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace segue::cli {
+
+/// The missions and task networks that were checked: what is wrong with them, and what may happen in a
+/// concurrent run of them although something earlier fails.
+class CheckedMissions {
+ public:
+  explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
+
+  /// Reads and validates the file; blocks.
+  void check(const std::filesystem::path& file, Diagnostics& diagnostics);
+  /// What may happen, for people.
+  void print() const;
+  /// The fields of `diagnostics`, and `ahead`.
+  [[nodiscard]] type::Value to_value(const Diagnostics& diagnostics) const;
+
+ private:
+  struct Entry {
+    std::string file;
+    convert::AheadOfFailures found;
+  };
+  const std::vector<std::string>& libraries_;
+  std::vector<Entry> entries_;  ///< only where there is something to tell
+};
+
+}  // namespace segue::cli

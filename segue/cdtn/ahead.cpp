@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ahead.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace segue::cdtn {
+
+namespace {
+
+/// Whether the run ends where this node aborts.
+bool may_end_the_run(const NodeRecord& node) {
+  return !node.cannot_fail && !(node.branches && node.handles_abort);
+}
+
+bool changes_units(const Claim& claim) {
+  return claim.op == ResourceOp::Create || claim.op == ResourceOp::Consume || claim.op == ResourceOp::Delete;
+}
+
+/// Finds what a node is certain to have waited for by following its dependencies backwards: what has passed
+/// has waited for its own.
+class AheadFinder {
+ public:
+  AheadFinder(const TaskNetwork& network, const Order& order, const Paths& paths)
+      : network_(network),
+        order_(order),
+        paths_(paths),
+        passed_(network.size(), kNone),
+        followed_(network.size(), kNone) {}
+
+  std::vector<ActsAhead> find() {
+    std::vector<ActsAhead> pairs;
+    for (std::uint32_t i = 0; i < order_.size(); ++i) {
+      const NodeId node{i};
+      if (network_[node].strict || !acts(network_, node)) continue;
+      follow(node);
+      for (std::uint32_t j = first_; j < i; ++j) {
+        const NodeId earlier{j};
+        const bool waited = passed_[j] == i || !may_end_the_run(network_[earlier]);
+        if (!waited && !paths_.exclude(earlier, node)) pairs.push_back({node, earlier});
+      }
+    }
+    return pairs;
+  }
+
+ private:
+  void follow(NodeId node) {
+    node_ = node;
+    first_ = index(node) > kAheadWithin ? index(node) - kAheadWithin : 0;
+    open_.assign(1, node);
+    while (!open_.empty()) {
+      const NodeId at = open_.back();
+      open_.pop_back();
+      for (const Dependency& dependency : order_.before(at))
+        take(dependency);
+    }
+  }
+
+  /// A dependency because of a resource says only that the other has begun. What begins has waited like what
+  /// has passed, since nodes that take units in program order never run speculatively.
+  void take(const Dependency& dependency) {
+    const std::uint32_t from = index(dependency.from);
+    if (from < first_ || !paths_.is_certain(dependency)) return;
+    if (dependency.reason() != Reason::Resource) passed_[from] = index(node_);
+    if (followed_[from] == index(node_) || !paths_.comes_with(node_, dependency.from)) return;
+    followed_[from] = index(node_);
+    const NodeRecord& other = network_[dependency.from];
+    const bool held = other.strict && other.kind == ActionClass::Irreversible;
+    if (held && paths_.implies(node_, dependency.from)) first_ = std::max(first_, from);
+    open_.push_back(dependency.from);
+  }
+
+  const TaskNetwork& network_;
+  const Order& order_;
+  const Paths& paths_;
+  std::vector<std::uint32_t> passed_;    ///< by node: the last for which it has passed
+  std::vector<std::uint32_t> followed_;  ///< likewise: whose dependencies have been followed
+  std::vector<NodeId> open_;
+  NodeId node_{};
+  std::uint32_t first_ = 0;  ///< nodes before are certain to have passed, or too far away
+};
+
+}  // namespace
+
+bool acts(const TaskNetwork& network, NodeId node) {
+  const NodeRecord& entry = network[node];
+  if (entry.kind == ActionClass::Irreversible) return true;
+  if (entry.reads_world) return false;  // it counts once all before it have passed
+  return std::ranges::any_of(network.accesses(node), [](const Access& access) { return access.writes; }) ||
+         std::ranges::any_of(network.claims(node), changes_units);
+}
+
+namespace {
+
+/// What must be true for the node to be on the path: its conditions, and those of the nodes that they name.
+std::set<Condition> all_conditions(const TaskNetwork& network, NodeId node) {
+  std::set<Condition> known;
+  std::vector<NodeId> open{node};
+  while (!open.empty()) {
+    const NodeId at = open.back();
+    open.pop_back();
+    for (const Condition& condition : network.conditions(at)) {
+      if (known.insert(condition).second) open.push_back(condition.node);
+    }
+  }
+  return known;
+}
+
+}  // namespace
+
+bool WholeNetwork::implies(NodeId node, NodeId other) const {
+  const auto own = all_conditions(network_, node);
+  const auto wanted = all_conditions(network_, other);
+  return std::ranges::includes(own, wanted);
+}
+
+bool WholeNetwork::exclude(NodeId a, NodeId b) const {
+  if (network_.conditions(a).empty() || network_.conditions(b).empty()) return false;
+  const auto first = all_conditions(network_, a);
+  const auto second = all_conditions(network_, b);
+  return std::ranges::any_of(second, [&](const Condition& condition) {
+    const auto other = first.lower_bound({condition.node, OutcomeId{}});
+    const bool same_node = other != first.end() && other->node == condition.node;
+    return same_node && !first.contains(condition);
+  });
+}
+
+std::vector<ActsAhead> acts_ahead(const TaskNetwork& network, const Order& order, const Paths& paths) {
+  return AheadFinder(network, order, paths).find();
+}
+
+std::vector<NamedActsAhead> by_name(const TaskNetwork& network, const std::vector<ActsAhead>& pairs) {
+  std::vector<NamedActsAhead> named;
+  std::map<std::uint32_t, std::size_t> places;  // by name of who acts
+  std::set<std::pair<std::uint32_t, std::uint32_t>> known;
+  for (const ActsAhead& pair : pairs) {
+    const std::uint32_t acts = network[pair.acts].name;
+    if (!known.emplace(acts, network[pair.fails].name).second) continue;
+    const auto [place, first] = places.try_emplace(acts, named.size());
+    if (first) named.push_back({network.name_of(pair.acts), {}});
+    named[place->second].fails.push_back(network.name_of(pair.fails));
+  }
+  return named;
+}
+
+}  // namespace segue::cdtn

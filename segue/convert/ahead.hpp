@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/cdtn/ahead.hpp>
+#include <segue/convert/mission_plan.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace segue::convert {
+
+/// What may happen in a concurrent run although something earlier fails.
+struct AheadOfFailures {
+  std::vector<cdtn::NamedActsAhead> pairs;  ///< paths of states
+  bool complete = true;  ///< else the mission is longer than the `most` nodes that were examined
+};
+
+/// Nodes that are examined unless told otherwise.
+inline constexpr std::size_t kMostExamined = 4000;
+
+/// For every path that the mission may take: the states that act although an earlier state aborts and nobody
+/// handles that. Two rounds of each loop stand for all; where facts or resources are named by values that are
+/// not known before the run, all that they might permit is in the list. The errors of MissionPlan::create.
+[[nodiscard]] Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program> program,
+                                                        std::vector<type::Value> inputs = {},
+                                                        const std::vector<mission::Fact>& facts = {},
+                                                        std::size_t most = kMostExamined);
+
+}  // namespace segue::convert

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/convert/path_conditions.hpp>
+#include <segue/convert/symbol.hpp>
+#include <segue/convert/weak_order.hpp>
+#include <segue/mission/place.hpp>
+#include <segue/mission/program.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// How far a mission has been unrolled. Internal.
+namespace segue::convert {
+
+/// A way to a state, with the error that occurred on it.
+struct Arrival {
+  BranchEdge when;
+  bool aborted = false;  ///< the preceding state aborted, and the next one gets its error
+  std::vector<Candidate> errors;
+};
+struct Exit {
+  mission::Outcome outcome = 0;
+  Arrival arrival;
+};
+
+/// All ways in which a state of the plan can end.
+struct StateEnd {
+  std::vector<Symbol> outputs;
+  std::vector<Exit> exits;
+};
+
+/// The data with which a state is entered.
+struct StateEntry {
+  mission::StateIndex state = mission::kNoState;
+  mission::StateIndex library = mission::kNoState;  ///< the outermost that it is the root of
+  BranchEdge when;
+  std::string path;
+  std::string loops;            ///< as PlannedNode
+  bool aborts_handled = false;  ///< an enclosing state handles its abort
+  bool strict = false;          ///< it is declared strict, or an enclosing state
+  std::vector<Symbol> inputs;
+  std::vector<Candidate> errors;
+};
+
+/// The state whose defaults of outputs count.
+inline mission::StateIndex shown_as(const StateEntry& entry) {
+  return entry.library == mission::kNoState ? entry.state : entry.library;
+}
+
+/// One execution of a container in the plan.
+struct ContainerExecution {
+  explicit ContainerExecution(StateEntry given, std::size_t slot_count)
+      : entry(std::move(given)), slots(slot_count) {}
+  StateEntry entry;
+  Slots slots;
+  std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
+  std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
+  std::vector<Exit> exits;
+};
+
+struct Track;
+
+/// The position up to which a container has been planned.
+struct Frame {
+  struct Loop {
+    std::uint32_t head = 0;  ///< position in the order
+    std::size_t iterations = 1;
+    std::vector<std::vector<BranchEdge>>
+        open{};  ///< by uncertain iteration: the edges on which it is entered
+  };
+  std::shared_ptr<ContainerExecution> activation;
+  std::uint32_t place = 0;
+  std::vector<Loop> loops;
+  std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state except the decider
+};
+
+/// One sequence of states: the mission, or a state of a barrier. Where it was planned beyond a loop that is
+/// expected to end, `alternatives` has the frames from which to resume that loop.
+struct Track {
+  std::vector<Frame> frames;
+  std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
+  std::vector<std::vector<Frame>> alternatives{};
+  std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
+  std::optional<StateEnd> end{};
+  [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
+};
+
+}  // namespace segue::convert
