@@ -43,7 +43,6 @@ Result<session::NetworkRequest> network_request(const NetworkOptions& options) {
   session::NetworkRequest request;
   request.order = options.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch;
   request.seed = options.seed;
-  request.world_copies = options.world_copies;
   for (const std::string& text : options.resources) {
     auto count = parse_count(text);
     if (!count) return count.error();
@@ -77,6 +76,7 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
   request.simulate = options.simulate;
   request.strict = network.strict;
   request.workers = network.workers;
+  request.world_copies = network.world_copies;
   auto only_networks = network_request(network);
   if (!only_networks) return only_networks.error();
   request.network = std::move(*only_networks);

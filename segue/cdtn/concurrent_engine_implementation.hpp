@@ -78,6 +78,7 @@ class ConcurrentEngine::Implementation {
   void refuse(NodeId node, const Error& error);
   bool admit(NodeId node);
   void claim(NodeId node);
+  bool refuse_for_shortage(NodeId node);
   void dispatch(NodeId node);
   void launch(NodeId node);
   void take_granted();

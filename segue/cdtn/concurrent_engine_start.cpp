@@ -60,6 +60,7 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
     abandon(node);  // the world has changed since it was queued
     state.phase = Phase::Waiting;
   }
+  if (state.phase == Phase::Queued && refuse_for_shortage(node)) return;
   if (state.phase == Phase::Queued && certain(node)) return preempt_for_units(node);
   if (state.phase == Phase::Ready && certain(node) && ready_speculative_.erase(rank(node)) > 0)
     ready_.insert(rank(node));
@@ -152,7 +153,20 @@ void ConcurrentEngine::Implementation::claim(NodeId node) {
   const auto claims = network_.claims(node);
   if (claims.empty() || pool_.request(rank(node), claims)) return dispatch(node);
   at(node).phase = Phase::Queued;
-  if (certain(node)) preempt_for_units(node);
+  if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
+}
+
+/// Once all nodes before have passed, nobody can provide what is lacking: what later nodes hold they give
+/// back, and where units come and go, later nodes have not begun. So the node aborts, as sequentially.
+bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
+  if (index(node) != prefix_) return false;
+  const auto shortage = pool_.shortage(network_.claims(node));
+  if (!shortage) return false;
+  const Error error = shortage_error(network_, node, *shortage->claim, shortage->there);
+  abandon(node);
+  at(node).phase = Phase::Waiting;
+  refuse(node, error);
+  return true;
 }
 
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {

@@ -146,12 +146,52 @@ TEST(ConcurrentEngine, RunsAPureNodeAgainWhereThePredictionWasWrong) {
   EXPECT_EQ(seconds(result.makespan), 4) << "it could not run ahead";
 }
 
+/// Two nodes that use up cups, of which there is one, and one that has nothing to do with it.
+TaskNetwork lacking_a_cup(bool handled) {
+  TaskNetwork network;
+  const ResourceId cup = network.resources.intern("cup");
+  network.resources[cup].varies = true;
+  NodeSpec spec;
+  spec.duration = std::chrono::seconds(2);
+  spec.claims = {{cup, ResourceOp::Consume, 1}};
+  spec.name = "first";
+  network.append(spec);
+  spec.name = "second";
+  spec.branches = spec.handles_abort = handled;
+  const NodeId second = network.append(spec);
+  NodeSpec handler;
+  handler.name = "wash";
+  if (handled) handler.conditions = {{second, kAborted}};
+  network.append(handler);
+  return network;
+}
+
+TEST(ConcurrentEngine, AShortageAbortsItsNodeAsInTheSequentialRun) {
+  for (const bool handled : {false, true}) {
+    const TaskNetwork network = lacking_a_cup(handled);
+    const Order order = derive_order(network);
+    SimulatedEnvironment environment(network);
+    const RunResult sequential = run_sequential(network, environment);
+    const RunResult concurrent = ConcurrentEngine(network, order, environment).run();
+    EXPECT_EQ(concurrent.done(), handled);
+    EXPECT_EQ(concurrent.nodes[1].outcome, kAborted);
+    EXPECT_EQ(concurrent.nodes[1].attempts, 0U);
+    EXPECT_EQ(concurrent.nodes[2].status == NodeStatus::Done,
+              sequential.nodes[2].status == NodeStatus::Done || !handled);
+    EXPECT_EQ(concurrent.units, sequential.units);
+    if (handled) continue;
+    EXPECT_EQ(to_string(*concurrent.error), to_string(*sequential.error));
+    EXPECT_THAT(to_string(*concurrent.error),
+                HasSubstr("second: it needs 1 of the resource 'cup', of which there are 0"));
+  }
+}
+
 TEST(ConcurrentEngine, SaysWhoWaitsForWhat) {
   TaskNetwork network;
   const ResourceId arm = network.resources.intern("system:arm");
   NodeSpec spec;
   spec.name = "lift";
-  spec.claims = {{arm, ResourceOp::Block, 2}};
+  spec.claims = {{arm, ResourceOp::Block, 2, network.add_group(arm)}};  // more than its group holds
   network.append(spec);
   spec.name = "turn";
   network.append(spec);

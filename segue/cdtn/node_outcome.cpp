@@ -79,6 +79,14 @@ NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report)
   return result;
 }
 
+Error shortage_error(const TaskNetwork& network, NodeId node, const Claim& claim, std::uint64_t there) {
+  return fail(ErrorCode::ResourceExhausted,
+              "it needs " + std::to_string(claim.count) + " of the resource " +
+                  quote(network.resources.name(claim.resource)) + ", of which there " +
+                  (there == 1 ? "is " : "are ") + std::to_string(there),
+              network.label(node));
+}
+
 Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal) {
   return fail(ErrorCode::InvalidState, "its precondition " + network.facts.text(literal) + " does not hold",
               network.label(node));

@@ -23,6 +23,9 @@ struct NodeOutcome {
 /// are an abort without a handler and an outcome without a successor.
 NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report);
 
+/// The failure of a node that needs more units than there can be: `there` of what it claims.
+Error shortage_error(const TaskNetwork& network, NodeId node, const Claim& claim, std::uint64_t there);
+
 /// The failure of a node because of a precondition that is false.
 Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal);
 

@@ -78,6 +78,18 @@ bool ResourcePool::grantable(const Rank& rank, std::span<const Claim> claims) co
   });
 }
 
+std::optional<ResourcePool::Shortage> ResourcePool::shortage(std::span<const Claim> claims) const {
+  for (const Claim& claim : claims) {
+    const bool exists = claim.group == kNone && claim.op == ResourceOp::Exists;
+    std::uint64_t there = total(claim.resource);
+    for (const Group& group : groups_) {
+      if (!exists && group.held && group.lock.resource == claim.resource) there -= group.lock.count;
+    }
+    if ((exists ? claim.count : need(claims, claim.resource)) > there) return Shortage{&claim, there};
+  }
+  return std::nullopt;
+}
+
 const Claim* ResourcePool::obstacle(std::span<const Claim> claims) const {
   const auto found = std::ranges::find_if(claims, [&](const Claim& claim) {
     return !fits_but_for_units(claim) || need(claims, claim.resource) > free(claim.resource);

@@ -59,6 +59,12 @@ class ResourcePool {
   void still_waiting(std::vector<NodeId>& nodes);
   /// How many waiting nodes it has looked at: what it costs, for tests.
   [[nodiscard]] std::uint64_t looked_at() const { return looked_at_; }
+  struct Shortage {
+    const Claim* claim = nullptr;
+    std::uint64_t there = 0;  ///< units, without those that groups hold
+  };
+  /// The first claim that cannot be met even if every node gave back what it holds; nothing if there is none.
+  [[nodiscard]] std::optional<Shortage> shortage(std::span<const Claim> claims) const;
   /// The claim that could not be granted even if no other node waited; null if there is none.
   [[nodiscard]] const Claim* obstacle(std::span<const Claim> claims) const;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sequential.hpp"
 
-#include <segue/base/text.hpp>
 #include <segue/cdtn/node_outcome.hpp>
 
 #include <algorithm>
@@ -73,7 +72,7 @@ class SequentialRun {
       const Error why = precondition_error(network_, node, {unmet->fact, unmet->needed});
       return finish(node, refuse(node, why.message));
     }
-    if (const auto missing = take(node)) return fail_with(node, *missing);
+    if (const auto missing = take(node)) return finish(node, refuse(node, missing->message));
     finish(node, execute(node));
   }
 
@@ -143,14 +142,9 @@ class SequentialRun {
     for (const Claim& claim : network_.claims(node)) {
       const std::uint32_t place = index(claim.resource);
       const bool exists = claim.group == kNone && claim.op == ResourceOp::Exists;
-      const std::uint64_t units =
-          exists ? claim.count : wanted(network_.claims(node), claim.resource) + held_[place];
-      if (units > result_.units[place]) {
-        return fail(ErrorCode::ResourceExhausted,
-                    "there are not " + std::to_string(claim.count) + " of " +
-                        quote(network_.resources.name(claim.resource)),
-                    network_.label(node));
-      }
+      const std::uint64_t units = exists ? claim.count : wanted(network_.claims(node), claim.resource);
+      const std::uint64_t there = result_.units[place] - (exists ? 0 : held_[place]);
+      if (units > there) return shortage_error(network_, node, claim, there);
     }
     for (const Claim& claim : network_.claims(node)) {
       const std::uint32_t place = index(claim.resource);

@@ -42,6 +42,7 @@ RunOptions options_of(std::uint64_t seed) {
   options.strict = seed % 2 == 0;
   options.speculate = seed % 16 != 5;
   options.workers = seed % 5 == 1 ? static_cast<std::uint32_t>(seed / 5 % 3 + 1) : 0;
+  options.world_copies = seed % 6 == 3 ? static_cast<std::uint32_t>(seed / 6 % 2 + 1) : 0;
   options.horizon = seed % 7 == 2 ? 5 + seed / 7 % 20 : 1000;
   return options;
 }

@@ -105,6 +105,7 @@ class Run::Implementation {
     made.strict = options.strict;
     made.speculate = options.speculate;
     made.workers = options.workers;
+    made.world_copies = options.world_copies;
     made.horizon = options.horizon;
     made.log = options.log;
     return made;

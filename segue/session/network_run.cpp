@@ -101,6 +101,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.clock = request.clock;
     options.strict = request.strict;
     options.workers = request.workers;
+    options.world_copies = request.world_copies;
     options.warn = request.note;
     options.observe = request.on_action;
     auto run = convert::Run::create(std::move(program), runners_for(request), std::move(*inputs),
@@ -250,7 +251,7 @@ class FlatNetworkRun final : public NetworkRun {
     options.clock = request.clock;
     options.strict = request.strict;
     options.workers = request.workers;
-    options.world_copies = request.network.world_copies;
+    options.world_copies = request.world_copies;
     options.priorities = cdtn::choose_priorities(network(), order_, flat_->trials, options, stop);
     cdtn::ConcurrentEngine engine(network(), order_, environment, options);
     const std::stop_callback end(stop, [&] { engine.stop(); });

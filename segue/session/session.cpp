@@ -86,14 +86,13 @@ std::string problem_of(const RunRequest& request, bool is_network) {
   if (is_network && of_missions)
     return "inputs, facts, a state to start at and a journal are for missions, not for task networks";
   const NetworkRequest& network = request.network;
-  const bool of_networks = network.order != cdtn::OrderRule::Epoch || network.seed != 0 ||
-                           network.world_copies != 0 || !network.resources.empty();
+  const bool of_networks =
+      network.order != cdtn::OrderRule::Epoch || network.seed != 0 || !network.resources.empty();
   if (!is_network && of_networks)
-    return "an order, a seed, copies of the world and counts of resources are for task networks, not for "
-           "missions; "
+    return "an order, a seed and counts of resources are for task networks, not for missions; "
            "a mission states its resources under 'resources'";
   if (request.mode == RunMode::Sequential &&
-      (request.strict || request.workers != 0 || network.world_copies != 0))
+      (request.strict || request.workers != 0 || request.world_copies != 0))
     return "strict, a number of workers and of copies of the world are for concurrent runs";
   if (request.mode == RunMode::Concurrent && !request.start_at.empty())
     return "a state to start at is for missions that run as they are written";

@@ -44,8 +44,7 @@ struct JournalRequest {
 /// What only runs of task networks from files have; their nodes are simulated.
 struct NetworkRequest {
   cdtn::OrderRule order = cdtn::OrderRule::Epoch;
-  std::uint64_t seed = 0;          ///< varies durations, the same way for the same number; 0: as expected
-  std::uint32_t world_copies = 0;  ///< projected worlds at the same time; 0: any number
+  std::uint64_t seed = 0;  ///< varies durations, the same way for the same number; 0: as expected
   std::vector<std::pair<std::string, std::uint32_t>> resources;  ///< how many units there are of some
 };
 
@@ -65,8 +64,9 @@ struct RunRequest {
   std::string python = "python3";  ///< executes scripts; empty: as `runners` says
   bool simulate = false;           ///< simulate every action by what is expected of it
 
-  bool strict = false;        ///< concurrent: every node is strict, whatever the plan declares
-  std::uint32_t workers = 0;  ///< concurrent: how many nodes run at the same time; 0: any number
+  bool strict = false;             ///< concurrent: every node is strict, whatever the plan declares
+  std::uint32_t workers = 0;       ///< concurrent: how many nodes run at the same time; 0: any number
+  std::uint32_t world_copies = 0;  ///< concurrent: projected worlds at the same time; 0: any number
   NetworkRequest network;
 
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque

@@ -44,27 +44,20 @@ class RunCheck {
   /// run is only checked if strict: nodes behind the failing one take time that the sequential run does not
   /// need.
   std::string slower() {
-    if (lacking() || (sequential_.failed && !strict_) || concurrent_.makespan <= sequential_.makespan)
-      return {};
+    if ((sequential_.failed && !strict_) || concurrent_.makespan <= sequential_.makespan) return {};
     const auto seconds = [](Duration time) { return time / std::chrono::seconds(1); };
     return fmt::format("took {} s instead of {} s", seconds(concurrent_.makespan),
                        seconds(sequential_.makespan));
   }
 
  private:
-  /// The run lacks units of a resource, which the engine reports once nothing else can proceed.
-  [[nodiscard]] bool lacking() const {
-    return sequential_.error && sequential_.error->code == ErrorCode::ResourceExhausted;
-  }
-
   static std::string failure_text(const RunResult& result) {
     return result.failed ? fmt::format("n{}: {}", index(*result.failed), to_string(*result.error)) : "none";
   }
 
   std::string end() {
-    const bool same =
-        sequential_.failed == concurrent_.failed &&
-        (!sequential_.error || lacking() || sequential_.error->message == concurrent_.error->message);
+    const bool same = sequential_.failed == concurrent_.failed &&
+                      (!sequential_.error || sequential_.error->message == concurrent_.error->message);
     if (same) return {};
     return fmt::format("failure {} instead of {}", failure_text(concurrent_), failure_text(sequential_));
   }
@@ -93,7 +86,7 @@ class RunCheck {
 
   /// After a failure, later nodes may have acted already, except behind irreversible ones.
   std::string world() {
-    if (sequential_.failed && (!strict_ || lacking())) return {};
+    if (sequential_.failed && !strict_) return {};
     if (!(sequential_.world == concurrent_.world)) {
       return fmt::format("world {} instead of {}", fmt::join(concurrent_.world.texts(network_.facts), " "),
                          fmt::join(sequential_.world.texts(network_.facts), " "));
@@ -178,7 +171,7 @@ class RunCheck {
 
   /// What acts although an earlier node fails is what the order permits; in strict runs nothing.
   std::string ahead() {
-    if (!concurrent_.failed || lacking()) return {};
+    if (!concurrent_.failed) return {};
     const auto pairs = acts_ahead(network_, derive_order(network_), WholeNetwork(network_));
     for (std::uint32_t i = index(*concurrent_.failed) + 1; i < concurrent_.nodes.size(); ++i) {
       if (!has_acted(network_, concurrent_, NodeId{i})) continue;

@@ -122,6 +122,10 @@ class RandomNetwork {
   void add_claim(NodeSpec& spec, ResourceId id) {
     std::uint32_t& units = units_[index(id)];
     const int kind = pick(0, 9);
+    if (variety_.failures && chance(4)) {
+      spec.claims.push_back({id, chance(70) ? ResourceOp::Block : ResourceOp::Exists, units + 1});
+      return;
+    }
     if (units == 0) return;
     if (kind < 6) {
       spec.claims.push_back(
