@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/host/stand_in.hpp>
+#include <segue/journal/reader.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/pddl/pddl.hpp>
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "checked_missions.hpp"
@@ -37,6 +43,7 @@ class Checker {
   void run() {
     for (const std::string& file : options_.files)
       read(file);
+    check_pddl();
     model::resolve_inheritance(catalog_, diagnostics_);
     // Networks last: they may use the models of files named after them.
     for (const auto& parts : networks_)
@@ -66,6 +73,14 @@ class Checker {
   }
 
   void read(const std::string& file) {
+    if (is_rafcon_machine(file)) {
+      ++files_;
+      return missions_.check(file, diagnostics_);
+    }
+    if (is_journal(file)) {
+      ++files_;
+      return check_journal(file);
+    }
     const auto text = text_of(file);
     if (!text) return;
     switch (model::kind_of_file(file, *text)) {
@@ -80,7 +95,14 @@ class Checker {
         read_robot(*text, file);
         return;
       case FileKind::Mission:
+      case FileKind::TaskNetwork:
         missions_.check(file, diagnostics_);
+        return;
+      case FileKind::StandIns:
+        (void)host::StandInTable::load(file, diagnostics_);
+        return;
+      case FileKind::Pddl:
+        pddl_.emplace_back(file, *text);
         return;
       case FileKind::Components:
       case FileKind::Typelib:
@@ -102,8 +124,8 @@ class Checker {
     if (broken) return diagnostics_.append(parsing);
     diagnostics_.error(
         "unknown-kind",
-        "this is no network, robot, mission, transition, component model or .tlb file; a network "
-        "has `tasks:`, a robot file `robot:`, a mission `mission:` at its top",
+        "this is no network, robot, mission, task network, transition, component model, stand-in, PDDL or "
+        ".tlb file; a network has `tasks:`, a robot file `robot:`, a mission `mission:` at its top",
         {file, 0, 0});
   }
 
@@ -156,6 +178,45 @@ class Checker {
     }
   }
 
+  static bool is_rafcon_machine(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    return std::filesystem::exists(folder / "statemachine.json", ignored);
+  }
+
+  /// Journals are databases, so they are not read as text.
+  static bool is_journal(const std::filesystem::path& file) {
+    constexpr std::string_view kMagic = "SQLite format 3";
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return false;
+    std::string begin(kMagic.size(), '\0');
+    std::ifstream stream(file, std::ios::binary);
+    return stream.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == kMagic;
+  }
+
+  void check_journal(const std::string& file) {
+    auto reader = journal::JournalReader::open(file);
+    const Result<void> sound = reader ? reader->check() : Result<void>(reader.error());
+    if (!sound) diagnostics_.error("bad-journal", sound.error().message, {file, 0, 0});
+  }
+
+  /// A plan can be checked only with its domain and its problem.
+  void check_pddl() {
+    std::array<std::vector<pddl::PddlText>, 3> parts;
+    const std::size_t errors_before = diagnostics_.error_count();
+    for (const auto& [file, text] : pddl_) {
+      const auto part = pddl::part_of({text, file}, diagnostics_);
+      if (part) parts.at(static_cast<std::size_t>(*part)).push_back({text, file});
+    }
+    if (pddl_.empty() || diagnostics_.error_count() > errors_before) return;
+    if (std::ranges::all_of(parts, [](const auto& texts) { return texts.size() == 1; })) {
+      (void)pddl::read_pddl(parts[0][0], parts[1][0], parts[2][0], diagnostics_);
+    } else {
+      diagnostics_.error("incomplete-pddl",
+                         "a PDDL plan is checked with its domain and its problem; name one file of each",
+                         {pddl_.front().first, 0, 0});
+    }
+  }
+
   void check(const Parts& parts, Depth depth) {
     diagnostics_.append(parts.complete ? model::validate(parts.network, catalog_, depth)
                                        : model::validate_references(parts.network, catalog_, depth));
@@ -177,6 +238,7 @@ class Checker {
   CheckedMissions missions_;
   model::ComponentCatalog catalog_;
   std::vector<Parts> networks_;
+  std::vector<std::pair<std::string, std::string>> pddl_;  ///< names and texts
   std::vector<std::string> shallow_;
   std::size_t files_ = 0;
 };
@@ -214,15 +276,18 @@ int check_files(const CheckOptions& options, const Context& context) {
 
 void add_check(Verb& app, Context& context) {
   const auto options = std::make_shared<CheckOptions>();
-  Verb& verb =
-      add_verb(app, context, "check", "validate networks, robots, missions, transitions and component models",
-               "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd",
-               [options, &context] { return check_files(*options, context); });
-  verb.option("FILE", options->files, "files of any kind; a robot file includes all files that it names")
+  Verb& verb = add_verb(app, context, "check", "validate every kind of file that other verbs read",
+                        "  segue check robot.yaml\n  segue check --models 'models/*.yml' controllers/*.cnd\n"
+                        "  segue check domain.pddl problem.pddl plan",
+                        [options, &context] { return check_files(*options, context); });
+  verb.option("FILE", options->files,
+              "networks, robots (with all files that they name), missions, RAFCON folders, task networks, "
+              "transitions, component models, .tlb files, stand-ins, PDDL, journals")
       .required();
   verb.flag("--structure", options->structure,
             "check names and references only, not components, ports and types");
-  verb.option("--libraries DIR", options->libraries, "folders with the state machines used by missions");
+  verb.option("--libraries DIR", options->libraries,
+              "where missions find their state machines; for RAFCON NAME=DIR");
   add_model_options(verb, options->sources);
 }
 

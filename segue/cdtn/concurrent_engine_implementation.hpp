@@ -83,7 +83,6 @@ class ConcurrentEngine::Implementation {
   void launch(NodeId node);
   void take_granted();
   void take_waiting();
-  [[nodiscard]] bool held(NodeId node) const;
   std::optional<NodeId> next_ready();
   [[nodiscard]] const Access* false_precondition(NodeId node) const;
   void note_what_is_read(NodeId node);

@@ -190,15 +190,11 @@ void ConcurrentEngine::Implementation::take_granted() {
   }
 }
 
-/// Whether a pause keeps the node from beginning.
-bool ConcurrentEngine::Implementation::held(NodeId node) const {
-  return pause_.blocks() && environment_.is_step(node);
-}
-
 /// Takes out the first node that may begin now: first of those that are certain to count.
 std::optional<NodeId> ConcurrentEngine::Implementation::next_ready() {
   for (auto* from : {&ready_, &ready_speculative_}) {
-    const auto first = std::ranges::find_if(*from, [&](const Rank& each) { return !held(each.node); });
+    const auto free = [&](const Rank& each) { return !pause_.blocks() || !environment_.is_step(each.node); };
+    const auto first = std::ranges::find_if(*from, free);
     if (first == from->end()) continue;
     const NodeId node = first->node;
     from->erase(first);

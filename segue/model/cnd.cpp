@@ -212,6 +212,8 @@ Network read_cnd(const Value& root, const Source& source) {
       network.connections.push_back(std::move(*connection));
     }
   });
+  warn_of_sections(network, "config", source);
+  refuse_include(fields, source);
   fields.finish();
   return network;
 }

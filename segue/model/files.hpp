@@ -61,7 +61,19 @@ void resolve_inheritance(ComponentCatalog& catalog, Diagnostics& diagnostics);
 std::string write_components(const ComponentCatalog& catalog, const std::vector<ComponentName>& names);
 type::Value to_value(const ComponentModel& model);
 
-enum class FileKind { Network, Cnd, Transition, Robot, Mission, Components, Typelib, Unknown };
+enum class FileKind {
+  Network,
+  Cnd,
+  Transition,
+  Robot,
+  Mission,
+  TaskNetwork,
+  Components,
+  Typelib,
+  StandIns,
+  Pddl,  ///< a domain, a problem or a plan
+  Unknown
+};
 /// Determined by content (top-level keys), then by name.
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view text);
 

@@ -106,12 +106,40 @@ TEST(NetworkFileTest, aMissingFileIsADiagnostic) {
   EXPECT_TRUE(diagnostics.has_errors());
 }
 
+TEST(CndTest, configurationSectionsAreKeptAndReportedAsNotRead) {
+  for (const auto& [text, file] : {std::pair("tasks:\n  a: {type: x::T, config_names: [default, outdoor]}\n  "
+                                             "b: {type: x::T, config_names: c}\n",
+                                             "x.cnd"),
+                                   std::pair("network: n\ntasks:\n  a: {component: x::T, config_names: "
+                                             "[default, outdoor]}\n  b: {component: x::T, config_names: c}\n",
+                                             "x.yaml")}) {
+    const Read result = read(text, file);
+    ASSERT_TRUE(result.network) << to_string(result.diagnostics);
+    EXPECT_THAT(result.network->tasks[0].config_names, ElementsAre("default", "outdoor"));
+    ASSERT_EQ(result.diagnostics.items().size(), 1U) << to_string(result.diagnostics);
+    const Diagnostic& warning = result.diagnostics.items()[0];
+    EXPECT_EQ(warning.severity, Severity::Warning);
+    EXPECT_EQ(warning.code, "sections-not-read");
+    EXPECT_THAT(warning.message, HasSubstr("task 'a' and 1 more: "));
+    EXPECT_GT(warning.where.line, 0);
+  }
+}
+
+TEST(CndTest, aNetworkThatIncludesOthersIsRefused) {
+  for (const auto& [text, file] : {std::pair("include: [b.cnd]\ntasks:\n  a: {type: x::T}\n", "x.cnd"),
+                                   std::pair("network: n\ninclude: b.yaml\n", "x.yaml")}) {
+    const Read result = read(text, file);
+    EXPECT_FALSE(result.network);
+    ASSERT_EQ(result.diagnostics.items().size(), 1U) << to_string(result.diagnostics);
+    EXPECT_EQ(result.diagnostics.items()[0].code, "no-include");
+  }
+}
+
 TEST(CndTest, readsTasksDeploymentsAndConnections) {
   const Read result = read(R"(tasks:
   camera-1:
     type: camera::Task
     state: PRE_OPERATIONAL
-    config_names: [default, outdoor]
     config: {gain: {auto: true}}
     properties: [{Name: rate, Type: /double, Value: 2.5}]
     activity: {type: PERIODIC, period: 0.1, priority: 60, realtime: true}
@@ -131,7 +159,6 @@ connections:
   EXPECT_THAT(result.diagnostics.items(), IsEmpty()) << to_string(result.diagnostics);
   const Task& task = result.network->tasks[0];
   EXPECT_EQ(task.state, TaskState::PreOperational);
-  EXPECT_THAT(task.config_names, ElementsAre("default", "outdoor"));
   EXPECT_EQ(task.properties, Value::map({{"gain", Value::map({{"auto", true}})}, {"rate", 2.5}}));
   EXPECT_EQ(task.activity->period, std::chrono::milliseconds(100));
   EXPECT_EQ(task.activity->scheduler, Scheduler::Fifo);
@@ -240,6 +267,12 @@ TEST(KindOfFileTest, byContentThenByName) {
   EXPECT_EQ(kind_of_file("a.xml", "<?xml version='1.0'?>\n<typelib/>"), FileKind::Typelib);
   EXPECT_EQ(kind_of_file("a.yaml", "name: x\nnodes: []\n"), FileKind::Unknown);
   EXPECT_EQ(kind_of_file("a.yaml", "network: n\ntasks: [\n"), FileKind::Network);
+  EXPECT_EQ(kind_of_file("a.json", R"({"name": "x", "nodes": []})"), FileKind::TaskNetwork);
+  EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: {default: {rate: 1}}"), FileKind::StandIns);
+  EXPECT_EQ(kind_of_file("a.yaml", "stand_ins: [\n"), FileKind::StandIns);
+  EXPECT_EQ(kind_of_file("plan", "; cost 2\n(move a b)\n"), FileKind::Pddl);
+  EXPECT_EQ(kind_of_file("empty.cnd", " \n"), FileKind::Cnd);
+  EXPECT_EQ(kind_of_file("a.txt", "; nothing"), FileKind::Unknown);
 }
 
 fs::path real_inputs() {
@@ -255,7 +288,8 @@ TEST(RealFilesTest, everyCndFileReads) {
       Diagnostics diagnostics;
       const auto network = load_network(entry.path(), diagnostics);
       ASSERT_TRUE(network) << to_string(diagnostics);
-      EXPECT_THAT(diagnostics.items(), IsEmpty()) << to_string(diagnostics);
+      for (const Diagnostic& item : diagnostics.items())
+        EXPECT_EQ(item.code, "sections-not-read") << item.message;
       EXPECT_FALSE(network->tasks.empty());
       Diagnostics again;
       EXPECT_EQ(read_network(write_network(*network), "x.yaml", again), network) << to_string(again);

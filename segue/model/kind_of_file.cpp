@@ -25,6 +25,7 @@ FileKind kind_of_map(const Value& root, const std::string& name) {
   auto has = [&](std::string_view key) { return root.find(key) != nullptr; };
   if (has("robot")) return FileKind::Robot;
   if (has("mission")) return FileKind::Mission;
+  if (has("stand_ins")) return FileKind::StandIns;
   if (has("transition") || (has("actions") && has("from") && has("to"))) return FileKind::Transition;
   if (has("components") || has("component") || detail::is_rock_interface(root)) return FileKind::Components;
   if (has("network") || has("tasks") || has("connections") || has("deployments")) {
@@ -44,7 +45,7 @@ FileKind kind_of_broken(std::string_view text, const std::string& name) {
       {"mission:", FileKind::Mission},       {"transition:", FileKind::Transition},
       {"components:", FileKind::Components}, {"component:", FileKind::Components},
       {"tasks:", FileKind::Network},         {"connections:", FileKind::Network},
-      {"deployments:", FileKind::Network}};
+      {"deployments:", FileKind::Network},   {"stand_ins:", FileKind::StandIns}};
   if (kind_of_name(name) != FileKind::Unknown) return kind_of_name(name);
   for (std::size_t start = 0; start < text.size();) {
     const std::string_view line = text.substr(start, text.find('\n', start) - start);
@@ -56,17 +57,33 @@ FileKind kind_of_broken(std::string_view text, const std::string& name) {
   return FileKind::Unknown;
 }
 
+/// The first character of PDDL is a parenthesis, after comments.
+bool is_pddl(std::string_view text) {
+  while (true) {
+    const auto first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos) return false;
+    if (text[first] != ';') return text[first] == '(';
+    const auto end = text.find('\n', first);
+    if (end == std::string_view::npos) return false;
+    text.remove_prefix(end);
+  }
+}
+
 }  // namespace
 
 FileKind kind_of_file(const std::filesystem::path& file, std::string_view text) {
   const std::string name = file.filename().string();
   const auto first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  if (first != std::string_view::npos && text[first] == '<') {
+  if (first == std::string_view::npos) return kind_of_name(name);
+  if (text[first] == '<') {
     return text.find("<typelib") == std::string_view::npos ? FileKind::Unknown : FileKind::Typelib;
   }
+  if (is_pddl(text)) return FileKind::Pddl;
   const auto root = type::parse_yaml(text, name);
   if (!root) return kind_of_broken(text, name);
-  return root->is_map() ? kind_of_map(*root, name) : kind_of_name(name);
+  const FileKind kind = root->is_map() ? kind_of_map(*root, name) : kind_of_name(name);
+  const bool network = kind == FileKind::Unknown && text[first] == '{' && root->find("nodes") != nullptr;
+  return network ? FileKind::TaskNetwork : kind;
 }
 
 }  // namespace segue::model

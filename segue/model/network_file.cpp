@@ -111,6 +111,8 @@ Network read_own_network(const Value& root, const Source& source) {
   } else if (fields.find("connections", Value::Kind::List) != nullptr) {
     read_connections(*connections, network, source);
   }
+  detail::warn_of_sections(network, "properties", source);
+  detail::refuse_include(fields, source);
   fields.finish();
   return network;
 }

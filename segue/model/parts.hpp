@@ -30,6 +30,12 @@ struct Scheduling {
 Scheduling read_scheduling(Fields& fields, const Source& source);
 void write_scheduling(type::ValueMap& map, Scheduler scheduler, int priority, const std::vector<int>& cpus);
 
+/// A warning where tasks have Rock's configuration sections, which nothing reads; `values` is the key that
+/// takes values instead.
+void warn_of_sections(const Network& network, std::string_view values, const Source& source);
+/// An error where the network has the key `include`, which would leave it incomplete.
+void refuse_include(Fields& fields, const Source& source);
+
 /// A task from its entry in `tasks`, its id being the key.
 Task read_task(const std::string& id, const type::Value& value, const Source& source);
 type::Value write_task(const Task& task);

@@ -138,6 +138,34 @@ std::optional<FailurePolicy> read_failure_policy(Fields& fields) {
   return choice ? std::optional(static_cast<FailurePolicy>(*choice)) : std::nullopt;
 }
 
+void warn_of_sections(const Network& network, std::string_view values, const Source& source) {
+  const Task* first = nullptr;
+  std::size_t count = 0;
+  for (const Task& task : network.tasks) {
+    if (task.config_names.empty()) continue;
+    if (first == nullptr) first = &task;
+    ++count;
+  }
+  if (first == nullptr) return;
+  const std::string others = count == 1 ? "" : " and " + std::to_string(count - 1) + " more";
+  source.diagnostics().warning(
+      "sections-not-read",
+      "task " + quote(first->id.str()) + others +
+          ": the configuration sections that 'config_names' lists are not read; write " +
+          "their values under " + quote(values),
+      first->where);
+}
+
+void refuse_include(Fields& fields, const Source& source) {
+  const Value* include = fields.find("include");
+  if (include == nullptr) return;
+  source.error("no-include",
+               fields.what() +
+                   ": 'include' is not supported, so tasks and connections would be missing; write " +
+                   "those of all files into one",
+               *include);
+}
+
 Task read_task(const std::string& id, const Value& value, const Source& source) {
   Fields fields(value, "task " + quote(id), source);
   check_name(id, "task " + quote(id), value, source);

@@ -21,7 +21,8 @@ RC_GTEST_PROP(RoundTripTest, networkFile, (std::uint64_t seed)) {
   Diagnostics diagnostics;
   const auto read = read_network(text, "x.yaml", diagnostics);
   if (!read || !(*read == network)) RC_LOG() << text << to_string(diagnostics);
-  RC_ASSERT(diagnostics.empty());
+  for (const Diagnostic& item : diagnostics.items())
+    RC_ASSERT(item.code == "sections-not-read");
   RC_ASSERT(read.has_value());
   RC_ASSERT(*read == network);
 }

@@ -6,6 +6,15 @@
 
 namespace segue::pddl {
 
+std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics) {
+  const auto terms = detail::parse_pddl(text.text, text.file, diagnostics);
+  if (!terms) return std::nullopt;
+  const bool defines =
+      terms->size() == 1 && terms->front().begins_with("define") && terms->front().list.size() > 1;
+  if (!defines) return PddlPart::Plan;
+  return terms->front().list[1].begins_with("problem") ? PddlPart::Problem : PddlPart::Domain;
+}
+
 std::optional<cdtn::TaskNetwork> read_pddl(const PddlText& domain, const PddlText& problem,
                                            const PddlText& plan, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.error_count();

@@ -17,6 +17,10 @@ struct PddlText {
   std::string file;
 };
 
+enum class PddlPart { Domain, Problem, Plan };
+/// What a text is; nothing, and diagnostics, where it cannot be parsed.
+std::optional<PddlPart> part_of(const PddlText& text, Diagnostics& diagnostics);
+
 /// A domain, a problem and a sequential plan as a network: each step is an irreversible node of 1 s that
 /// uses no resource; the goal is that of the problem. Supports STRIPS with typing (including `either`),
 /// negative preconditions, equality, constants, conditional and `forall` effects; numeric costs are ignored.

@@ -148,7 +148,7 @@ class TypelibReader {
         type.size = size_attribute(node, "size").value_or(0);
         return;
       case TypeKind::Container:
-        type.size = size_attribute(node, "size").value_or(0);
+        if (node.attribute("size")) type.size = size_attribute(node, "size").value_or(0);
         type.container_kind = attribute(node, "kind").value_or("");
         return;
       case TypeKind::Opaque:
@@ -205,7 +205,7 @@ class TypelibReader {
     const Type* built_in = std::as_const(registry_).find(type->name);
     if (built_in != nullptr && !alias) {
       file_sizes_[built_in] = type->size;
-      if (!redeclares(*built_in, *type))
+      if (!redeclares(*built_in, *type) && !names_only(node, *built_in, *type))
         error(node, "contradiction", quote(written) + " is a built-in type and defined otherwise here");
       return;
     }
@@ -236,6 +236,13 @@ class TypelibReader {
     if (type.kind == TypeKind::Numeric)
       return built_in.size == type.size && built_in.category == type.category;
     return built_in.container_kind == type.container_kind;
+  }
+
+  /// Old registries know the name of /std/string but not its content.
+  static bool names_only(const pugi::xml_node& node, const Type& built_in, const Type& type) {
+    if (built_in.kind != TypeKind::Container) return false;
+    return type.kind == TypeKind::Null ||
+           (type.kind == TypeKind::Opaque && *node.attribute("marshal_as").value() == '\0');
   }
 
   // Second pass: names become types.

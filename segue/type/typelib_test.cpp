@@ -102,6 +102,44 @@ TEST(Typelib, takes_recursion_through_containers) {
   EXPECT_TRUE(node->is_complete());
 }
 
+TEST(Typelib, takes_strings_as_old_registries_declare_them) {
+  for (const std::string declaration :
+       {"<opaque name='/std/string'/>", "<opaque name='/std/string' size='8'/>", "<null name='/std/string'/>",
+        "<container name='/std/string' of='/char' kind='/std/string'/>"}) {
+    SCOPED_TRACE(declaration);
+    TypeRegistry types = read(declaration + R"(
+    <compound name="/Named" size="16">
+      <field name="name" type="/std/string" offset="0"/>
+      <field name="number" type="/int" offset="8"/>
+    </compound>)");
+    const Type* named = types.find("/Named");
+    ASSERT_NE(named, nullptr);
+    EXPECT_EQ(named->fields.at(0).type->kind, TypeKind::Container);
+    EXPECT_EQ(named->fields.at(0).type->name, "/std/string");
+    EXPECT_TRUE(named->is_complete());
+  }
+}
+
+TEST(Typelib, refuses_a_string_that_is_marshalled_as_something_else) {
+  EXPECT_EQ(
+      findings(in_typelib("<compound name='/A' size='8'/>\n<opaque name='/std/string' marshal_as='/A'/>")),
+      (std::vector<std::string>{"4: contradiction"}));
+  EXPECT_EQ(findings(in_typelib("<null name='/double'/>")), (std::vector<std::string>{"3: contradiction"}));
+}
+
+TEST(Typelib, takes_containers_without_a_size) {
+  TypeRegistry types = read(R"(
+    <container name="/std/vector&lt;/double&gt;" of="/double" kind="/std/vector"/>
+    <compound name="/Path" size="12">
+      <field name="points" type="/std/vector&lt;/double&gt;" offset="0"/>
+      <field name="closed" type="/int" offset="8"/>
+    </compound>)");
+  const Type* points = types.find("/Path")->fields.at(0).type;
+  EXPECT_EQ(points, types.find("/std/vector</double>"));
+  EXPECT_EQ(points->element, types.find("/double"));
+  EXPECT_TRUE(types.find("/Path")->is_complete());
+}
+
 TEST(Typelib, a_files_own_idea_of_long_wins) {
   TypeRegistry types = read(R"(
     <alias name="/long" source="/int32_t"/>
