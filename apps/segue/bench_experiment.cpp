@@ -40,8 +40,9 @@ const std::vector<BenchExperiment>& bench_experiments() {
        "one\n"
        "(the worst); the time of the switch, and the longest pause between two samples at the consumer. A\n"
        "restart takes everything down and brings up the other chain. Samples come every millisecond.",
-       "of up to 50: 320 ms at best, < 2 s at worst; which tasks, and where, is read as described", "relays",
-       5, run_exchange}};
+       "of up to 50 tasks 320 ms at best, < 2 s at worst; which exchange that was, and where, is not known "
+       "here",
+       "relays", 5, run_exchange}};
   return all;
 }
 
