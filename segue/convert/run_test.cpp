@@ -116,8 +116,10 @@ struct Steps {
   std::vector<std::vector<std::string>> begun;
 };
 
-/// Runs the mission paused from the beginning; `go` is called each time that everything is held.
-Steps run_paused(RunOptions options, const std::function<void(Run&, std::size_t held)>& go) {
+/// Runs the mission paused from the beginning; `go` is called each time that everything is held, on the
+/// engine's thread or, with `elsewhere`, on another.
+Steps run_paused(RunOptions options, const std::function<void(Run&, std::size_t held)>& go,
+                 bool elsewhere = false) {
   Diagnostics diagnostics;
   auto mission = mission::read_mission(kPacking, "mission.yaml", diagnostics);
   EXPECT_TRUE(mission) << to_string(diagnostics);
@@ -125,19 +127,24 @@ Steps run_paused(RunOptions options, const std::function<void(Run&, std::size_t 
   Steps steps;
   std::vector<std::string> begun;
   Run* run = nullptr;
+  std::vector<std::jthread> others;
   options.observe = [&](const mission::ActionEvent& event) {
     if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
   };
   options.held = [&](const std::vector<std::string>& next) {
     steps.next.push_back(next);
     steps.begun.push_back(begun);
-    go(*run, steps.next.size());
+    if (elsewhere)
+      others.emplace_back([&, held = steps.next.size()] { go(*run, held); });
+    else
+      go(*run, steps.next.size());
   };
   const auto made =
       Run::create(mission::Program::compile(std::move(*mission)).value(), runners, {}, options).value();
   run = made.get();
   run->pause();
   (void)run->run();
+  others.clear();  // they use the run until they end
   steps.begun.push_back(begun);
   return steps;
 }
@@ -157,10 +164,8 @@ TEST(ConcurrentMission, AStepBeginsOneActionOfAPausedRun) {
 TEST(ConcurrentMission, APauseInRealTimeEndsFromAnotherThread) {
   RunOptions options;
   options.clock = cdtn::ClockKind::Real;
-  std::jthread other;
-  const Steps steps = run_paused(options, [&](convert::Run& run, std::size_t held) {
-    other = std::jthread([&run, held] { held == 1 ? run.step() : run.stop(); });
-  });
+  const Steps steps = run_paused(
+      options, [](convert::Run& run, std::size_t held) { held == 1 ? run.step() : run.stop(); }, true);
   EXPECT_EQ(steps.next.size(), 2U);
   EXPECT_EQ(steps.begun.back(), std::vector<std::string>({"box"}));
 }
