@@ -6,8 +6,10 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,14 @@ namespace segue::model {
 namespace {
 
 using fuzz::require;
+
+/// The kinds of problems that were found.
+std::set<std::string> codes(const Diagnostics& diagnostics) {
+  std::set<std::string> codes;
+  for (const Diagnostic& item : diagnostics.items())
+    codes.insert(item.code);
+  return codes;
+}
 
 void network(std::string_view text) {
   Diagnostics diagnostics;
@@ -26,7 +36,8 @@ void network(std::string_view text) {
   const std::string written = write_network(*network);
   Diagnostics again;
   const auto copy = read_network(written, "written.yaml", again);
-  require(copy.has_value() && again.empty(), to_string(again) + "\n" + written);
+  const bool nothing_new = std::ranges::includes(codes(diagnostics), codes(again));
+  require(copy.has_value() && nothing_new, to_string(again) + "\n" + written);
   require(*copy == *network, "what is written reads back equal:\n" + written);
 }
 
