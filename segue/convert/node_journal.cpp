@@ -22,10 +22,7 @@ std::vector<std::string> texts_of(const Value& list) {
 }
 
 Value list_of(const std::vector<std::string>& texts) {
-  Value::List list;
-  for (const std::string& text : texts)
-    list.emplace_back(text);
-  return list;
+  return Value::List(texts.begin(), texts.end());
 }
 
 RunJournal::End end_of(const mission::CompiledState& state, const Value& outputs) {

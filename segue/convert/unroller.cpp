@@ -95,6 +95,20 @@ std::string Unroller::path_of(const ContainerExecution& around, StateIndex child
   return around.entry.path.empty() ? id : around.entry.path + "/" + id;
 }
 
+/// With what a state of the container at the frame is entered on that edge, but for errors.
+StateEntry Unroller::entry_of(const Frame& frame, StateIndex child, BranchEdge when) {
+  ContainerExecution& around = *frame.activation;
+  StateEntry entry;
+  entry.state = child;
+  entry.when = when;
+  entry.inputs = inputs_of(around, child, when);
+  entry.path = path_of(around, child);
+  entry.loops = loops_around(frame);
+  entry.strict = around.entry.strict || plan_.program().state(child).strict;
+  entry.aborts_handled = around.entry.aborts_handled || node(child).next[1].kind != NextStep::Kind::Nowhere;
+  return entry;
+}
+
 /// Enters the state at the position of the frame, if a way leads to it.
 bool Unroller::visit(Track& track, StateIndex state) {
   Frame& frame = track.frames.back();
@@ -106,10 +120,7 @@ bool Unroller::visit(Track& track, StateIndex state) {
     ++frame.place;
     return true;
   }
-  StateEntry entry;
-  entry.state = state;
-  entry.when = meet(arrivals);
-  entry.inputs = inputs_of(activation, state, entry.when);
+  StateEntry entry = entry_of(frame, state, meet(arrivals));
   for (const Arrival& arrival : arrivals) {
     if (arrival.aborted && !planted(ConversionFault::ForgetsAbortedError))
       entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());
@@ -118,11 +129,6 @@ bool Unroller::visit(Track& track, StateIndex state) {
     auto& candidates = entry.inputs[*port].candidates;
     candidates.insert(candidates.end(), entry.errors.begin(), entry.errors.end());
   }
-  entry.path = path_of(activation, state);
-  entry.loops = loops_around(frame);
-  entry.strict = activation.entry.strict || plan_.program().state(state).strict;
-  entry.aborts_handled =
-      activation.entry.aborts_handled || node(state).next[1].kind != NextStep::Kind::Nowhere;
   waiting = {};  // no further way leads to it, unless it is in a loop
   ++frame.place;
   enter(track, std::move(entry));
@@ -204,14 +210,8 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
   const std::uint64_t number = barriers_++;
   for (const StateIndex child : barrier.children) {
     if (child == barrier.decider) continue;
-    StateEntry branch;
-    branch.state = child;
-    branch.when = when;
-    branch.inputs = inputs_of(activation, child, when);
-    branch.path = path_of(activation, child);
-    branch.loops = activation.entry.loops;
+    StateEntry branch = entry_of(track.frames.back(), child, when);
     branch.aborts_handled = true;
-    branch.strict = activation.entry.strict || plan_.program().state(child).strict;
     auto beside = std::make_shared<Track>();
     beside->branch = std::make_shared<const mission::ParallelBranch>(
         mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
@@ -333,16 +333,7 @@ void Unroller::join_barrier(Track& track) {
     if (child != barrier.decider)
       take_outputs(activation, child, activation.entry.when, ends[next++].outputs);
   }
-  StateEntry entry;
-  entry.state = barrier.decider;
-  entry.when = activation.entry.when;
-  entry.inputs = inputs_of(activation, barrier.decider, entry.when);
-  entry.path = path_of(activation, barrier.decider);
-  entry.loops = activation.entry.loops;
-  entry.strict = activation.entry.strict || plan_.program().state(barrier.decider).strict;
-  entry.aborts_handled =
-      activation.entry.aborts_handled || node(barrier.decider).next[1].kind != NextStep::Kind::Nowhere;
-  enter(track, std::move(entry));
+  enter(track, entry_of(track.frames.back(), barrier.decider, activation.entry.when));
 }
 
 /// The ends of the states of the barrier at the top of the track.

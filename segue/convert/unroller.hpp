@@ -48,6 +48,7 @@ class Unroller {
   bool step_within(Track& track);
   bool step_hierarchy(Track& track);
   bool step_barrier(Track& track);
+  [[nodiscard]] StateEntry entry_of(const Frame& frame, mission::StateIndex child, BranchEdge when);
   bool visit(Track& track, mission::StateIndex state);
   bool enter_pending(Track& track);
   void enter(Track& track, StateEntry entry);

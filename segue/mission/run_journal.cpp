@@ -67,10 +67,7 @@ std::vector<std::string> texts_of(const Value& line, std::string_view key) {
 }
 
 Value list(const std::vector<std::string>& texts) {
-  Value::List values;
-  for (const std::string& text : texts)
-    values.emplace_back(text);
-  return values;
+  return Value::List(texts.begin(), texts.end());
 }
 
 /// The fields that begin the line of an event.
