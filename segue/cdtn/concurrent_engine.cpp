@@ -173,8 +173,11 @@ bool ConcurrentEngine::Implementation::take_ends() {
   auto end = events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_, counts);
   if (!end) return false;
   while (end) {
-    take_requests();
-    if (index(end->node) != kNone) end_run(std::move(*end));
+    heed_stop();
+    if (index(end->node) == kNone)
+      pause_.take(stopped_);
+    else
+      end_run(std::move(*end));
     end = events_.next_now(counts);
   }
   return true;
@@ -214,12 +217,8 @@ void ConcurrentEngine::Implementation::wake() {
   events_.finish(NodeId{kNone}, 0, nullptr);
 }
 
-void ConcurrentEngine::Implementation::take_requests() {
-  if (stop_asked_.exchange(false)) ask_to_stop();
-  pause_.take(stopped_);
-}
-
-void ConcurrentEngine::Implementation::ask_to_stop() {
+void ConcurrentEngine::Implementation::heed_stop() {
+  if (!stop_asked_.exchange(false)) return;
   stopped_ = true;
   truncate(NodeId{0});
 }
@@ -239,7 +238,8 @@ bool ConcurrentEngine::Implementation::hold() {
 
 RunResult ConcurrentEngine::Implementation::run() {
   events_.begin();
-  take_requests();
+  heed_stop();
+  pause_.take(stopped_);
   loop();
   return result();
 }

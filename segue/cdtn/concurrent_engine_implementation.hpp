@@ -53,9 +53,8 @@ class ConcurrentEngine::Implementation {
   void loop();
   bool take_ends();
   void work_off();
-  void take_requests();
   void wake();
-  void ask_to_stop();
+  void heed_stop();
   bool hold();
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool beyond(NodeId node) const { return index(node) >= limit_; }
