@@ -39,7 +39,8 @@ class Paths {
     (void)dependency;
     return true;
   }
-  /// Whether no run has both on its path.
+  /// Whether `b`, the later one, never acts ahead of a failure of `a`: above all, if no run has both on its
+  /// path.
   [[nodiscard]] virtual bool exclude(NodeId a, NodeId b) const = 0;
 };
 

@@ -58,12 +58,12 @@ class CompletionQueue final : public Completions {
     for (;;) {
       drop_unless(counts);
       if (auto end = take_due()) return end;
-      if (!awaited) return std::nullopt;
-      if (wait(deadline)) continue;
-      if (awaited_.empty()) return std::nullopt;
-      awaited_.clear();  // given up: virtual time goes on
+      if (!awaited || !wait(deadline)) return std::nullopt;
     }
   }
+
+  /// Virtual time goes on without the ends that other threads were to post; false if there are none.
+  bool give_up_awaited() { return std::exchange(awaited_, {}).size() > 0; }
 
  private:
   struct Scheduled {

@@ -170,8 +170,9 @@ bool ConcurrentEngine::Implementation::take_ends() {
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
   };
   const bool holds = hold();
-  auto end = events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_, counts);
-  if (!end) return false;
+  auto end =
+      events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_.deadline(), counts);
+  if (!end) return give_up_lost() || events_.give_up_awaited();
   while (end) {
     heed_stop();
     if (index(end->node) == kNone)
@@ -188,7 +189,7 @@ void ConcurrentEngine::Implementation::loop() {
   for (;;) {
     do {
       work_off();
-    } while (expand());
+    } while (expand() || take_lost());
     if (complete()) return;
     if (!take_ends()) break;
   }
@@ -262,9 +263,9 @@ RunResult ConcurrentEngine::Implementation::result() {
             state.started,          state.ended,   state.committed};
     if (state.phase == Phase::Skipped) node.status = NodeStatus::Skipped;
     if (state.phase != Phase::Done) continue;
-    node.status = !state.failed                 ? NodeStatus::Done
-                  : state.outcome == kPreempted ? NodeStatus::Preempted
-                                                : NodeStatus::Failed;
+    node.status = state.outcome == kPreempted ? NodeStatus::Preempted
+                  : state.failed              ? NodeStatus::Failed
+                                              : NodeStatus::Done;
     last = std::max(last, state.committed);
     if (reports_[i]) result.outputs[i] = reports_[i]->outputs;
   }

@@ -26,6 +26,13 @@ class Expansion {
   /// `node` has ended for good, with that outcome and those outputs (null: none). Not called for nodes that
   /// were skipped.
   virtual void ended(NodeId node, OutcomeId outcome, const type::Value* outputs) = 0;
+  /// `node` has failed: no node after it is reached any more.
+  virtual void failed(NodeId node) { (void)node; }
+  /// The nodes that have lost a race since the last call: what of them runs is preempted, and its end counts;
+  /// the others are skipped (see skipped()). Asked whenever a node has ended or was appended.
+  virtual std::vector<NodeId> take_lost() { return {}; }
+  /// The node was in take_lost() and will not end.
+  virtual void skipped(NodeId node) { (void)node; }
   /// Nothing will be appended any more.
   [[nodiscard]] virtual bool finished() const = 0;
 };

@@ -44,7 +44,9 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
     reports_[index(node)] = std::move(end.report);
     return commit(node);
   }
-  if (!state.cancelled || planted(EngineFault::CountsPreempted)) return park(node, std::move(end.report));
+  const bool ends_lost = state.lost && state.phase == Phase::Running;
+  if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted))
+    return park(node, std::move(end.report));
   discard(node);
   if (state.phase == Phase::Skipped) return;
   state.phase = Phase::Waiting;
@@ -92,10 +94,10 @@ void ConcurrentEngine::Implementation::park(NodeId node, ReportPtr report) {
 }
 
 void ConcurrentEngine::Implementation::try_commit(NodeId node) {
+  if (at(node).lost) return commit_lost(node);
   if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix calls again
-  if (must_be_safe(node) && has_effects(network_, node)) {
-    strict_.insert(index(node));
-    return;
+  if (has_effects(network_, node)) {
+    if (const auto risk = risk_before(node)) return wait_for_turn(node, *risk);
   }
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;
@@ -107,13 +109,23 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   invalidate(node);
 }
 
+/// It cannot run again: if its result was based on what has changed meanwhile, it is as if it had not begun.
+void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
+  const ReportPtr& report = reports_[index(node)];
+  const PendingChanges* pending = report ? report->pending.get() : nullptr;
+  const bool has_changes = pending != nullptr && !pending->empty();
+  if (has_changes && !turn_has_come(node)) return;
+  if (!has_changes || (inputs_are_valid(node) && pending->valid())) return commit_with_changes(node);
+  skip(node);
+  expansion_->skipped(node);
+}
+
 /// Whether all nodes before it have passed, those in parallel aside. If not, it is checked again once the
 /// first of them has.
 bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
   for (std::uint32_t i = prefix_; i < index(node); ++i) {
     if (states_[i].passed || environment_.in_parallel(NodeId{i}, node)) continue;
-    std::vector<NodeId>& waiting = turns_[i];
-    if (waiting.empty() || waiting.back() != node) waiting.push_back(node);
+    wait_for_turn(node, NodeId{i});
     return false;
   }
   return true;
@@ -141,6 +153,12 @@ void ConcurrentEngine::Implementation::commit(NodeId node, std::optional<Error> 
     outcome.outcome = kAborted;
     outcome.failure = std::move(conflict);
   }
+  if (outcome.failure) take_lost();  // a race may have been decided in this very step
+  if (state.phase == Phase::Skipped) return;
+  if (state.lost && outcome.failure) {
+    outcome.failure.reset();
+    if (!state.cancelled) outcome.outcome = kPreempted;  // it ended in the very step in which it lost
+  }
   state.outcome = outcome.outcome;
   state.phase = Phase::Done;
   state.committed = events_.now();
@@ -158,6 +176,10 @@ void ConcurrentEngine::Implementation::fail_node(NodeId node, Error error) {
   failed_ = node;
   error_ = std::move(error);
   if (planted(EngineFault::GoesOnAfterFailure)) return pass(node);
+  if (expansion_ != nullptr) {
+    expansion_->failed(node);
+    take_lost();
+  }
   truncate(node);
 }
 
@@ -292,10 +314,6 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   if (prefix_ < size) work_.push_back(NodeId{prefix_});  // nothing before it can hold it up now
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;
-  while (!strict_.empty() && *strict_.begin() <= safe_) {
-    work_.push_back(NodeId{*strict_.begin()});
-    strict_.erase(strict_.begin());
-  }
 }
 
 }  // namespace segue::cdtn

@@ -6,6 +6,7 @@
 #include <segue/cdtn/node_outcome.hpp>
 #include <segue/cdtn/node_state.hpp>
 #include <segue/cdtn/pause.hpp>
+#include <segue/cdtn/preemption.hpp>
 #include <segue/cdtn/resource_pool.hpp>
 
 #include <atomic>
@@ -38,11 +39,6 @@ class ConcurrentEngine::Implementation {
   using Phase = NodePhase;
   using State = NodeState;
   class RunContext;
-  /// The speculative runs that hold units of a resource, and how many they can give back.
-  struct SpeculativeHolders {
-    std::set<Rank> ranks;
-    std::uint64_t units = 0;
-  };
 
   // Setting up and the loop (concurrent_engine.cpp).
   void adopt();
@@ -73,7 +69,9 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool settled(NodeId node) const;
   [[nodiscard]] bool certain(NodeId node) const;
   [[nodiscard]] bool takes_in_order(NodeId node) const;
-  [[nodiscard]] bool must_be_safe(NodeId node) const;
+  [[nodiscard]] std::optional<NodeId> risk_before(NodeId node) const;
+  void wait_for_turn(NodeId node, NodeId until);
+  [[nodiscard]] ReportPtr refusal(NodeId node, const std::string& why);
   void refuse(NodeId node, const Error& error);
   bool admit(NodeId node);
   void claim(NodeId node);
@@ -96,6 +94,9 @@ class ConcurrentEngine::Implementation {
   void preempt_for_units(NodeId node);
   void preempt_for_waiting();
   void preempt(NodeId node);
+  bool take_lost();
+  void lose(NodeId node);
+  bool give_up_lost();
   [[nodiscard]] bool collect_speculative_holders(NodeId node, const Claim& claim,
                                                  std::vector<NodeId>& holders);
 
@@ -104,6 +105,7 @@ class ConcurrentEngine::Implementation {
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
   [[nodiscard]] bool turn_has_come(NodeId node);
+  void commit_lost(NodeId node);
   void commit_with_changes(NodeId node);
   void commit(NodeId node, std::optional<Error> conflict = {});
   void fail_node(NodeId node, Error error);
@@ -178,14 +180,13 @@ class ConcurrentEngine::Implementation {
   std::uint32_t prefix_ = 0;                                      ///< all nodes before have passed
   std::uint32_t safe_ = 0;                                        ///< no node before can fail any more
   std::unordered_map<std::uint32_t, std::vector<NodeId>> turns_;  ///< by node: who waits until it has passed
-  std::set<std::uint32_t> strict_;                                ///< nodes that wait for it
   std::uint32_t limit_ = kNone;                                   ///< first node that is not reached any more
   std::optional<Error> error_;
   std::optional<NodeId> failed_;
   bool stopped_ = false;
   Pause pause_;
-  TimePoint patience_ = TimePoint::max();  ///< until when cancelled runs must have ended
-  VersionedWorld prefix_world_;            ///< at prefix_world_at_, in program order
+  Patience patience_;
+  VersionedWorld prefix_world_;  ///< at prefix_world_at_, in program order
   std::uint32_t prefix_world_at_ = 0;
   std::unordered_map<std::uint32_t, std::vector<std::pair<NodeId, bool>>>
       undeclared_;                                                   ///< by fact: of opaque nodes

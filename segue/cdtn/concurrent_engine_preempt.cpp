@@ -115,4 +115,38 @@ void ConcurrentEngine::Implementation::preempt(NodeId node) {
   work_.push_back(node);
 }
 
+/// Ends what has lost a race; false if nothing has.
+bool ConcurrentEngine::Implementation::take_lost() {
+  if (expansion_ == nullptr) return false;
+  const std::vector<NodeId> lost = expansion_->take_lost();
+  for (const NodeId node : lost)
+    lose(node);
+  return !lost.empty();
+}
+
+/// The node releases what it holds. What runs for certain is asked to end, and counts as it ends.
+void ConcurrentEngine::Implementation::lose(NodeId node) {
+  State& state = at(node);
+  if (state.passed || state.phase == Phase::Done || beyond(node)) return;
+  state.lost = true;
+  if (state.phase == Phase::Running && settled(node)) {
+    patience_.with(node, events_.elapsed() + environment_.patience());
+    return cancel_run(node);
+  }
+  skip(node);
+  expansion_->skipped(node);
+}
+
+/// Takes runs that have lost and not ended in time as aborted; false if no time was up.
+bool ConcurrentEngine::Implementation::give_up_lost() {
+  bool up = false;
+  while (const auto node = patience_.next_overdue(events_.elapsed())) {
+    up = true;
+    if (!at(*node).active) continue;
+    events_.finish_at(events_.now(), *node, at(*node).attempt,
+                      refusal(*node, "it was preempted, but went on; given up"));
+  }
+  return up;
+}
+
 }  // namespace segue::cdtn

@@ -43,7 +43,7 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
 /// Something that the node waits for may have happened: takes it as far as it can go now.
 void ConcurrentEngine::Implementation::check(NodeId node) {
   State& state = at(node);
-  if (state.passed || beyond(node)) return;
+  if (state.passed || (beyond(node) && !state.lost)) return;
   if (state.phase == Phase::Skipped) {
     if (state.commit_gate == 0 && state.start_gate == 0) pass(node);
     return;
@@ -81,10 +81,11 @@ bool ConcurrentEngine::Implementation::settled(NodeId node) const {
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
-/// a strict one not even that. What is beside the network may change until all nodes before have passed.
+/// a strict one not even that. What is beside the network may change until all nodes before have passed; who
+/// takes units in program order has waited for them.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
   const bool beside = network_[node].reads_beside && !irreversible(node) && prefix_ != index(node);
-  return settled(node) && !must_be_safe(node) && !beside;
+  return settled(node) && (!beside || takes_in_order(node)) && !risk_before(node);
 }
 
 /// Whether its units are taken in program order, so it must not run speculatively: a repeated run would take
@@ -96,16 +97,27 @@ bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
   });
 }
 
-/// No effect of a strict node may happen after a node that can still fail.
-bool ConcurrentEngine::Implementation::must_be_safe(NodeId node) const {
+/// The first node before a strict one that can still fail, those in parallel aside: no effect of the strict
+/// node may happen before.
+std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node) const {
   const bool strict = options_.strict || network_[node].strict;
-  return strict && index(node) > safe_ && !planted(EngineFault::StrictIsNot);
+  if (!strict || planted(EngineFault::StrictIsNot)) return std::nullopt;
+  for (std::uint32_t i = safe_; i < index(node); ++i) {
+    const bool safe = states_[i].passed || network_[NodeId{i}].cannot_fail;
+    if (!safe && !environment_.in_parallel(NodeId{i}, node)) return NodeId{i};
+  }
+  return std::nullopt;
+}
+
+/// It is checked again once the other node has passed.
+void ConcurrentEngine::Implementation::wait_for_turn(NodeId node, NodeId until) {
+  std::vector<NodeId>& waiting = turns_[index(until)];
+  if (waiting.empty() || waiting.back() != node) waiting.push_back(node);
 }
 
 void ConcurrentEngine::Implementation::try_start(NodeId node) {
-  if (must_be_safe(node) && (irreversible(node) || takes_in_order(node))) {
-    strict_.insert(index(node));
-    return;
+  if (irreversible(node) || takes_in_order(node)) {
+    if (const auto risk = risk_before(node)) return wait_for_turn(node, *risk);
   }
   if (const Access* access = false_precondition(node)) {
     // Before its gate opens the precondition may still become true: facts_changed or the gate calls again.
@@ -116,12 +128,17 @@ void ConcurrentEngine::Implementation::try_start(NodeId node) {
   if (admit(node)) claim(node);
 }
 
+/// The end of a node that aborts without saying so itself.
+ReportPtr ConcurrentEngine::Implementation::refusal(NodeId node, const std::string& why) {
+  RunContext context(*this, node);
+  return environment_.refuse(context, why);
+}
+
 /// A node that cannot start ends as if it had aborted at once.
 void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   State& state = at(node);
   state.started = state.ended = events_.now();
-  RunContext context(*this, node);
-  ReportPtr report = environment_.refuse(context, error.message);
+  ReportPtr report = refusal(node, error.message);
   if (!irreversible(node) && report->pending && !report->pending->empty()) {
     note_what_is_read(node);
     return park(node, std::move(report));

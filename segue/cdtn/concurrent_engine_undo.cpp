@@ -90,15 +90,15 @@ void ConcurrentEngine::Implementation::invalidate(NodeId node) {
 /// No node from here on in program order is reached any more.
 void ConcurrentEngine::Implementation::truncate(NodeId node) {
   limit_ = std::min(limit_, index(node));
-  patience_ = events_.elapsed() + environment_.patience();
+  patience_.with_all(events_.elapsed() + environment_.patience());
   for (std::uint32_t i = limit_; i < states_.size(); ++i) {
     const NodeId later{i};
     State& state = at(later);
+    if (state.lost) continue;  // it has been dealt with
     const bool runs = state.phase == Phase::Running;
     abandon(later);
     if (!runs && state.phase != Phase::Done && state.phase != Phase::Skipped) state.phase = Phase::Waiting;
   }
-  strict_.erase(strict_.lower_bound(limit_), strict_.end());
 }
 
 /// Invalidates consumers that have used outputs which changed.

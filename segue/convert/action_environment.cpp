@@ -135,8 +135,9 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
     };
   }
   void end_after(Duration duration, Ending ending) override {
-    completions_.finish_at(completions_.now() + duration, node_, attempt_,
-                           reporter_->report(ending, std::move(outputs_)));
+    auto report = reporter_->report(ending, std::move(outputs_));
+    environment_.running_[index(node_)] = {reporter_, nullptr, report->outputs};
+    completions_.finish_at(completions_.now() + duration, node_, attempt_, std::move(report));
   }
 
   std::vector<Value>& results() { return outputs_; }
@@ -316,7 +317,7 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
 
 /// True if the node ended in an earlier run: it ends at once as it did then.
 bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
-  auto end = journal_->recorded(context.node());
+  auto end = journal_->replayed(context.node());
   if (!end) return false;
   const auto reports = counting_reporter(context);
   for (auto& [name, value] : end->globals) {
@@ -328,8 +329,18 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
       options_.warn(plan_.network().label(context.node()) + ": " + erased.error().message);
   }
   if (end->outputs.empty()) end->outputs = default_outputs(context.node(), reports->globals);
+  const NodeId node = context.node();
+  const std::uint32_t attempt = context.attempt();
+  if (end->outcome == kPreempted) {  // as soon as the race is lost again
+    running_[index(node)] = {reports, [&completions, node, attempt, reports, end = std::move(*end)] {
+                               completions.finish_at(
+                                   completions.now(), node, attempt,
+                                   reports->report({kPreempted, end.error}, end.outputs, end.facts));
+                             }};
+    return true;
+  }
   completions.finish_at(
-      completions.now(), context.node(), context.attempt(),
+      completions.now(), node, attempt,
       reports->report({end->outcome, std::move(end->error)}, std::move(end->outputs), end->facts));
   return true;
 }
@@ -462,19 +473,25 @@ void ActionEnvironment::occupy(mission::Engine* opaque_subtree) {
 }
 
 void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& completions) {
+  const Outcome outcome = planted(ConversionFault::CountsCancelled) ? 0 : kPreempted;
   const auto found = running_.find(index(node));
   if (found == running_.end()) {
-    const Role role = plan_[node].role;
-    const bool acts = role == Role::Action || role == Role::OpaqueSubtree;
-    const Outcome outcome = planted(ConversionFault::CountsCancelled) ? 0 : kPreempted;
-    auto report = acts ? reporter(node)->report({outcome, {}}, {}) : std::make_unique<cdtn::Report>();
-    if (!planted(ConversionFault::CountsCancelled)) report->outcome = cdtn::kPreempted;
+    auto report =
+        is_step(node) ? reporter(node)->report({outcome, {}}, {}) : std::make_unique<cdtn::Report>();
+    if (outcome == kPreempted) report->outcome = cdtn::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }
   const Running running = std::move(found->second);
   running_.erase(found);
   running.reporter->cancelled = true;
-  running.preempt();
+  if (running.preempt) return running.preempt();
+  std::vector<Value> outputs;
+  for (const std::string& port : running.reporter->ports) {
+    const Value* value = running.written->find(port);
+    outputs.push_back(value == nullptr ? Value() : *value);
+  }
+  completions.finish_at(completions.now(), node, attempt,
+                        running.reporter->report({outcome, {}}, std::move(outputs)));
 }
 
 }  // namespace segue::convert

@@ -51,7 +51,8 @@ class ActionEnvironment final : public cdtn::Environment {
   };
   struct Running {
     std::shared_ptr<Reporter> reporter;
-    std::function<void()> preempt;
+    std::function<void()> preempt;                 ///< null: it ends by itself
+    std::shared_ptr<const type::Value> written{};  ///< likewise: the outputs with which it will end
   };
 
   bool replay(cdtn::NodeContext& context, cdtn::Completions& completions);

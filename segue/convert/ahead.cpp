@@ -37,7 +37,9 @@ class OutlinePaths final : public cdtn::Paths {
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
     return convert::is_certain(plan_, dependency.to, dependency.reason());
   }
-  [[nodiscard]] bool exclude(NodeId a, NodeId b) const override { return plan_.exclude(a, b); }
+  [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
+    return plan_.exclude(a, b) || beside_or_after_race(plan_, b, a);
+  }
 
  private:
   const MissionPlan& plan_;
@@ -52,7 +54,9 @@ class OnePath final : public cdtn::Paths {
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
     return convert::is_certain(plan_, part_.nodes[index(dependency.to)], dependency.reason());
   }
-  [[nodiscard]] bool exclude(NodeId, NodeId) const override { return false; }
+  [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
+    return beside_or_after_race(plan_, part_.nodes[index(b)], part_.nodes[index(a)]);
+  }
 
  private:
   const MissionPlan& plan_;
@@ -115,6 +119,19 @@ class CloserLook {
 };
 
 }  // namespace
+
+bool beside_or_after_race(const MissionPlan& plan, NodeId acts, NodeId fails) {
+  const mission::Program& program = plan.program();
+  for (const auto* branch = plan[fails].branch.get(); branch != nullptr; branch = branch->around.get()) {
+    const mission::StateIndex container = program.node(branch->child).parent;
+    if (program.node(container).kind != mission::StateKind::Preemptive) continue;
+    const auto* own = plan[acts].branch.get();
+    while (own != nullptr && own != branch)
+      own = own->around.get();
+    if (own == nullptr) return true;
+  }
+  return false;
+}
 
 Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program> program,
                                           std::vector<type::Value> inputs,

@@ -17,11 +17,15 @@ struct AheadOfFailures {
   bool complete = true;  ///< else the mission is longer than the `most` nodes that were examined
 };
 
+/// Whether `fails` is in a preemptive container, and `acts` in another of its states or after it. Then no
+/// failure of the one can come after the other without coming so in the run as written.
+[[nodiscard]] bool beside_or_after_race(const MissionPlan& plan, cdtn::NodeId acts, cdtn::NodeId fails);
+
 /// Nodes that are examined unless told otherwise.
 inline constexpr std::size_t kMostExamined = 4000;
 
 /// For every path that the mission may take: the states that act although an earlier state aborts and nobody
-/// handles that. Two rounds of each loop stand for all; where facts or resources are named by values that are
+/// handles that. Three rounds of each loop stand for all; where facts or resources are named by values that are
 /// not known before the run, all that they might permit is in the list. The errors of MissionPlan::create.
 [[nodiscard]] Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program> program,
                                                         std::vector<type::Value> inputs = {},

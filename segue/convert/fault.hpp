@@ -39,7 +39,9 @@ enum class ConversionFault : std::uint8_t {
   SeesOldWorld,              ///< actions see the world as it was at the beginning
   ForgetsWorldData,          ///< what is attached to the world does not follow its facts
   ForgetsStrict,             ///< nothing is strict
-  Last = ForgetsStrict
+  RacesConflict,             ///< states of a preemptive container that touch the same wait for each other
+  RacesBeginEarly,           ///< states of a preemptive container begin before what comes before it has ended
+  Last = RacesBeginEarly
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

@@ -111,6 +111,26 @@ void MissionPlan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
   unroller_->ended(node, outcome, outputs);
 }
 
+void MissionPlan::set_races(RaceRecord record) {
+  unroller_->set_races(std::move(record));
+}
+
+const RaceRecord& MissionPlan::races() const {
+  return unroller_->races();
+}
+
+void MissionPlan::failed(NodeId node) {
+  unroller_->failed(node);
+}
+
+void MissionPlan::skipped(NodeId node) {
+  unroller_->skipped(node);
+}
+
+std::vector<NodeId> MissionPlan::take_lost() {
+  return unroller_->take_lost();
+}
+
 bool MissionPlan::finished() const {
   return unroller_->finished();
 }
@@ -170,6 +190,7 @@ std::unique_ptr<MissionPlan> MissionPlan::from_the_beginning() const {
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(program_));
   plan->network_.name = network_.name;
   plan->unroller_ = std::make_unique<Unroller>(*plan, unroller_->given(), PlanScope::EveryEnd);
+  plan->unroller_->set_races({races().firsts});
   (void)plan->unroller_->begin();  // as it has succeeded before
   return plan;
 }

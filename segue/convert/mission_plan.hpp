@@ -3,7 +3,9 @@
 
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/run_result.hpp>
+#include <segue/convert/opaque_subtrees.hpp>
 #include <segue/convert/symbol.hpp>
+#include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
 
@@ -11,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -84,23 +87,23 @@ inline constexpr std::string_view kCountOutput = "#count";
 inline constexpr std::string_view kRecordOutput = "#record";  ///< for the journal (NodeJournal)
 inline constexpr std::string_view kValueOutput = "value";
 
-/// Why a state is an opaque subtree.
-struct OpaqueSubtreeReason {
-  enum class Kind : std::uint8_t {
-    None,
-    Preemptive,         ///< a preemptive container
-    HandlesPreemption,  ///< `state` in it has a transition for its preemption
-    OpaqueBeside        ///< a barrier, and `state` in it may touch anything
-  };
-  Kind kind = Kind::None;
-  mission::StateIndex state = mission::kNoState;
-};
-
 class Unroller;
+
+/// Which states have ended preemptive containers, and what an earlier run that is being resumed had recorded.
+struct RaceRecord {
+  /// That ended their containers, now or in the earlier run.
+  std::set<mission::Execution> firsts{};
+  /// Whether recorded executions in that state have not begun yet, or the node is to end as recorded: the
+  /// state does not lose before.
+  std::function<bool(const mission::Execution& state)> awaits{};
+  std::function<bool(cdtn::NodeId node)> replays{};
+  /// Is told of each state that ends its container.
+  std::function<void(const mission::Execution& state)> decided{};
+};
 
 /// How far a plan goes before anything is known. AsKnown: as runs need it, to the first decision or value
 /// that it must wait for. EveryEnd: likewise, also after aborts and preemptions that nothing handles.
-/// Outline: to the end of the mission, with two rounds of each loop; actions of which it is not known yet
+/// Outline: to the end of the mission, with three rounds of each loop; actions of which it is not known yet
 /// what they touch touch nothing.
 enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
 
@@ -119,6 +122,9 @@ class MissionPlan final : public cdtn::Expansion {
 
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override;
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override;
+  void failed(cdtn::NodeId node) override;
+  void skipped(cdtn::NodeId node) override;
+  [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override;
   [[nodiscard]] bool finished() const override;
 
   [[nodiscard]] cdtn::TaskNetwork& network() { return network_; }
@@ -135,6 +141,10 @@ class MissionPlan final : public cdtn::Expansion {
   [[nodiscard]] bool exclude(cdtn::NodeId a, cdtn::NodeId b) const;
   /// The outcome of the state of that node.
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
+
+  /// Before the run.
+  void set_races(RaceRecord record);
+  [[nodiscard]] const RaceRecord& races() const;
 
   /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);

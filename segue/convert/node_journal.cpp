@@ -59,8 +59,12 @@ mission::Execution NodeJournal::execution(NodeId node) const {
   return {std::string(plan_[node].path), 0, plan_[node].loops};
 }
 
-std::optional<RunJournal::End> NodeJournal::recorded(NodeId node) const {
+NodeJournal::NodeJournal(const MissionPlan& plan, std::shared_ptr<RunJournal> journal)
+    : plan_(plan), journal_(std::move(journal)), awaited_(journal_->executions()) {}
+
+std::optional<RunJournal::End> NodeJournal::replayed(NodeId node) {
   if (!records(node) || planted(ConversionFault::ResumesNothing)) return std::nullopt;
+  awaited_.erase(execution(node));
   if (const auto place = journal_->find(execution(node))) return (*journal_)[*place];
   static const mission::Action kSubtree;  // of which nothing is foreseen but its first outcome
   const mission::Program& program = plan_.program();
@@ -81,6 +85,30 @@ void NodeJournal::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
   auto end = end_of(plan_.program().node(plan_[node].state), outputs == nullptr ? kNone : *outputs);
   end.outcome = plan_.outcome(node, outcome);
   journal_->ended(execution(node), end);
+}
+
+RaceRecord NodeJournal::races() const {
+  RaceRecord record;
+  record.firsts = journal_->firsts();
+  record.awaits = [this](const mission::Execution& state) { return awaits(state); };
+  record.replays = [this](NodeId node) {
+    const auto place = records(node) ? journal_->find(execution(node)) : std::nullopt;
+    return place && (*journal_)[*place].outcome != mission::kPreempted;
+  };
+  record.decided = [this](const mission::Execution& first) { journal_->first(first); };
+  return record;
+}
+
+/// Paths and loops of what is in the state begin with those of the state.
+bool NodeJournal::awaits(const mission::Execution& state) const {
+  const auto within = [](const std::string& text, const std::string& around, char separator) {
+    return around.empty() || text == around || text.starts_with(around + separator);
+  };
+  for (auto at = awaited_.lower_bound({state.path}); at != awaited_.end(); ++at) {
+    if (!at->path.starts_with(state.path)) return false;
+    if (within(at->path, state.path, '/') && within(at->loops, state.loops, '.')) return true;
+  }
+  return false;
 }
 
 void NodeJournal::finished(const std::string& outcome) {

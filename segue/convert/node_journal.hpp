@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,25 +22,29 @@ class NodeJournal {
   [[nodiscard]] static type::Value record_of(const mission::Globals& used,
                                              const std::vector<std::string>& facts);
 
-  NodeJournal(const MissionPlan& plan, std::shared_ptr<mission::RunJournal> journal)
-      : plan_(plan), journal_(std::move(journal)) {}
+  NodeJournal(const MissionPlan& plan, std::shared_ptr<mission::RunJournal> journal);
 
-  /// How the node ended in the earlier run, or is taken to have ended; nothing if it is to be executed.
-  [[nodiscard]] std::optional<mission::RunJournal::End> recorded(cdtn::NodeId node) const;
+  /// How the node, which begins now, ended in the earlier run, or is taken to have ended; nothing if it is to
+  /// be executed.
+  [[nodiscard]] std::optional<mission::RunJournal::End> replayed(cdtn::NodeId node);
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
   void began(cdtn::NodeId node);
   /// The end counts.
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
+  /// What the earlier run recorded of preemptive containers, and how this one records them.
+  [[nodiscard]] RaceRecord races() const;
   /// The mission has ended, so that there is nothing to resume.
   void finished(const std::string& outcome);
 
  private:
   [[nodiscard]] bool records(cdtn::NodeId node) const;
   [[nodiscard]] mission::Execution execution(cdtn::NodeId node) const;
+  [[nodiscard]] bool awaits(const mission::Execution& state) const;
 
   const MissionPlan& plan_;
   const std::shared_ptr<mission::RunJournal> journal_;
+  std::set<mission::Execution> awaited_;  ///< recorded, and not begun in this run
 };
 
 }  // namespace segue::convert

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
 #include <utility>
 
 namespace segue::convert {
@@ -19,8 +20,12 @@ class ObservedPlan final : public cdtn::Expansion {
   ObservedPlan(MissionPlan& plan, mission::ActionObserver observe, NodeJournal* journal)
       : plan_(plan), observe_(std::move(observe)), journal_(journal) {}
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
+  void failed(cdtn::NodeId node) override { plan_.failed(node); }
+  void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
+  [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override { return plan_.take_lost(); }
   [[nodiscard]] bool finished() const override { return plan_.finished(); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
+    if (outcome == cdtn::kPreempted) lost_.insert(node);
     if (journal_ != nullptr) journal_->ended(node, outcome, outputs);
     if (observe_ && plan_[node].role == Role::Action) report(node, outcome, outputs);
     plan_.ended(node, outcome, outputs);
@@ -30,7 +35,7 @@ class ObservedPlan final : public cdtn::Expansion {
     for (std::uint32_t i = 0; observe_ && i < result.nodes.size(); ++i) {
       const cdtn::NodeStatus status = result.nodes[i].status;
       if (status != cdtn::NodeStatus::Failed && status != cdtn::NodeStatus::Preempted) continue;
-      if (const cdtn::NodeId node{i}; plan_[node].role == Role::Action)
+      if (const cdtn::NodeId node{i}; plan_[node].role == Role::Action && !lost_.contains(node))
         report(node, result.nodes[i].outcome, result.outputs[i].get());
     }
   }
@@ -47,6 +52,7 @@ class ObservedPlan final : public cdtn::Expansion {
   MissionPlan& plan_;
   const mission::ActionObserver observe_;
   NodeJournal* const journal_;
+  std::set<cdtn::NodeId> lost_;  ///< preempted by other states of their containers, and reported
 };
 
 /// Opaque subtrees report from threads of their own.
@@ -70,7 +76,9 @@ class Run::Implementation {
         journal_(options.journal ? std::make_unique<NodeJournal>(*plan_, options.journal) : nullptr),
         environment_(*plan_, runners_, std::move(by_action), options, journal_.get()),
         observed_(*plan_, options.observe, journal_.get()),
-        engine_(plan_->network(), observed_, environment_, settings(options)) {}
+        engine_(plan_->network(), observed_, environment_, settings(options)) {
+    if (journal_) plan_->set_races(journal_->races());
+  }
 
   const mission::MissionResult& run() {
     network_result_ = engine_.run();
@@ -179,6 +187,9 @@ class Bounded final : public cdtn::Expansion {
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
     plan_.ended(node, outcome, outputs);
   }
+  void failed(cdtn::NodeId node) override { plan_.failed(node); }
+  void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
+  [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override { return plan_.take_lost(); }
   [[nodiscard]] bool finished() const override { return plan_.finished() || plan_.network().size() >= most_; }
 
  private:

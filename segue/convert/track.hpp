@@ -65,6 +65,13 @@ struct ContainerExecution {
 
 struct Track;
 
+/// A preemptive container that is entered: the first of its states that ends preempts the others.
+struct Race {
+  std::shared_ptr<ContainerExecution> activation;
+  std::vector<std::shared_ptr<Track>> tracks{};  ///< one for each state
+  std::optional<std::size_t> first{};            ///< which of them ended first
+};
+
 /// The position up to which a container has been planned.
 struct Frame {
   struct Loop {
@@ -72,21 +79,28 @@ struct Frame {
     std::size_t iterations = 1;
     std::vector<std::vector<BranchEdge>>
         open{};  ///< by uncertain iteration: the edges on which it is entered
+    /// Of an alternative: the ways back to the head. What is planned as if the loop had ended must not take
+    /// them, or the number of an iteration would depend on how far that has come.
+    std::vector<Arrival> back{};
   };
   std::shared_ptr<ContainerExecution> activation;
   std::uint32_t place = 0;
   std::vector<Loop> loops;
   std::vector<std::shared_ptr<Track>> tracks;  ///< Barrier: one for each state except the decider
+  std::shared_ptr<Race> race{};                ///< Preemptive
 };
 
-/// One sequence of states: the mission, or a state of a barrier. Where it was planned beyond a loop that is
-/// expected to end, `alternatives` has the frames from which to resume that loop.
+/// One sequence of states: the mission, or a state of a barrier or of a race. Where it was planned beyond a
+/// loop that is expected to end, `alternatives` has the frames from which to resume that loop.
 struct Track {
   std::vector<Frame> frames;
   std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
   std::vector<std::vector<Frame>> alternatives{};
   std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
   std::optional<StateEnd> end{};
+  bool races = false;
+  std::vector<cdtn::NodeId> open{};  ///< of a race: nodes that have not ended and may be on the path
+  Track* around = nullptr;           ///< of a race: that of an enclosing race
   [[nodiscard]] bool settled() const { return end && alternatives.empty(); }
 };
 

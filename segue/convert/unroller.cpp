@@ -20,8 +20,8 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope
     : plan_(plan),
       given_(std::move(inputs)),
       scope_(scope),
+      subtrees_(find_opaque_subtrees(plan.program())),
       touches_(plan.program().mission().actions.size()) {
-  find_opaque_subtrees();
   find_varying();
 }
 
@@ -42,6 +42,7 @@ Result<void> Unroller::begin() {
 }
 
 void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs) {
+  note_over(node);
   paths_.decide(node, outcome);
   if (outputs_.size() <= index(node)) outputs_.resize(index(node) + 1);
   if (outputs != nullptr) outputs_[index(node)] = std::make_shared<const type::Value>(*outputs);
@@ -49,8 +50,10 @@ void Unroller::ended(NodeId node, OutcomeId outcome, const type::Value* outputs)
 
 bool Unroller::step(Track& track) {
   const auto around = std::exchange(branch_, track.branch);
+  Track* const racing = std::exchange(racing_, track.races ? &track : racing_);
   const bool more = step_within(track);
   branch_ = around;
+  racing_ = racing;
   return more;
 }
 
@@ -63,6 +66,7 @@ bool Unroller::step_within(Track& track) {
     return false;
   }
   const StateKind kind = node(track.frames.back().activation->entry.state).kind;
+  if (kind == StateKind::Preemptive) return step_race(track);
   return kind == StateKind::Hierarchy ? step_hierarchy(track) : step_barrier(track);
 }
 
@@ -152,6 +156,10 @@ void Unroller::enter(Track& track, StateEntry entry) {
   const StateKind kind = node(state).kind;
   if (subtrees_[state].kind != OpaqueSubtreeReason::Kind::None)
     return finish(track, state, add_subtree(entry));
+  if (kind == StateKind::Preemptive && !may_race(entry)) {
+    track.pending = std::move(entry);
+    return;
+  }
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
   if (scope_ != PlanScope::Outline && !naming_values(entry)) {
@@ -200,6 +208,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
       activation->exits.back().arrival.errors = constant(plan_.program().start_abort_text(state), when);
     return;
   }
+  if (container.kind == StateKind::Preemptive) return enter_race(track, *activation);
   enter_branches(track, *activation);
 }
 

@@ -32,10 +32,15 @@ class Unroller {
   /// Plans one node or a few; false if the plan must wait for a decision.
   bool step() { return step(main_); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
+  void failed(cdtn::NodeId node);
+  void skipped(cdtn::NodeId node);
+  [[nodiscard]] std::vector<cdtn::NodeId> take_lost();
   [[nodiscard]] bool finished() const { return main_.settled(); }
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
   [[nodiscard]] const std::vector<type::Value>& given() const { return given_; }
+  [[nodiscard]] const RaceRecord& races() const { return record_; }
+  void set_races(RaceRecord record) { record_ = std::move(record); }
   [[nodiscard]] const OpaqueSubtreeReason& subtree_reason(mission::StateIndex state) const {
     return subtrees_[state];
   }
@@ -64,11 +69,6 @@ class Unroller {
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
-  void find_opaque_subtrees();
-  [[nodiscard]] mission::StateIndex opaque_within(mission::StateIndex state,
-                                                  const std::vector<mission::StateIndex>& opaque) const;
-  [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state,
-                                                   mission::StateIndex opaque) const;
   void find_varying();
   [[nodiscard]] bool strict_within(mission::StateIndex state) const;
 
@@ -76,10 +76,29 @@ class Unroller {
   bool end_of_loop(Track& track);
   bool end_of_outlined_loop(Frame& frame);
   void take_alternatives(Track& track);
+  void plan_behind_loop(Track& track);
   void wait_for_loop(const Frame& frame, std::string_view addition);
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
   [[nodiscard]] static std::string loops_around(const Frame& frame);
+
+  // Races (unroller_races.cpp)
+  [[nodiscard]] bool may_race(const StateEntry& entry);
+  bool step_race(Track& track);
+  void enter_race(Track& track, ContainerExecution& activation);
+  void join_race(Track& track);
+  void leave_race(ContainerExecution& activation, mission::StateIndex child, const StateEnd& end);
+  [[nodiscard]] mission::Execution execution(const Race& race, std::size_t state) const;
+  [[nodiscard]] std::optional<std::size_t> recorded_first(const Race& race) const;
+  void find_first(Race& race);
+  void decide(Race& race, std::size_t first);
+  [[nodiscard]] bool replays(const Race& race, std::size_t first);
+  [[nodiscard]] bool has_ended(Track& track);
+  void drop_ended(Track& track);
+  [[nodiscard]] bool is_over(cdtn::NodeId node) const {
+    return over_.size() > index(node) && over_[index(node)];
+  }
+  void note_over(cdtn::NodeId node);
 
   // Nodes (unroller_nodes.cpp), data (unroller_data.cpp)
   StateEnd add_action(const StateEntry& entry, const std::vector<StateEnd>* branches);
@@ -118,8 +137,14 @@ class Unroller {
   Track main_;
   std::shared_ptr<const mission::ParallelBranch> branch_;  ///< of the nodes that are being planned
   std::uint64_t barriers_ = 0;                             ///< executions that have been planned
-  std::vector<OpaqueSubtreeReason> subtrees_;              ///< by state
-  std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
+  Track* racing_ = nullptr;                                ///< of the nodes that are being planned
+  RaceRecord record_;
+  std::vector<std::weak_ptr<Race>> races_;           ///< that may not have been decided
+  std::vector<cdtn::NodeId> lost_;                   ///< since take_lost()
+  std::vector<bool> over_;                           ///< by node: it has ended, or was skipped
+  std::uint32_t over_before_ = 0;                    ///< all nodes before are over or off the path
+  const std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state
+  std::vector<std::string> varying_;                 ///< patterns of resources that are created or removed
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

@@ -184,7 +184,10 @@ std::optional<Value> Unroller::value_of(const Symbol& symbol) {
   for (auto candidate = symbol.candidates.rbegin(); candidate != symbol.candidates.rend(); ++candidate) {
     if (!paths_.live(candidate->when)) continue;
     const std::size_t i = index(candidate->node);
-    if (i >= outputs_.size() || !outputs_[i]) return std::nullopt;
+    if (i >= outputs_.size() || !outputs_[i]) {
+      if (is_over(candidate->node)) continue;  // it lost a race before it began
+      return std::nullopt;
+    }
     const Value* value = outputs_[i]->find(plan_.network_.names.name(candidate->output));
     if (value == nullptr) continue;
     return chosen(*value, candidate->defaults);

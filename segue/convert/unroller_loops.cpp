@@ -14,8 +14,9 @@ using mission::StateIndex;
 
 namespace {
 
-/// Rounds of a loop in an outline: what a round may overtake is in it or in the one before.
-constexpr std::size_t kOutlinedRounds = 2;
+/// Rounds of a loop in an outline: what a round may overtake is in it or in the one before, and the first
+/// round may change facts that later ones leave as they are.
+constexpr std::size_t kOutlinedRounds = 3;
 
 }  // namespace
 
@@ -24,8 +25,8 @@ void Unroller::take_alternatives(Track& track) {
   for (std::size_t i = 0; i < track.alternatives.size();) {
     Frame& frame = track.alternatives[i].back();
     ContainerExecution& activation = *frame.activation;
-    const auto head = activation.order->vertices[frame.loops.back().head];
-    const auto& arrivals = live_arrivals(activation.arrivals[head]);
+    Frame::Loop& loop = frame.loops.back();
+    const auto& arrivals = live_arrivals(loop.back);
     const auto base = paths_.live(activation.entry.when);
     if (arrivals.empty() || !base) {
       track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
@@ -37,6 +38,7 @@ void Unroller::take_alternatives(Track& track) {
       ++i;
       continue;
     }
+    activation.arrivals[activation.order->vertices[loop.head]] = std::exchange(loop.back, {});
     track.frames = std::move(track.alternatives[i]);
     track.alternatives.resize(i);
     track.pending.reset();
@@ -81,8 +83,7 @@ bool Unroller::end_of_loop(Track& track) {
     return again();
   }
   if (!expected && leads_on(frame, activation.order->end[loop.head])) {
-    track.alternatives.push_back(track.frames);
-    frame.loops.pop_back();
+    plan_behind_loop(track);
     return true;
   }
   if (2 * loop.open.size() <= loop.iterations) {
@@ -91,6 +92,16 @@ bool Unroller::end_of_loop(Track& track) {
   }
   wait_for_loop(frame, "");
   return false;
+}
+
+/// Goes on as if the loop had ended; how it goes on otherwise becomes an alternative.
+void Unroller::plan_behind_loop(Track& track) {
+  Frame& frame = track.frames.back();
+  ContainerExecution& execution = *frame.activation;
+  Frame::Loop& loop = frame.loops.back();
+  loop.back = std::exchange(execution.arrivals[execution.order->vertices[loop.head]], {});
+  track.alternatives.push_back(track.frames);
+  frame.loops.pop_back();
 }
 
 /// Plans another round, or goes on behind the loop as if it had ended.

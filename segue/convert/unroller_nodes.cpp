@@ -23,16 +23,6 @@ using type::Value;
 
 namespace {
 
-bool declares_footprint(const Action& action) {
-  return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
-}
-
-/// A sensing action without declared preconditions may rely on any fact, and so does one that says so.
-bool is_opaque(const Action& action) {
-  return action.action_class() != ActionClass::Pure && (!declares_footprint(action) || action.reads_world) &&
-         !planted(ConversionFault::NothingIsOpaque);
-}
-
 Duration expected_duration(const Action& action) {
   if (action.expected_duration) return *action.expected_duration;
   const auto* simulated = std::get_if<mission::Simulated>(&action.run);
@@ -55,30 +45,6 @@ bool uses_variables(const Action& action) {
 }
 
 }  // namespace
-
-/// Finds the states that run sequentially as one node: preemptive ones, hierarchies that handle a preemption,
-/// and barriers with an opaque action, whose states would otherwise wait for each other.
-void Unroller::find_opaque_subtrees() {
-  const std::size_t count = plan_.program().nodes().size();
-  subtrees_.assign(count, {});
-  std::vector<StateIndex> opaque(count, kNoState);  // by state: the state in it that may touch anything
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;) {
-      const StateKind kind = node(i).kind;
-      const bool leaf = kind == StateKind::Execution || kind == StateKind::Decider;
-      const StateIndex inside = opaque_within(i, opaque);
-      const OpaqueSubtreeReason reason = subtree_reason(i, inside);
-      StateIndex unknown = inside;
-      if (leaf ? is_opaque(action(i)) : reason.kind != OpaqueSubtreeReason::Kind::None && inside == kNoState)
-        unknown = i;
-      changed =
-          changed || reason.kind != subtrees_[i].kind || (unknown == kNoState) != (opaque[i] == kNoState);
-      subtrees_[i] = reason;
-      opaque[i] = unknown;
-    }
-  }
-}
 
 /// Resources of which units are created or removed. All their users take units in program order, including
 /// those that are planned before the first node that creates or removes some.
@@ -116,30 +82,6 @@ bool Unroller::strict_within(StateIndex state) const {
   }
 }
 
-StateIndex Unroller::opaque_within(StateIndex state, const std::vector<StateIndex>& opaque) const {
-  if (node(state).kind == StateKind::Library) return opaque[node(state).library];
-  for (const StateIndex child : node(state).children) {
-    if (child != node(state).decider && opaque[child] != kNoState) return opaque[child];
-  }
-  return kNoState;
-}
-
-/// `opaque`: the state in it that may touch anything, if there is one.
-OpaqueSubtreeReason Unroller::subtree_reason(StateIndex state, StateIndex opaque) const {
-  const mission::CompiledState& entry = node(state);
-  if (entry.kind == StateKind::Preemptive) return {OpaqueSubtreeReason::Kind::Preemptive, state};
-  if (entry.kind == StateKind::Hierarchy) {
-    const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
-      return child != entry.decider && node(child).next[0].kind != NextStep::Kind::Nowhere;
-    });
-    if (handler != entry.children.end()) return {OpaqueSubtreeReason::Kind::HandlesPreemption, *handler};
-  }
-  const bool beside = entry.children.size() > (entry.decider == kNoState ? 1U : 2U);
-  if (entry.kind == StateKind::Barrier && beside && opaque != kNoState)
-    return {OpaqueSubtreeReason::Kind::OpaqueBeside, opaque};
-  return {};
-}
-
 /// An empty specification that reuses the memory of the last.
 NodeSpec& Unroller::new_spec() {
   NodeSpec fresh;
@@ -167,6 +109,8 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   node.branch = branch_;
   spec.conditions = paths_.conditions(node.when);
   const NodeId id = plan_.network_.append(spec, number);
+  for (Track* track = racing_; track != nullptr; track = track->around)
+    track->open.push_back(id);
   plan_.nodes_.push_back(std::move(node));
   return id;
 }

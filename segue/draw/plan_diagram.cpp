@@ -21,12 +21,15 @@ std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
   if (planned.role != Role::OpaqueSubtree) return {};
   const OpaqueSubtreeReason reason = plan.subtree_reason(planned.state);
   switch (reason.kind) {
-    case OpaqueSubtreeReason::Kind::Preemptive:
-      return "since the first of its states that ends preempts the others";
+    case OpaqueSubtreeReason::Kind::UsesUnfinished:
+      return "since it uses outputs of " + id(reason.state) + ", which may be preempted in the middle";
     case OpaqueSubtreeReason::Kind::HandlesPreemption:
       return "since a preemption of " + id(reason.state) + " is handled in it";
     case OpaqueSubtreeReason::Kind::OpaqueBeside:
       return "since " + id(reason.state) + " in it, concurrent with others, may touch anything";
+    case OpaqueSubtreeReason::Kind::ConflictBeside:
+      return "since " + id(reason.state) +
+             " in it touches what another state touches, which must not decide which one ends first";
     case OpaqueSubtreeReason::Kind::None:
       break;
   }

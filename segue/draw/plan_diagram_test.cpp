@@ -163,7 +163,8 @@ TEST(MissionDiagram, SaysWhyAStateIsAnOpaqueSubtree) {
       b: {action: turn, on: {success: return success}}
 )j"));
   EXPECT_EQ(node(first, "s").role, Diagram::Role::OpaqueSubtree);
-  EXPECT_THAT(node(first, "s").note, HasSubstr("ends preempts the others"));
+  EXPECT_EQ(node(first, "s").note,
+            "since b in it touches what another state touches, which must not decide which one ends first");
   EXPECT_THAT(causes(first, "s", "t"), ElementsAre("opaque subtree s: it may touch anything"));
 
   const Diagram second = diagram("mission: m\n" + actions + states("hierarchy", R"j(    start: a

@@ -184,6 +184,10 @@ Result<void> RunJournal::take(const Value& line) {
     open_[{path->as_string(), n.as_uint(), text_of(line, "loops")}] = flag_of(line, "irreversible");
     return {};
   }
+  if (const Value* path = line.find("first"); path != nullptr && path->is_string()) {
+    firsts_.insert({path->as_string(), n.as_uint(), text_of(line, "loops")});
+    return {};
+  }
   const Value* path = line.find("ended");
   const Value& outcome = part(line, "outcome");
   if (path == nullptr || !path->is_string() || !outcome.is_integer())
@@ -210,6 +214,13 @@ std::string RunJournal::open_actions() const {
     if (irreversible) names.push_back(quote(execution.path));
   }
   return names.empty() ? std::string() : listed(names);
+}
+
+std::set<Execution> RunJournal::executions() const {
+  std::set<Execution> recorded;
+  for (const auto& [execution, place] : places_)
+    recorded.insert(execution);
+  return recorded;
 }
 
 std::optional<std::size_t> RunJournal::find(const Execution& execution) const {
@@ -263,6 +274,10 @@ void RunJournal::ended(const Execution& execution, End end, const Value& globals
   }
   globals_ = globals;
   ended(execution, end);
+}
+
+void RunJournal::first(const Execution& execution) {
+  write(event("first", execution), false);
 }
 
 void RunJournal::finished(const std::string& outcome) {

@@ -3,32 +3,23 @@
 
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/mission/execution.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/type/value.hpp>
 
-#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace segue::mission {
-
-/// Tells the executions of a run apart. A concurrent run begins actions before it is known how often their
-/// states have begun, so there the iterations of the loops around the state count instead, the outermost
-/// first: "2.1".
-struct Execution {
-  std::string path;
-  std::uint64_t iteration = 0;  ///< how often the state had begun before
-  std::string loops{};          ///< concurrent runs; empty if there is no loop around it
-  friend auto operator<=>(const Execution&, const Execution&) = default;
-};
 
 /// A file that records a run: a line of JSON for each action that begins and for each that ends. A later run
 /// of the same mission replays the recorded ends in their order (concurrently: as actions get their turn)
@@ -84,10 +75,17 @@ class RunJournal {
   /// if it was not running, or is to be executed again.
   [[nodiscard]] std::optional<End> assumed_end(const Execution& execution, const Action& action) const;
 
+  /// What had ended in the earlier run.
+  [[nodiscard]] std::set<Execution> executions() const;
+  /// The states that had ended their preemptive containers first in the earlier run (concurrent runs).
+  [[nodiscard]] const std::set<Execution>& firsts() const { return firsts_; }
+
   void began(const Execution& execution, bool irreversible);
   void ended(const Execution& execution, const End& end);
   /// `globals`: all variables, by name, of which those that have changed since the last call belong to `end`.
   void ended(const Execution& execution, End end, const type::Value& globals);
+  /// The state has ended its preemptive container.
+  void first(const Execution& execution);
   void finished(const std::string& outcome);
   /// The run is being stopped: actions that end from now on were preempted and are not recorded, so that a
   /// later run executes them.
@@ -107,6 +105,7 @@ class RunJournal {
   std::vector<End> ends_;
   std::map<Execution, std::size_t> places_;
   std::map<Execution, bool> open_;  ///< begun and not ended; whether irreversible
+  std::set<Execution> firsts_;
   bool finished_ = false;
   type::Value globals_;  ///< as recorded last
 };

@@ -200,6 +200,7 @@ RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {
     auto journal = RunJournal::create(file, mission, {}).value();
     journal->began({"look"}, false);
     journal->ended({"look"}, {0, "e", false, {type::Value(1)}, {}, {}}, type::Value::map({{"g", 1}}));
+    journal->first({"look", 0, "1"});
     journal->began({"grasp"}, true);
   }
   std::string text = read_file(file).value();

@@ -6,6 +6,8 @@
 #include <support/check_run.hpp>
 #include <support/mission_runs.hpp>
 
+#include <set>
+
 /// Checks that a mission run concurrently is equivalent to the run as written. For tests only.
 namespace segue::convert {
 
@@ -13,6 +15,17 @@ class MissionCheck {
  public:
   MissionCheck(const Ran& written, const ConcurrentRun& run, bool strict)
       : written_(written), run_(run), ran_(run.ran), strict_(strict) {}
+
+  /// Which state ends a preemptive container, and how far the others have got until then, is a matter of
+  /// time: whether both were the same.
+  [[nodiscard]] bool comparable() const {
+    auto expected = written_.firsts;
+    std::erase_if(expected, [&](const std::string& path) { return run_.in_opaque_subtree(path); });
+    if (written_.tie || expected != ran_.firsts) return false;
+    return std::ranges::all_of(written_.losers, [&](const std::string& loser) {
+      return run_.in_opaque_subtree(loser) || executions_in(loser, written_) == executions_in(loser, ran_);
+    });
+  }
 
   /// The first difference, or "".
   std::string difference() {
@@ -36,7 +49,7 @@ class MissionCheck {
     return {};
   }
 
-  /// Reports if it took longer than the run as written, whose barriers ignore resources.
+  /// Reports if it took longer than the run as written, whose concurrent states ignore resources.
   std::string slower_than_written() {
     if ((failed() && !strict_) || ran_.makespan <= written_.makespan) return {};
     return fmt::format("took {} s instead of {} s", seconds(ran_.makespan), seconds(written_.makespan));
@@ -51,6 +64,14 @@ class MissionCheck {
   }
 
  private:
+  /// How often each action in the state was executed, by path.
+  static std::map<std::string, std::size_t> executions_in(const std::string& state, const Ran& ran) {
+    std::map<std::string, std::size_t> executions;
+    for (const auto& [path, outcomes] : ran.happened) {
+      if (path == state || path.starts_with(state + "/")) executions.emplace(path, outcomes.size());
+    }
+    return executions;
+  }
   [[nodiscard]] bool failed() const { return written_.result.outcome < 0; }
   static std::int64_t seconds(Duration time) { return time / std::chrono::seconds(1); }
 
@@ -98,9 +119,13 @@ class MissionCheck {
   /// are given back; conflicting actions follow each other as in the program.
   std::string log() {
     const cdtn::RunResult& result = run_.network_result();
-    std::string text = cdtn::RunCheck(run_.plan().network(), result, result, strict_).difference();
+    const auto beside = [this](cdtn::NodeId acts, cdtn::NodeId fails) {
+      return beside_or_after_race(run_.plan(), acts, fails);
+    };
+    std::string text = cdtn::RunCheck(run_.plan().network(), result, result, strict_, beside).difference();
     if (text.empty()) text = grants();
     if (text.empty()) text = conflicts();
+    if (text.empty()) text = races();
     return text;
   }
 
@@ -153,11 +178,55 @@ class MissionCheck {
         if (from.status == cdtn::NodeStatus::Skipped || (senses && guessed)) continue;
         const bool begun = dependency.reason() == cdtn::Reason::Resource;
         const TimePoint there = begun ? from.started : from.committed;
-        const bool done = (begun && from.attempts > 0) || from.status == cdtn::NodeStatus::Done;
+        const bool done = (begun && from.attempts > 0) || from.status == cdtn::NodeStatus::Done ||
+                          from.status == cdtn::NodeStatus::Preempted;
         if (!done || there > nodes[i].started)
           return fmt::format("{} did not wait for {} ({} {})", network.label(cdtn::NodeId{i}),
                              network.label(dependency.from), to_string(dependency.reason()),
                              cdtn::subject_text(network, dependency));
+      }
+    }
+    return {};
+  }
+
+  /// The number of each execution of a preemptive container that the node is in.
+  [[nodiscard]] std::set<std::uint64_t> races_of(cdtn::NodeId node) const {
+    const mission::Program& program = run_.plan().program();
+    std::set<std::uint64_t> numbers;
+    for (const auto* branch = run_.plan()[node].branch.get(); branch != nullptr;
+         branch = branch->around.get()) {
+      const auto kind = program.node(program.node(branch->child).parent).kind;
+      if (kind == mission::StateKind::Preemptive) numbers.insert(branch->barrier);
+    }
+    return numbers;
+  }
+
+  /// States of a preemptive container do not wait for each other, and begin when all before has ended.
+  std::string races() {
+    const cdtn::TaskNetwork& network = run_.plan().network();
+    const cdtn::Order order = cdtn::derive_order(network);
+    const auto& nodes = run_.network_result().nodes;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+      const cdtn::NodeId node{i};
+      const std::set<std::uint64_t> own = races_of(node);
+      if (own.empty() || nodes[i].attempts == 0) continue;
+      const auto in_parallel = [&](cdtn::NodeId other) {
+        return mission::in_parallel(run_.plan()[node].branch.get(), run_.plan()[other].branch.get());
+      };
+      for (const cdtn::Dependency& dependency : order.before(node)) {
+        const std::set<std::uint64_t> others = races_of(dependency.from);
+        if (in_parallel(dependency.from) && (!own.empty() || !others.empty()))
+          return fmt::format("{} would wait for {}, which runs beside it ({} {})", network.label(node),
+                             network.label(dependency.from), to_string(dependency.reason()),
+                             cdtn::subject_text(network, dependency));
+      }
+      for (std::uint32_t j = 0; j < i; ++j) {
+        const cdtn::NodeId before{j};
+        const bool inside = std::ranges::includes(races_of(before), own);
+        const bool over =
+            nodes[j].status == cdtn::NodeStatus::Skipped || nodes[j].committed <= nodes[i].started;
+        if (!inside && !over && !in_parallel(before))
+          return fmt::format("{} did not wait for {}", network.label(node), network.label(before));
       }
     }
     return {};
@@ -194,7 +263,8 @@ class MissionCheck {
     const std::string& failed = network.name_of(*failed_node);
     for (std::uint32_t i = index(*failed_node) + 1; i < run_.network_result().nodes.size(); ++i) {
       const cdtn::NodeId node{i};
-      if (run_.plan()[node].role == Role::Global) continue;
+      if (run_.plan()[node].role == Role::Global || beside_or_after_race(run_.plan(), node, *failed_node))
+        continue;
       if (!cdtn::has_acted(network, run_.network_result(), node)) continue;
       const auto entry = std::ranges::find(known.pairs, network.name_of(node), &cdtn::NamedActsAhead::acts);
       const bool listed =
@@ -228,7 +298,7 @@ class MissionCheck {
     run_.for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
       const PlannedNode& planned = run_.plan()[node];
       const std::size_t place = seen[std::string(planned.path)]++;
-      if (!all_before_are_known(node)) return;
+      if (!all_before_are_known(node) || outcome == "preempted") return;
       const auto found = written_.happened.find(std::string(planned.path));
       const bool there = found != written_.happened.end() && place < found->second.size();
       const bool same = there ? found->second[place] == outcome : failed();  // it acted behind the failure
@@ -247,7 +317,8 @@ class MissionCheck {
   [[nodiscard]] bool all_before_are_known(cdtn::NodeId node) const {
     for (std::uint32_t i = 0; i < index(node); ++i) {
       const auto status = run_.network_result().nodes[i].status;
-      const bool known = status == cdtn::NodeStatus::Done || status == cdtn::NodeStatus::Skipped;
+      const bool known = status == cdtn::NodeStatus::Done || status == cdtn::NodeStatus::Skipped ||
+                         status == cdtn::NodeStatus::Preempted;
       if (!known && run_.plan()[cdtn::NodeId{i}].path == run_.plan()[node].path) return false;
     }
     return true;

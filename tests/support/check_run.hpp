@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -26,8 +27,15 @@ inline bool has_acted(const TaskNetwork& network, const RunResult& run, NodeId n
 
 class RunCheck {
  public:
-  RunCheck(const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent, bool strict)
-      : network_(network), sequential_(sequential), concurrent_(concurrent), strict_(strict) {}
+  /// `beside`: whether the first node need not wait for a failure of the second.
+  RunCheck(
+      const TaskNetwork& network, const RunResult& sequential, const RunResult& concurrent, bool strict,
+      std::function<bool(NodeId, NodeId)> beside = [](NodeId, NodeId) { return false; })
+      : network_(network),
+        sequential_(sequential),
+        concurrent_(concurrent),
+        strict_(strict),
+        beside_(std::move(beside)) {}
 
   /// The first difference, or "".
   std::string difference() {
@@ -174,7 +182,7 @@ class RunCheck {
     if (!concurrent_.failed) return {};
     const auto pairs = acts_ahead(network_, derive_order(network_), WholeNetwork(network_));
     for (std::uint32_t i = index(*concurrent_.failed) + 1; i < concurrent_.nodes.size(); ++i) {
-      if (!has_acted(network_, concurrent_, NodeId{i})) continue;
+      if (!has_acted(network_, concurrent_, NodeId{i}) || beside_(NodeId{i}, *concurrent_.failed)) continue;
       const ActsAhead pair{NodeId{i}, *concurrent_.failed};
       if (strict_ || std::ranges::find(pairs, pair) == pairs.end())
         return fmt::format("n{} has acted although n{} failed", i, index(*concurrent_.failed));
@@ -195,6 +203,7 @@ class RunCheck {
   const RunResult& sequential_;
   const RunResult& concurrent_;
   const bool strict_;
+  const std::function<bool(NodeId, NodeId)> beside_;
 };
 
 }  // namespace segue::cdtn

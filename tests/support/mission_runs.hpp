@@ -60,7 +60,10 @@ class Answers final : public mission::ActionRunner {
     if ((number >> 16) % 12 == 0) ending = {mission::kAborted, fmt::format("failed at {}", number % 100)};
     if ((number >> 48) % 60 == 0) ending.outcome = 77;
     if (kind_ != Kind::Later) {
-      call.end_after(std::chrono::seconds((number >> 24) % 5), ending);
+      const bool whole = (number >> 52) % 4 == 0;  // some end at the same time
+      call.end_after(whole ? std::chrono::seconds((number >> 24) % 5)
+                           : Duration(std::chrono::milliseconds((number >> 24) % 4999)),
+                     ending);
       return std::nullopt;
     }
     std::vector<type::Value> outputs(call.outputs().begin(), call.outputs().end());
@@ -156,7 +159,29 @@ struct Ran {
   type::Value globals;
   std::map<std::string, std::vector<std::string>> happened;
   Duration makespan{};
+  bool tie = false;                 ///< states of a preemptive container ended at the same time, or at once
+  std::vector<std::string> firsts;  ///< the paths of states that have ended their preemptive containers
+  std::vector<std::string> losers;  ///< run as written: the paths of those that were preempted by them
 };
+
+/// Notes which state ended the execution of a preemptive container first, and which ones it preempted.
+inline void note_race(const mission::Program& program, const mission::History& history, std::uint32_t race,
+                      Ran& ran) {
+  const auto& items = history.items();
+  bool decided = false;
+  for (std::uint32_t i = race + 1; i < items.size(); ++i) {
+    std::uint32_t around = items[i].parent;
+    while (around != mission::History::kNone && around != race)
+      around = items[around].parent;
+    if (around != race) continue;
+    ran.tie = ran.tie || items[i].began == items[race].end;
+    if (items[i].parent != race) continue;
+    const bool first = items[i].outcome != mission::kPreempted;
+    ran.tie = ran.tie || (first && decided);
+    decided = decided || first;
+    (first ? ran.firsts : ran.losers).push_back(history.path(program, i));
+  }
+}
 
 inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program) {
   VirtualClock clock;
@@ -178,6 +203,11 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
     ran.happened[engine->history().path(*program, i)].push_back(
         program->outcome_name(items[i].state, items[i].outcome));
   }
+  for (std::uint32_t i = 0; i < items.size(); ++i) {
+    if (program->node(items[i].state).kind == mission::StateKind::Preemptive)
+      note_race(*program, engine->history(), i, ran);
+  }
+  std::ranges::sort(ran.firsts);
   return ran;
 }
 
@@ -207,6 +237,9 @@ class ConcurrentRun {
     for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
       ran.happened[std::string(plan()[node].path)].push_back(outcome);
     });
+    for (const mission::Execution& first : plan().races().firsts)
+      ran.firsts.push_back(first.path);
+    std::ranges::sort(ran.firsts);
   }
 
   [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
@@ -247,7 +280,7 @@ class ConcurrentRun {
       const cdtn::NodeId node{i};
       const auto status = result.nodes[i].status;
       if (plan()[node].role != Role::Action) continue;
-      if (status != cdtn::NodeStatus::Done && status != cdtn::NodeStatus::Failed) continue;
+      if (status == cdtn::NodeStatus::NotReached || status == cdtn::NodeStatus::Skipped) continue;
       const auto outcome = plan().outcome(node, result.nodes[i].outcome);
       visit(node, plan().program().outcome_name(plan()[node].state, outcome));
     }

@@ -121,7 +121,7 @@ class RandomMission {
     if (kind < 24) {
       result.text = kind < 10   ? hierarchy(depth + 1, indent, where)
                     : kind < 18 ? barrier(depth + 1, indent)
-                    : kind < 21 ? preemptive(indent)
+                    : kind < 21 ? preemptive(depth + 1, indent)
                                 : library(depth + 1, indent, where);
       result.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
     } else {
@@ -215,16 +215,28 @@ class RandomMission {
            (lines.empty() ? "" : indent + "flows:\n" + lines) + indent + "states:\n" + states;
   }
 
-  std::string preemptive(const std::string& indent) {
+  std::string preemptive(int depth, const std::string& indent) {
+    const std::string inner = indent + "    ";
     std::string states;
+    std::string lines;
     for (std::size_t i = 0, size = 2 + under(2); i < size; ++i) {
-      states +=
-          fmt::format("{0}  s{1}:\n{0}    action: {2}\n{0}    on: {{ok: return {3}}}\n", indent, i,
-                      action(false, false, {fmt::format("b{}", count_++)}), chance(70) ? "done" : "other");
+      const Where where{fmt::format("b{}", count_++)};
+      const std::uint64_t kind = depth < 2 ? under(100) : 100;
+      const bool leaf = kind >= 35;
+      const std::string_view end = chance(70) ? "done" : "other";
+      states += fmt::format("{}  s{}:\n", indent, i);
+      states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, false, where))
+                : kind < 25 ? hierarchy(depth + 1, inner, where)
+                            : preemptive(depth + 1, inner);
+      states += leaf ? fmt::format("{}on: {{ok: return {}", inner, end)
+                     : fmt::format("{}on: {{done: return {}, other: return other", inner, end);
+      states += chance(20) ? ", aborted: return other}\n" : "}\n";
+      if (chance(60)) lines += fmt::format("{}  - inputs.in -> s{}.{}\n", indent, i, leaf ? "x" : "in");
+      if (chance(leaf ? 60 : 5))
+        lines += fmt::format("{}  - s{}.{} -> outputs.out\n", indent, i, leaf ? "y" : "out");
     }
     return indent + "kind: preemptive\n" + ports(true, indent) + indent + "outcomes: [done, other]\n" +
-           indent + "flows:\n" + indent + "  - inputs.in -> s0.x\n" + indent + "  - s1.y -> outputs.out\n" +
-           indent + "states:\n" + states;
+           (lines.empty() ? "" : indent + "flows:\n" + lines) + indent + "states:\n" + states;
   }
 
   std::string library(int depth, const std::string& indent, const Where& where) {

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/convert/fault.hpp>
+#include <segue/convert/opaque_subtrees.hpp>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace segue::convert {
+
+using mission::Action;
+using mission::kNoState;
+using mission::NextStep;
+using mission::StateIndex;
+using mission::StateKind;
+using Kind = OpaqueSubtreeReason::Kind;
+
+namespace {
+
+bool declares_footprint(const Action& action) {
+  return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
+}
+
+/// A fact or resource that an action touches. The name may have placeholders.
+struct Touched {
+  std::string name;
+  bool changes = false;
+};
+
+/// Whether both names may stand for the same.
+bool may_be_same(const std::string& a, const std::string& b) {
+  const auto fixed = [](const std::string& name) { return std::string_view(name).substr(0, name.find('{')); };
+  const std::string_view one = fixed(a);
+  const std::string_view other = fixed(b);
+  const bool exact = one.size() == a.size() && other.size() == b.size();
+  return exact ? a == b : one.starts_with(other) || other.starts_with(one);
+}
+
+class Search {
+ public:
+  explicit Search(const mission::Program& program) : program_(program) {}
+
+  /// States of libraries come after those that use them, so one round is not always enough.
+  std::vector<OpaqueSubtreeReason> run() {
+    const std::size_t count = program_.nodes().size();
+    reasons_.assign(count, {});
+    opaque_.assign(count, kNoState);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (StateIndex i = static_cast<StateIndex>(count); i-- > 0;)
+        changed = look_at(i) || changed;
+    }
+    return std::move(reasons_);
+  }
+
+ private:
+  [[nodiscard]] const mission::CompiledState& node(StateIndex state) const { return program_.node(state); }
+  [[nodiscard]] const Action& action(StateIndex state) const {
+    return program_.mission().actions[node(state).action];
+  }
+
+  /// Whether something has changed.
+  bool look_at(StateIndex state) {
+    const StateIndex inside = opaque_within(state);
+    const OpaqueSubtreeReason reason = reason_of(state, inside);
+    StateIndex unknown = inside;
+    if (mission::is_leaf(node(state).kind) ? is_opaque(action(state))
+                                           : reason.kind != Kind::None && inside == kNoState)
+      unknown = state;
+    const bool changed =
+        reason.kind != reasons_[state].kind || (unknown == kNoState) != (opaque_[state] == kNoState);
+    reasons_[state] = reason;
+    opaque_[state] = unknown;
+    return changed;
+  }
+
+  [[nodiscard]] StateIndex opaque_within(StateIndex state) const {
+    if (node(state).kind == StateKind::Library) return opaque_[node(state).library];
+    for (const StateIndex child : node(state).children) {
+      if (child != node(state).decider && opaque_[child] != kNoState) return opaque_[child];
+    }
+    return kNoState;
+  }
+
+  /// `opaque`: the state in it that may touch anything, if there is one.
+  [[nodiscard]] OpaqueSubtreeReason reason_of(StateIndex state, StateIndex opaque) const {
+    const mission::CompiledState& entry = node(state);
+    if (entry.kind == StateKind::Hierarchy) {
+      const auto handler = std::ranges::find_if(entry.children, [&](StateIndex child) {
+        return child != entry.decider && node(child).next[0].kind != NextStep::Kind::Nowhere;
+      });
+      if (handler != entry.children.end()) return {Kind::HandlesPreemption, *handler};
+    }
+    const bool beside = entry.children.size() > (entry.decider == kNoState ? 1U : 2U);
+    if (mission::is_concurrency(entry.kind) && beside && opaque != kNoState)
+      return {Kind::OpaqueBeside, opaque};
+    if (entry.kind == StateKind::Preemptive) {
+      const StateIndex child = unfinished_source(state);
+      if (child != kNoState) return {Kind::UsesUnfinished, child};
+    }
+    if (mission::is_concurrency(entry.kind) && beside && races(state)) {
+      const StateIndex child = conflict_beside(state);
+      if (child != kNoState) return {Kind::ConflictBeside, child};
+    }
+    return {};
+  }
+
+  /// The first state in the preemptive container that has states itself and whose outputs are used: it could
+  /// be preempted in the middle.
+  [[nodiscard]] StateIndex unfinished_source(StateIndex race) const {
+    const mission::CompiledState& container = node(race);
+    const auto found = std::ranges::find_if(container.children, [&](StateIndex child) {
+      const mission::CompiledState& state = node(child);
+      if (mission::is_leaf(state.kind)) return false;
+      const std::uint32_t last = state.first_output + static_cast<std::uint32_t>(state.outputs.size());
+      const auto own = [&](std::uint32_t slot) { return slot >= state.first_output && slot < last; };
+      return !state.into_variables.empty() || std::ranges::any_of(container.outputs, [&](const auto& output) {
+        return std::ranges::any_of(output.slots, own);
+      });
+    });
+    return found == container.children.end() ? kNoState : *found;
+  }
+
+  /// Whether it is a preemptive container, or there is one in it.
+  [[nodiscard]] bool races(StateIndex state) const {
+    const mission::CompiledState& entry = node(state);
+    if (entry.kind == StateKind::Library) return races(entry.library);
+    return entry.kind == StateKind::Preemptive ||
+           std::ranges::any_of(entry.children, [this](StateIndex child) { return races(child); });
+  }
+
+  /// The first state in the container that would have to wait for another one in it, since both touch the
+  /// same. That only costs time, unless it decides which state of a preemptive container ends first.
+  [[nodiscard]] StateIndex conflict_beside(StateIndex container) const {
+    if (planted(ConversionFault::RacesConflict)) return kNoState;
+    std::vector<Touched> before;
+    for (const StateIndex child : node(container).children) {
+      if (child == node(container).decider) continue;
+      std::vector<Touched> own;
+      if (collect(child, own)) return child;
+      for (const Touched& touched : own) {
+        const auto conflicts = [&](const Touched& other) {
+          return (touched.changes || other.changes) && may_be_same(touched.name, other.name);
+        };
+        if (std::ranges::any_of(before, conflicts)) return child;
+      }
+      before.insert(before.end(), own.begin(), own.end());
+    }
+    return kNoState;
+  }
+
+  /// Adds what the actions in the state touch; true if one of them looks at all facts.
+  bool collect(StateIndex state, std::vector<Touched>& touched) const {
+    const mission::CompiledState& entry = node(state);
+    if (entry.kind == StateKind::Library) return collect(entry.library, touched);
+    if (mission::is_leaf(entry.kind)) return collect(action(state), touched);
+    bool all = false;
+    for (const StateIndex child : entry.children)
+      all = collect(child, touched) || all;
+    return all;
+  }
+
+  bool collect(const Action& action, std::vector<Touched>& touched) const {
+    for (const mission::Fact& fact : action.preconditions)
+      touched.push_back({"fact " + to_string(fact), false});
+    for (const mission::Fact& fact : action.effects)
+      touched.push_back({"fact " + to_string(fact), true});
+    for (const mission::ResourceUse& use : action.resources) {
+      const bool free = use.operation == mission::ResourceOperation::Exists || commutes(use.resource);
+      touched.push_back({"resource " + use.resource, !free || varies(use.resource)});
+    }
+    return action.reads_world;
+  }
+
+  /// Whether the order of those who use it does not matter: they wait for each other only while it is in use.
+  [[nodiscard]] bool commutes(const std::string& name) const {
+    const auto& resources = program_.mission().resources;
+    const auto found = std::ranges::find(resources, name, &mission::Resource::name);
+    return found != resources.end() && found->commutes;
+  }
+
+  /// Whether units of it are created or removed: then all that use it do so in program order.
+  [[nodiscard]] bool varies(const std::string& name) const {
+    return std::ranges::any_of(program_.mission().actions, [&](const Action& action) {
+      return std::ranges::any_of(action.resources, [&](const mission::ResourceUse& use) {
+        const bool changes = use.operation != mission::ResourceOperation::Exists &&
+                             use.operation != mission::ResourceOperation::Block;
+        return changes && may_be_same(use.resource, name);
+      });
+    });
+  }
+
+  const mission::Program& program_;
+  std::vector<OpaqueSubtreeReason> reasons_;  ///< by state
+  std::vector<StateIndex> opaque_;            ///< by state: the state in it that may touch anything
+};
+
+}  // namespace
+
+/// A sensing action without declared preconditions may rely on any fact, and so does one that says so.
+bool is_opaque(const Action& action) {
+  return action.action_class() != ActionClass::Pure && (!declares_footprint(action) || action.reads_world) &&
+         !planted(ConversionFault::NothingIsOpaque);
+}
+
+std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program) {
+  return Search(program).run();
+}
+
+}  // namespace segue::convert

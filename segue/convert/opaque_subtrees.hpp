@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/program.hpp>
+
+#include <cstdint>
+#include <vector>
+
+/// Which states of a mission a concurrent run executes as written, as one node each.
+namespace segue::convert {
+
+/// Why a state is an opaque subtree.
+struct OpaqueSubtreeReason {
+  enum class Kind : std::uint8_t {
+    None,
+    UsesUnfinished,     ///< a preemptive container whose outputs come from `state` in it, which has states
+    HandlesPreemption,  ///< `state` in it has a transition for its preemption
+    OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything
+    ConflictBeside  ///< what `state` in it touches decides which state of a preemptive container ends first
+  };
+  Kind kind = Kind::None;
+  mission::StateIndex state = mission::kNoState;
+};
+
+/// Whether nothing is declared about what the action touches, so that it may touch anything.
+[[nodiscard]] bool is_opaque(const mission::Action& action);
+
+/// By state of the program.
+[[nodiscard]] std::vector<OpaqueSubtreeReason> find_opaque_subtrees(const mission::Program& program);
+
+}  // namespace segue::convert

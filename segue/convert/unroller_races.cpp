@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How the unroller plans preemptive containers: each of their states on a track of its own. What comes after
+// is planned once it is known which of them has ended first, and all that was running in the others has
+// ended.
+#include <segue/convert/fault.hpp>
+#include <segue/convert/unroller.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::convert {
+
+using cdtn::NodeId;
+using mission::NextStep;
+using mission::Outcome;
+using mission::StateIndex;
+
+/// Its states guard each other, so none may begin before all can: once everything before has ended.
+bool Unroller::may_race(const StateEntry& entry) {
+  if (scope_ != PlanScope::AsKnown || planted(ConversionFault::RacesBeginEarly)) return true;
+  const auto passed = [&](std::uint32_t i) {
+    return is_over(NodeId{i}) || !paths_.live(plan_.nodes_[i].when);
+  };
+  const auto size = static_cast<std::uint32_t>(plan_.nodes_.size());
+  while (over_before_ < size && passed(over_before_))
+    ++over_before_;
+  const auto live = paths_.live(entry.when);
+  bool may = !live || live->always();
+  for (std::uint32_t i = over_before_; i < size && may; ++i)
+    may = passed(i) || mission::in_parallel(plan_.nodes_[i].branch.get(), branch_.get());
+  if (!may) plan_.waits_for_ = "the end of what comes before " + entry.path;
+  return may;
+}
+
+void Unroller::enter_race(Track& track, ContainerExecution& activation) {
+  const BranchEdge when = activation.entry.when;
+  const std::uint64_t number = barriers_++;
+  const auto race = std::make_shared<Race>(Race{track.frames.back().activation});
+  track.frames.back().race = race;
+  races_.push_back(race);
+  for (const StateIndex child : node(activation.entry.state).children) {
+    StateEntry entry = entry_of(track.frames.back(), child, when);
+    auto beside = std::make_shared<Track>();
+    beside->branch = std::make_shared<const mission::ParallelBranch>(
+        mission::ParallelBranch{track.branch, number, child, track.branch ? track.branch->depth + 1 : 1});
+    beside->races = true;
+    beside->around = racing_;
+    race->tracks.push_back(beside);
+    const auto branch = std::exchange(branch_, beside->branch);
+    Track* const racing = std::exchange(racing_, beside.get());
+    enter(*beside, std::move(entry));
+    branch_ = branch;
+    racing_ = racing;
+  }
+}
+
+bool Unroller::step_race(Track& track) {
+  const Frame& frame = track.frames.back();
+  if (!paths_.live(frame.activation->entry.when)) {
+    const StateIndex state = frame.activation->entry.state;
+    track.frames.pop_back();
+    finish(track, state, {});
+    return true;
+  }
+  Race& race = *frame.race;
+  bool open = false;
+  bool settled = true;
+  for (const auto& beside : race.tracks) {
+    if (!race.first && step(*beside)) return true;
+    drop_ended(*beside);
+    open = open || !beside->open.empty();
+    settled = settled && beside->settled();
+  }
+  if (scope_ == PlanScope::AsKnown) {
+    find_first(race);
+    settled = race.first && !open;
+  } else {
+    race.first = recorded_first(race);
+  }
+  if (settled)
+    join_race(track);
+  else
+    plan_.waits_for_ = "which state of " + frame.activation->entry.path + " ends first";
+  return settled;
+}
+
+mission::Execution Unroller::execution(const Race& race, std::size_t state) const {
+  const StateEntry& around = race.activation->entry;
+  return {path_of(*race.activation, node(around.state).children[state]), 0, around.loops};
+}
+
+std::optional<std::size_t> Unroller::recorded_first(const Race& race) const {
+  for (std::size_t i = 0; i < race.tracks.size(); ++i) {
+    if (record_.firsts.contains(execution(race, i))) return i;
+  }
+  return std::nullopt;
+}
+
+/// The outputs of all states count, those of the first one last.
+void Unroller::join_race(Track& track) {
+  const Frame frame = track.frames.back();
+  ContainerExecution& activation = *frame.activation;
+  const auto& children = node(activation.entry.state).children;
+  const BranchEdge when = activation.entry.when;
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    if (!frame.race->tracks[i]->end) continue;  // nobody uses its outputs
+    std::vector<Symbol> outputs = frame.race->tracks[i]->end->outputs;
+    for (std::size_t port = 0; port < outputs.size(); ++port)
+      outputs[port].rest = with(outputs[port].rest, fallback(node(children[i]).outputs[port], when));
+    take_outputs(activation, children[i], when, std::move(outputs));
+  }
+  if (const auto first = frame.race->first) {
+    take_outputs(activation, children[*first], when, frame.race->tracks[*first]->end->outputs);
+    leave_race(activation, children[*first], *frame.race->tracks[*first]->end);
+  } else if (scope_ == PlanScope::EveryEnd) {
+    activation.exits.push_back({mission::kPreempted, {when, false, {}}});
+  } else {
+    for (std::size_t i = 0; i < children.size(); ++i)
+      leave_race(activation, children[i], *frame.race->tracks[i]->end);
+  }
+  leave(track);
+}
+
+/// Adds the ends of the container to which the ends of the child lead.
+void Unroller::leave_race(ContainerExecution& activation, StateIndex child, const StateEnd& end) {
+  for (Exit exit : end.exits) {
+    const auto live = paths_.live(exit.arrival.when);
+    if (!live || (scope_ == PlanScope::AsKnown && !live->always())) continue;
+    const NextStep& step = node(child).next[static_cast<std::size_t>(exit.outcome + 2)];
+    exit.arrival.errors = errors_of(child, exit, step);
+    const Outcome outcome = step.kind == NextStep::Kind::Leave ? step.outcome : exit.outcome;
+    activation.exits.push_back({outcome, std::move(exit.arrival)});
+  }
+}
+
+/// Decides the race if one of its states has ended.
+void Unroller::find_first(Race& race) {
+  const auto recorded = recorded_first(race);
+  for (std::size_t i = 0; i < race.tracks.size() && !race.first; ++i) {
+    const bool may_be_first = !recorded || *recorded == i;
+    if (may_be_first && has_ended(*race.tracks[i]) && !replays(race, i)) decide(race, i);
+  }
+}
+
+/// Whether other states than the first are still to do again what they did in the earlier run.
+bool Unroller::replays(const Race& race, std::size_t first) {
+  if (!record_.replays) return false;
+  for (std::size_t i = 0; i < race.tracks.size(); ++i) {
+    if (i == first) continue;
+    drop_ended(*race.tracks[i]);
+    if (record_.awaits(execution(race, i)) || std::ranges::any_of(race.tracks[i]->open, record_.replays))
+      return true;
+  }
+  return false;
+}
+
+/// The nodes of the other states have lost.
+void Unroller::decide(Race& race, std::size_t first) {
+  race.first = first;
+  const mission::Execution ended = execution(race, first);
+  if (record_.firsts.insert(ended).second && record_.decided) record_.decided(ended);
+  for (std::size_t i = 0; i < race.tracks.size(); ++i) {
+    if (i == first) continue;
+    drop_ended(*race.tracks[i]);
+    lost_.insert(lost_.end(), race.tracks[i]->open.begin(), race.tracks[i]->open.end());
+  }
+}
+
+/// Whether all that the state stands for has ended, for certain.
+bool Unroller::has_ended(Track& track) {
+  drop_ended(track);
+  if (!track.settled() || !track.open.empty()) return false;
+  return std::ranges::any_of(track.end->exits, [&](const Exit& exit) {
+    const auto live = paths_.live(exit.arrival.when);
+    return live && live->always();
+  });
+}
+
+void Unroller::drop_ended(Track& track) {
+  std::erase_if(track.open, [&](NodeId node) { return is_over(node) || !paths_.live(plan_[node].when); });
+}
+
+void Unroller::note_over(NodeId node) {
+  if (over_.size() <= index(node)) over_.resize(index(node) + 1);
+  over_[index(node)] = true;
+}
+
+void Unroller::skipped(NodeId node) {
+  note_over(node);
+}
+
+/// It ends the mission, and the states that it belongs to as well: those that race with them are preempted.
+void Unroller::failed(NodeId node) {
+  for (const auto& each : races_) {
+    const auto race = each.lock();
+    if (!race || race->first) continue;
+    for (std::size_t i = 0; i < race->tracks.size() && !race->first; ++i) {
+      if (std::ranges::find(race->tracks[i]->open, node) != race->tracks[i]->open.end()) decide(*race, i);
+    }
+  }
+}
+
+std::vector<NodeId> Unroller::take_lost() {
+  std::erase_if(races_, [](const auto& race) { return race.expired() || race.lock()->first; });
+  for (const auto& race : races_)
+    find_first(*race.lock());
+  return std::exchange(lost_, {});
+}
+
+}  // namespace segue::convert
