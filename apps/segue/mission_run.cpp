@@ -39,16 +39,14 @@ Result<std::pair<std::string, std::uint32_t>> parse_count(const std::string& tex
   return std::pair(text.substr(0, equals), count);
 }
 
-Result<session::NetworkRequest> network_request(const NetworkOptions& options) {
-  session::NetworkRequest request;
-  request.order = options.order == "goal" ? cdtn::OrderRule::Goal : cdtn::OrderRule::Epoch;
-  request.seed = options.seed;
-  for (const std::string& text : options.resources) {
+Result<mission::UnitCounts> parse_counts(const std::vector<std::string>& texts) {
+  mission::UnitCounts counts;
+  for (const std::string& text : texts) {
     auto count = parse_count(text);
     if (!count) return count.error();
-    request.resources.push_back(std::move(*count));
+    counts.push_back(std::move(*count));
   }
-  return request;
+  return counts;
 }
 
 std::optional<session::JournalRequest> journal_request(const MissionOptions& options) {
@@ -77,9 +75,11 @@ Result<RunRequest> request_of(const MissionOptions& options, const NetworkOption
   request.strict = network.strict;
   request.workers = network.workers;
   request.world_copies = network.world_copies;
-  auto only_networks = network_request(network);
-  if (!only_networks) return only_networks.error();
-  request.network = std::move(*only_networks);
+  request.seed = network.seed;
+  if (network.order == "goal") request.order = cdtn::OrderRule::Goal;
+  auto counts = parse_counts(network.resources);
+  if (!counts) return counts.error();
+  request.resources = std::move(*counts);
   return request;
 }
 
@@ -97,7 +97,7 @@ draw::Diagram known_plan(const session::Session& plan, const RunRequest& request
   session::ConvertRequest wanted;
   wanted.inputs = request.inputs;
   wanted.facts = request.facts;
-  wanted.order = request.network.order;
+  wanted.order = request.order;
   wanted.most = wanted.horizon;
   auto diagram = plan.convert(wanted);  // where it fails, so does the run
   return diagram ? std::move(*diagram) : draw::Diagram{};
@@ -191,7 +191,7 @@ void add_network_options(Verb& verb, NetworkOptions& options) {
               "of a task network: epoch (default) keeps the whole final world, goal only its goal")
       .one_of({"epoch", "goal"});
   verb.option("--seed N", options.seed,
-              "vary durations of simulated nodes, reproducibly for each number; 0: as expected");
+              "vary durations of simulated actions, reproducibly for each number; 0: as expected");
   verb.option("--workers N", options.workers, "nodes that run at the same time; 0: any number");
   verb.option("--world-copies N", options.world_copies, "projected worlds at the same time; 0: any number");
   verb.option("--resource NAME=COUNT", options.resources,

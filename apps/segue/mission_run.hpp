@@ -13,7 +13,7 @@
 
 namespace segue::cli {
 
-/// What only a concurrent run has, and mostly only that of a task network.
+/// What mostly matters to concurrent runs.
 struct NetworkOptions {
   std::string order = "epoch";
   std::uint64_t seed = 0;
@@ -42,7 +42,7 @@ struct MissionOptions {
   std::string python = "python3";
 };
 
-/// The options of a run that only task networks have.
+/// The options for what is in NetworkOptions.
 void add_network_options(Verb& verb, NetworkOptions& options);
 /// --libraries
 void add_library_option(Verb& verb, MissionOptions& options);

@@ -28,6 +28,8 @@ class Expansion {
   virtual void ended(NodeId node, OutcomeId outcome, const type::Value* outputs) = 0;
   /// `node` has failed: no node after it is reached any more.
   virtual void failed(NodeId node) { (void)node; }
+  /// Whether there are races that have not been decided.
+  [[nodiscard]] virtual bool races() const { return false; }
   /// The nodes that have lost a race since the last call: what of them runs is preempted, and its end counts;
   /// the others are skipped (see skipped()). Asked whenever a node has ended or was appended.
   virtual std::vector<NodeId> take_lost() { return {}; }

@@ -39,14 +39,21 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   if (const auto claims = network_.claims(node);
       !claims.empty() && !(state.cancelled && planted(EngineFault::KeepsPreemptedUnits)))
     pool_.release(claims, succeeded(network_, node, end.report));
-  if (end.report) learn_effects(*end.report);
+  if (end.report) {
+    learn_effects(*end.report);
+    learn_units(*end.report);
+  }
   if (irreversible(node)) {
     reports_[index(node)] = std::move(end.report);
     return commit(node);
   }
   const bool ends_lost = state.lost && state.phase == Phase::Running;
-  if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted))
-    return park(node, std::move(end.report));
+  if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted)) {
+    park(node, std::move(end.report));
+    // It may decide a race before the units that it had are granted to a node that has lost.
+    if (expansion_ != nullptr && expansion_->races()) check(node);
+    return;
+  }
   discard(node);
   if (state.phase == Phase::Skipped) return;
   state.phase = Phase::Waiting;
@@ -63,6 +70,17 @@ void ConcurrentEngine::Implementation::learn_effects(Report& report) {
     } else if (const auto known = network_.facts.find(named.fact)) {
       effects.push_back({*known, named.value});
     }
+  }
+}
+
+/// Takes in units that were reported by name. Nobody waits for any: what comes after the node has not begun.
+void ConcurrentEngine::Implementation::learn_units(const Report& report) {
+  for (const NamedUnits& named : report.named_units) {
+    auto resource = network_.resources.find(named.resource);
+    if (!resource && growing_ != nullptr) resource = growing_->resources.intern(named.resource);
+    if (!resource) continue;
+    pool_.grow();
+    pool_.change(*resource, named.change);
   }
 }
 
@@ -224,6 +242,7 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
   if (expansion_ == nullptr || state.phase != Phase::Done) return;
   const ReportPtr& report = reports_[index(node)];
   expansion_->ended(node, state.outcome, report ? report->outputs.get() : nullptr);
+  if (expansion_->races()) take_lost();
 }
 
 /// Releases what the node no longer needs.

@@ -19,9 +19,8 @@
 
 namespace segue::cdtn {
 
-/// The engine proper. All state belongs to the thread that calls `run`; other threads only post to `events_`
-/// and set `stop_asked_` and what `pause_` is asked for. What happens to a node puts the nodes that it
-/// concerns into `work_`; nothing ever scans the whole network. NodeState states the invariants of a node.
+/// The engine proper. All state belongs to the thread that calls `run`; others only post to `events_`, set
+/// `stop_asked_` and ask `pause_`. What happens to a node puts those that it concerns into `work_`.
 class ConcurrentEngine::Implementation {
  public:
   Implementation(const TaskNetwork& network, const Order& order, Environment& environment,
@@ -125,6 +124,7 @@ class ConcurrentEngine::Implementation {
   void abandon(NodeId node);
   void discard(NodeId node);
   void learn_effects(Report& report);
+  void learn_units(const Report& report);
   void invalidate(NodeId node);
   void cancel_run(NodeId node);
   void truncate(NodeId node);

@@ -34,6 +34,9 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
     return engine_.network_[node_].kind == ActionClass::Pure ? engine_.projected_world(node_)
                                                              : engine_.world_;
   }
+  [[nodiscard]] std::uint32_t units(ResourceId resource) const override {
+    return engine_.pool_.total(resource);
+  }
 
  private:
   Implementation& engine_;
@@ -176,7 +179,7 @@ void ConcurrentEngine::Implementation::claim(NodeId node) {
 /// Once all nodes before have passed, nobody can provide what is lacking: what later nodes hold they give
 /// back, and where units come and go, later nodes have not begun. So the node aborts, as sequentially.
 bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
-  if (index(node) != prefix_) return false;
+  if (index(node) != prefix_ || pool_.has_granted(node)) return false;
   const auto shortage = pool_.shortage(network_.claims(node));
   if (!shortage) return false;
   const Error error = shortage_error(network_, node, *shortage->claim, shortage->there);

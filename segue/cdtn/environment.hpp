@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/pending_changes.hpp>
 #include <segue/cdtn/ids.hpp>
+#include <segue/cdtn/resource.hpp>
 #include <segue/cdtn/versioned_world.hpp>
 #include <segue/type/value.hpp>
 
@@ -23,6 +24,12 @@ struct NamedEffect {
   bool value = true;
 };
 
+/// How many more units of a resource there are than before, or fewer.
+struct NamedUnits {
+  std::string resource;
+  std::int64_t change = 0;
+};
+
 /// How a run of a node ended.
 struct Report {
   OutcomeId outcome = kSuccess;
@@ -32,6 +39,8 @@ struct Report {
   /// Further observed effects, of opaque nodes, on facts that the network need not know; a growing network
   /// adds them.
   std::vector<NamedEffect> named_effects{};
+  /// Likewise, units that an opaque node has created or removed without claiming them.
+  std::vector<NamedUnits> named_units{};
   std::shared_ptr<const type::Value> outputs;  ///< a map; may be null
   std::string error;                           ///< why, for `aborted`
   /// Of pure and sensing nodes: what is beside the network, such as variables. Null: nothing. A run for which
@@ -56,6 +65,9 @@ class NodeContext {
   /// The whole world as the node may take it to be: a snapshot that other threads may read. A node that does
   /// not declare `reads_world` fails for asking.
   [[nodiscard]] virtual VersionedWorld world() = 0;
+  /// How many units of the resource there are. For an opaque node: others neither hold nor change them while
+  /// it runs, but for groups.
+  [[nodiscard]] virtual std::uint32_t units(ResourceId resource) const = 0;
 };
 
 /// Receives the ends of nodes. Every start has one end; further ones are ignored.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_outcome.hpp"
 
+#include <segue/base/shortage.hpp>
 #include <segue/base/text.hpp>
 
 #include <algorithm>
@@ -81,10 +82,7 @@ NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report)
 
 Error shortage_error(const TaskNetwork& network, NodeId node, const Claim& claim, std::uint64_t there) {
   return fail(ErrorCode::ResourceExhausted,
-              "it needs " + std::to_string(claim.count) + " of the resource " +
-                  quote(network.resources.name(claim.resource)) + ", of which there " +
-                  (there == 1 ? "is " : "are ") + std::to_string(there),
-              network.label(node));
+              shortage_text(network.resources.name(claim.resource), claim.count, there), network.label(node));
 }
 
 Error precondition_error(const TaskNetwork& network, NodeId node, const Literal& literal) {

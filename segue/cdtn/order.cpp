@@ -165,7 +165,7 @@ void OrderBuilder::add_place(NodeId node) {
   }
   if (index(place_) != kNone) add(place_, Reason::Place, 0);
   const auto writes = [](const Access& access) { return access.writes; };
-  if (entry.kind != ActionClass::Pure || entry.reads_beside ||
+  if (entry.kind != ActionClass::Pure || entry.reads_beside || !network_.claims(node).empty() ||
       std::ranges::any_of(network_.accesses(node), writes))
     touch(place_touchers_, node);
 }

@@ -221,6 +221,12 @@ void ResourcePool::release(std::span<const Claim> claims, bool done) {
     grant_waiting(claim.resource);
 }
 
+void ResourcePool::change(ResourceId id, std::int64_t units) {
+  Units& own = units_[index(id)];
+  own.total = static_cast<std::uint32_t>(own.total + units);
+  own.free = static_cast<std::uint32_t>(own.free + units);
+}
+
 void ResourcePool::leave_group(std::uint32_t group) {
   Group& left = groups_[group];
   ++left.left;

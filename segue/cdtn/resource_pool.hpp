@@ -4,6 +4,7 @@
 #include <segue/cdtn/ids.hpp>
 #include <segue/cdtn/resource.hpp>
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <memory>
@@ -42,11 +43,17 @@ class ResourcePool {
   /// Releases the units that the node holds. `done`: units that it declares to create or delete are created
   /// or deleted; otherwise (it failed or is repeated) not. Consumed units stay consumed in either case.
   void release(std::span<const Claim> claims, bool done);
+  /// There are so many more units, or fewer, none of which anybody holds or waits for.
+  void change(ResourceId id, std::int64_t units);
   /// A member of the group has ended, or will never begin.
   void leave_group(std::uint32_t group);
 
   /// Moves out the nodes that were granted since the last call, in that order.
   void granted(std::vector<NodeId>& nodes);
+  /// Whether `granted` will name the node.
+  [[nodiscard]] bool has_granted(NodeId node) const {
+    return std::ranges::find(granted_, node) != granted_.end();
+  }
 
   [[nodiscard]] std::uint32_t total(ResourceId id) const { return units_[index(id)].total; }
   [[nodiscard]] std::uint32_t free(ResourceId id) const { return units_[index(id)].free; }

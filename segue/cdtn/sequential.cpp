@@ -91,6 +91,7 @@ class SequentialRun {
     if (entry.attempts > 0) give_back(node, outcome.outcome == network_[node].expected);
     entry.outcome = outcome.outcome;
     if (report) result_.outputs[index(node)] = report->outputs;
+    if (report) learn_units(*report);
     apply(node, outcome);
     leave_groups(node);
     if (outcome.failure && outcome.outcome == kPreempted && result_.stopped) {
@@ -118,6 +119,15 @@ class SequentialRun {
     }
     for (const Literal& literal : outcome.effects)
       result_.world.set(literal);
+  }
+
+  void learn_units(const Report& report) {
+    for (const NamedUnits& named : report.named_units) {
+      const auto resource = network_.resources.find(named.resource);
+      if (!resource) continue;
+      std::uint32_t& units = result_.units[index(*resource)];
+      units = static_cast<std::uint32_t>(units + named.change);
+    }
   }
 
   /// The units of one resource that a node's claims take now. The first member of a group takes the units of
@@ -202,6 +212,9 @@ class SequentialRun::RunContext final : public NodeContext {
   [[nodiscard]] VersionedWorld world() override {
     asked_world_ = true;
     return run_.result_.world;
+  }
+  [[nodiscard]] std::uint32_t units(ResourceId resource) const override {
+    return run_.result_.units[index(resource)];
   }
   [[nodiscard]] bool asked_world() const { return asked_world_; }
 

@@ -1,28 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation.hpp"
 
-#include <cmath>
+#include <segue/base/varied_duration.hpp>
 
 namespace segue::cdtn {
 
-namespace {
-
-/// splitmix64: a pseudo-random number from any number.
-std::uint64_t mixed(std::uint64_t number) {
-  number += 0x9E3779B97F4A7C15U;
-  number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9U;
-  number = (number ^ (number >> 27)) * 0x94D049BB133111EBU;
-  return number ^ (number >> 31);
-}
-
-}  // namespace
-
 Duration SimulatedEnvironment::duration(NodeId node, std::uint32_t attempt) const {
-  const Duration expected = network_[node].duration;
-  if (seed_ == 0) return expected;
-  const std::uint64_t number = mixed(mixed(mixed(seed_) ^ index(node)) ^ attempt);
-  const double exponent = static_cast<double>(number >> 11) * 0x1p-53 * 2 - 1;
-  return Duration(static_cast<Duration::rep>(static_cast<double>(expected.count()) * std::exp2(exponent)));
+  return varied(network_[node].duration, seed_, std::uint64_t{index(node)}, attempt);
 }
 
 ReportPtr SimulatedEnvironment::report(NodeId node) const {

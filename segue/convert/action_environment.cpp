@@ -3,6 +3,7 @@
 #include <segue/convert/action_environment.hpp>
 #include <segue/convert/all_changes.hpp>
 #include <segue/convert/fault.hpp>
+#include <segue/convert/subtree_watch.hpp>
 #include <segue/convert/world_views.hpp>
 #include <segue/mission/index.hpp>
 
@@ -52,9 +53,8 @@ struct ActionEnvironment::Reporter {
   mission::Globals globals;  ///< as the action uses them
   std::atomic<bool> cancelled{false};
 
-  /// `facts`: those that it changed without declaring them.
   [[nodiscard]] ReportPtr report(const Ending& ending, std::vector<Value> outputs,
-                                 const std::vector<std::string>& facts = {}) {
+                                 const SubtreeChanges& changes = {}) {
     Outcome outcome = ending.outcome;
     std::string error = ending.error;
     if (cancelled && !planted(ConversionFault::CountsCancelled)) {
@@ -77,9 +77,11 @@ struct ActionEnvironment::Reporter {
     if (outcome == kAborted && !error.empty()) map.append(std::string(kErrorOutput), error);
     if (counts)
       map.append(std::string(kCountOutput), count + (planted(ConversionFault::CountsTwice) ? 2 : 1));
-    for (const std::string& fact : facts)
+    for (const std::string& fact : changes.facts)
       report->named_effects.push_back(named_effect(fact));
-    if (recorded) map.append(std::string(kRecordOutput), NodeJournal::record_of(globals, facts));
+    for (const auto& [resource, change] : changes.units)
+      report->named_units.push_back({resource, change});
+    if (recorded) map.append(std::string(kRecordOutput), NodeJournal::record_of(globals, changes));
     report->outputs = std::make_shared<const Value>(std::move(map));
     report->pending = std::make_unique<AllChanges>(globals.pending_changes(), ending.pending);
     return report;
@@ -329,19 +331,19 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
       options_.warn(plan_.network().label(context.node()) + ": " + erased.error().message);
   }
   if (end->outputs.empty()) end->outputs = default_outputs(context.node(), reports->globals);
-  const NodeId node = context.node();
-  const std::uint32_t attempt = context.attempt();
-  if (end->outcome == kPreempted) {  // as soon as the race is lost again
-    running_[index(node)] = {reports, [&completions, node, attempt, reports, end = std::move(*end)] {
-                               completions.finish_at(
-                                   completions.now(), node, attempt,
-                                   reports->report({kPreempted, end.error}, end.outputs, end.facts));
-                             }};
-    return true;
+  for (const auto& [state, count] : end->begun) {
+    if (state < iterations_->size()) (*iterations_)[state] = count;
   }
-  completions.finish_at(
-      completions.now(), node, attempt,
-      reports->report({end->outcome, std::move(end->error)}, std::move(end->outputs), end->facts));
+  const bool waits = end->outcome == kPreempted;  // until the race is lost again
+  const auto again = [&completions, node = context.node(), attempt = context.attempt(), reports,
+                      end = std::move(*end)] {
+    completions.finish_at(completions.now(), node, attempt,
+                          reports->report({end.outcome, end.error}, end.outputs, {end.facts, end.units, {}}));
+  };
+  if (waits)
+    running_[index(context.node())] = {reports, again};
+  else
+    again();
   return true;
 }
 
@@ -385,22 +387,6 @@ void ActionEnvironment::start_action(NodeContext& context, Completions& completi
                         reports->report(*ending, std::move(call.results())));
 }
 
-namespace {
-
-/// The facts that became true, and with "!" those that became false.
-std::vector<std::string> changes(const mission::World::Facts& before, const mission::World::Facts& after) {
-  std::vector<std::string> facts;
-  for (const std::string& fact : after) {
-    if (!before.contains(fact)) facts.push_back(fact);
-  }
-  for (const std::string& fact : before) {
-    if (!after.contains(fact)) facts.push_back("!" + fact);
-  }
-  return facts;
-}
-
-}  // namespace
-
 /// The subtree of the node, with everything that it begins with.
 mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission::Globals& used) const {
   const PlannedNode& planned = plan_[context.node()];
@@ -416,7 +402,19 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
           error.is_string() ? error.as_string() : "",
           planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : used,
           iterations_,
-          world(context)};
+          world(context),
+          units(context)};
+}
+
+mission::Units::Counts ActionEnvironment::units(NodeContext& context) const {
+  const cdtn::ResourceTable& resources = plan_.network().resources;
+  mission::Units::Counts counts;
+  for (std::uint32_t i = 0; i < resources.size(); ++i) {
+    const cdtn::ResourceId resource{i};
+    counts[resources.name(resource)] =
+        planted(ConversionFault::SeesOldUnits) ? resources[resource].count : context.units(resource);
+  }
+  return counts;
 }
 
 mission::WorldView ActionEnvironment::world(NodeContext& context) const {
@@ -438,7 +436,7 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   options.preemption_grace = options_.preemption_grace;
   auto reports = reporter(context.node());
   options.part = part(context, reports->globals);
-  const mission::World::Facts world = options.part->world.facts();
+  const SubtreeWatch watch(*options.part);
   auto made = mission::Engine::create(plan_.shared_program(), runners_, std::move(options));
   if (!made) {
     return completions.finish_at(completions.now(), context.node(), context.attempt(),
@@ -446,11 +444,10 @@ void ActionEnvironment::start_subtree(NodeContext& context, Completions& complet
   }
   if (journal_ != nullptr) journal_->began(context.node());
   std::shared_ptr<mission::Engine> engine = std::move(*made);
-  const auto carry_out = [engine, reports, world] {
+  const auto carry_out = [engine, reports, watch] {
     engine->run();
     const mission::MissionResult& ended = engine->result();
-    return reports->report({ended.outcome, ended.error}, ended.outputs,
-                           changes(world, engine->world().facts()));
+    return reports->report({ended.outcome, ended.error}, ended.outputs, watch.changes(*engine));
   };
   if (in_virtual_time) {
     occupy(engine.get());

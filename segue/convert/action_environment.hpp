@@ -59,6 +59,7 @@ class ActionEnvironment final : public cdtn::Environment {
   void start_action(cdtn::NodeContext& context, cdtn::Completions& completions);
   [[nodiscard]] mission::MissionPart part(cdtn::NodeContext& context, const mission::Globals& used) const;
   [[nodiscard]] mission::WorldView world(cdtn::NodeContext& context) const;
+  [[nodiscard]] mission::Units::Counts units(cdtn::NodeContext& context) const;
   void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);

@@ -25,8 +25,9 @@ struct AheadOfFailures {
 inline constexpr std::size_t kMostExamined = 4000;
 
 /// For every path that the mission may take: the states that act although an earlier state aborts and nobody
-/// handles that. Three rounds of each loop stand for all; where facts or resources are named by values that are
-/// not known before the run, all that they might permit is in the list. The errors of MissionPlan::create.
+/// handles that. Three rounds of each loop stand for all; where facts or resources are named by values that
+/// are not known before the run, all that they might permit is in the list. The errors of
+/// MissionPlan::create.
 [[nodiscard]] Result<AheadOfFailures> ahead_of_failures(std::shared_ptr<const mission::Program> program,
                                                         std::vector<type::Value> inputs = {},
                                                         const std::vector<mission::Fact>& facts = {},

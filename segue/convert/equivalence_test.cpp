@@ -80,6 +80,8 @@ struct Trial {
   bool stopped = false;
   bool comparable = true;
   bool raced = false;
+  bool ran_short = false;  ///< of units, and nothing handled that
+  bool foreseen = false;   ///< a check finds a state to which that happens
 };
 
 /// The first irreversible action that was executed again although its end was recorded, or "".
@@ -140,6 +142,31 @@ std::string difference_after_crash(const std::shared_ptr<const mission::Program>
   return difference;
 }
 
+/// The states of which a check says that they always abort since units run short.
+std::vector<mission::StateIndex> foreseen_short(const mission::Mission& mission) {
+  std::vector<mission::StateIndex> states;
+  const Diagnostics diagnostics = mission::validate(mission);
+  for (const Diagnostic& found : diagnostics.items()) {
+    if (found.code != "runs-short") continue;
+    for (mission::StateIndex i = 0; i < mission.states.size(); ++i) {
+      const SourceLocation& place = mission.states[i].where;
+      if (place.line == found.where.line && place.column == found.where.column) states.push_back(i);
+    }
+  }
+  return states;
+}
+
+/// A state that did not abort although the check says so, or "".
+std::string wrongly_foreseen(const std::vector<mission::StateIndex>& states, const mission::Mission& mission,
+                             const Ran& written) {
+  for (const mission::StateIndex state : states) {
+    const auto ends = written.ends.find(state);
+    if (ends != written.ends.end() && (ends->second.contains("ok") || ends->second.contains("no")))
+      return mission.path(state) + " did not abort";
+  }
+  return {};
+}
+
 /// Runs the mission of that number as written, by itself, in some cases again after a crash, and once more
 /// until it is stopped.
 Trial attempt(std::uint64_t seed) {
@@ -151,15 +178,19 @@ Trial attempt(std::uint64_t seed) {
   const ConcurrentRun run(program, options);
   MissionCheck check(written, run, options.strict);
   trial.comparable = check.comparable();
-  trial.raced = !run.plan().races().firsts.empty();
+  trial.raced = !run.plan().race_record().firsts.empty();
   if (!trial.comparable) return trial;
   trial.difference = check.difference();
   if (trial.difference.empty()) trial.difference = check.slower();
+  const auto foreseen = foreseen_short(program->mission());
+  if (trial.difference.empty()) trial.difference = wrongly_foreseen(foreseen, program->mission(), written);
+  trial.foreseen = !foreseen.empty();
   const bool one_at_a_time = trial.text.find("kind: barrier") == std::string::npos &&
                              trial.text.find("kind: preemptive") == std::string::npos;
   if (trial.difference.empty() && one_at_a_time) trial.difference = check.slower_than_written();
   trial.faster = run.ran.makespan < written.makespan;
   trial.succeeded = written.result.outcome >= 0;
+  trial.ran_short = written.result.error.starts_with("it needs ");
   trial.preempted = run.network_result().statistics.preempted > 0;
   if (!trial.difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, run);
   if (trial.difference.empty() && seed % 8 == 3)
@@ -168,6 +199,7 @@ Trial attempt(std::uint64_t seed) {
   const ConcurrentRun stopped(program, options, 1 + seed % run.begun());
   trial.stopped = stopped.ran.result.outcome == mission::kPreempted;
   trial.difference = MissionCheck(written, stopped, options.strict).difference_after_stop();
+  if (!trial.difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, stopped);
   if (!trial.difference.empty()) trial.difference += ", stopped";
   return trial;
 }
@@ -183,6 +215,8 @@ TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   std::size_t stopped = 0;
   std::size_t comparable = 0;
   std::size_t raced = 0;
+  std::size_t ran_short = 0;
+  std::size_t foreseen = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     const Trial trial = attempt(seed);
     ASSERT_EQ(trial.difference, "") << trial.text << "SEGUE_MISSION_SEED=" << seed;
@@ -192,6 +226,8 @@ TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
     succeeded += trial.succeeded ? 1 : 0;
     preempted += trial.preempted ? 1 : 0;
     stopped += trial.stopped ? 1 : 0;
+    ran_short += trial.ran_short ? 1 : 0;
+    foreseen += trial.foreseen ? 1 : 0;
   }
   if (cases < 1000) return;
   EXPECT_GT(comparable, cases * 9 / 10);
@@ -200,6 +236,8 @@ TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   EXPECT_GT(succeeded, cases / 10);
   EXPECT_GT(preempted, cases / 200);
   EXPECT_GT(stopped, cases / 4);
+  EXPECT_GT(ran_short, cases / 50);
+  EXPECT_GT(foreseen, cases / 200);
 }
 
 #else

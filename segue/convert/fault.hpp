@@ -41,7 +41,8 @@ enum class ConversionFault : std::uint8_t {
   ForgetsStrict,             ///< nothing is strict
   RacesConflict,             ///< states of a preemptive container that touch the same wait for each other
   RacesBeginEarly,           ///< states of a preemptive container begin before what comes before it has ended
-  Last = RacesBeginEarly
+  SeesOldUnits,              ///< opaque subtrees begin with the units of the beginning
+  Last = SeesOldUnits
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

@@ -77,10 +77,13 @@ Result<void> check_inputs(const std::vector<mission::Port>& ports, const std::ve
 Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const mission::Program> program,
                                                          std::vector<Value> inputs,
                                                          const std::vector<mission::Fact>& facts,
-                                                         PlanScope scope) {
+                                                         PlanScope scope,
+                                                         const mission::UnitCounts& resources) {
   if (auto fits = check_inputs(*program->node(0).input_ports, inputs); !fits) return fits.error();
   const auto world = mission::initial_facts(program->mission(), facts);
   if (!world) return world.error();
+  const auto units = mission::initial_units(program->mission(), resources);
+  if (!units) return units.error();
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(std::move(program)));
   plan->network_.name = plan->program().mission().name;
   for (const std::string& fact : *world) {
@@ -91,9 +94,10 @@ Result<std::unique_ptr<MissionPlan>> MissionPlan::create(std::shared_ptr<const m
   for (const mission::Resource& resource : plan->program().mission().resources) {
     cdtn::ResourceRecord& entry = plan->network_.resources[plan->network_.resources.intern(resource.name)];
     entry.kind = static_cast<cdtn::ResourceClass>(resource.kind);
-    entry.count = static_cast<std::uint32_t>(std::max(0, resource.count));
     entry.commutes = resource.commutes;
   }
+  for (const auto& [name, count] : *units)
+    plan->network_.resources[plan->network_.resources.intern(name)].count = count;
   plan->unroller_ = std::make_unique<Unroller>(*plan, std::move(inputs), scope);
   if (auto begun = plan->unroller_->begin(); !begun) return begun.error();
   return plan;
@@ -111,12 +115,12 @@ void MissionPlan::ended(NodeId node, OutcomeId outcome, const Value* outputs) {
   unroller_->ended(node, outcome, outputs);
 }
 
-void MissionPlan::set_races(RaceRecord record) {
-  unroller_->set_races(std::move(record));
+void MissionPlan::set_race_record(RaceRecord record) {
+  unroller_->set_race_record(std::move(record));
 }
 
-const RaceRecord& MissionPlan::races() const {
-  return unroller_->races();
+const RaceRecord& MissionPlan::race_record() const {
+  return unroller_->race_record();
 }
 
 void MissionPlan::failed(NodeId node) {
@@ -125,6 +129,10 @@ void MissionPlan::failed(NodeId node) {
 
 void MissionPlan::skipped(NodeId node) {
   unroller_->skipped(node);
+}
+
+bool MissionPlan::races() const {
+  return unroller_->races();
 }
 
 std::vector<NodeId> MissionPlan::take_lost() {
@@ -190,7 +198,7 @@ std::unique_ptr<MissionPlan> MissionPlan::from_the_beginning() const {
   auto plan = std::unique_ptr<MissionPlan>(new MissionPlan(program_));
   plan->network_.name = network_.name;
   plan->unroller_ = std::make_unique<Unroller>(*plan, unroller_->given(), PlanScope::EveryEnd);
-  plan->unroller_->set_races({races().firsts});
+  plan->unroller_->set_race_record({race_record().firsts});
   (void)plan->unroller_->begin();  // as it has succeeded before
   return plan;
 }

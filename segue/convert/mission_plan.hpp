@@ -8,6 +8,7 @@
 #include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/units.hpp>
 
 #include <cstdint>
 #include <deque>
@@ -112,18 +113,21 @@ enum class PlanScope : std::uint8_t { AsKnown, EveryEnd, Outline };
 /// outcomes) that lead back into a loop are planned for once they have happened. For one thread.
 class MissionPlan final : public cdtn::Expansion {
  public:
-  /// `inputs` by port of the root, null for its default; `facts` override the initial facts of the mission.
-  /// TypeMismatch for an input of another type, InvalidArgument for too many inputs and for malformed facts.
+  /// `inputs` by port of the root, null for its default; `facts` override the initial facts of the mission,
+  /// `resources` its units. TypeMismatch for an input of another type, InvalidArgument for too many inputs
+  /// and for malformed facts, NotFound for a resource that nothing uses.
   static Result<std::unique_ptr<MissionPlan>> create(std::shared_ptr<const mission::Program> program,
                                                      std::vector<type::Value> inputs = {},
                                                      const std::vector<mission::Fact>& facts = {},
-                                                     PlanScope scope = PlanScope::AsKnown);
+                                                     PlanScope scope = PlanScope::AsKnown,
+                                                     const mission::UnitCounts& resources = {});
   ~MissionPlan() override;
 
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override;
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override;
   void failed(cdtn::NodeId node) override;
   void skipped(cdtn::NodeId node) override;
+  [[nodiscard]] bool races() const override;
   [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override;
   [[nodiscard]] bool finished() const override;
 
@@ -143,8 +147,8 @@ class MissionPlan final : public cdtn::Expansion {
   [[nodiscard]] mission::Outcome outcome(cdtn::NodeId node, cdtn::OutcomeId outcome) const;
 
   /// Before the run.
-  void set_races(RaceRecord record);
-  [[nodiscard]] const RaceRecord& races() const;
+  void set_race_record(RaceRecord record);
+  [[nodiscard]] const RaceRecord& race_record() const;
 
   /// How the mission ended. Requires that the run has ended.
   [[nodiscard]] mission::Outcome final_outcome(const cdtn::RunResult& result);

@@ -37,16 +37,21 @@ RunJournal::End end_of(const mission::CompiledState& state, const Value& outputs
     end.globals = record->find("globals")->as_map();
     end.erased = texts_of(*record->find("erased"));
     end.facts = texts_of(*record->find("facts"));
+    end.units = mission::unit_changes(record->find("units")->as_map());
+    end.begun = mission::counts_by_state(record->find("states")->as_map());
   }
   return end;
 }
 
 }  // namespace
 
-Value NodeJournal::record_of(const mission::Globals& used, const std::vector<std::string>& facts) {
-  auto changes = used.changes();
-  return Value::map(
-      {{"globals", std::move(changes.set)}, {"erased", list_of(changes.erased)}, {"facts", list_of(facts)}});
+Value NodeJournal::record_of(const mission::Globals& used, const SubtreeChanges& changes) {
+  auto variables = used.changes();
+  return Value::map({{"globals", std::move(variables.set)},
+                     {"erased", list_of(variables.erased)},
+                     {"facts", list_of(changes.facts)},
+                     {"units", mission::to_value(changes.units)},
+                     {"states", mission::to_value(changes.begun)}});
 }
 
 bool NodeJournal::records(NodeId node) const {

@@ -5,6 +5,8 @@
 #include <segue/mission/globals.hpp>
 #include <segue/mission/run_journal.hpp>
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,13 +16,19 @@
 
 namespace segue::convert {
 
+/// What an opaque subtree has changed beside its outputs and variables, as in mission::RunJournal::End.
+struct SubtreeChanges {
+  std::vector<std::string> facts{};
+  mission::UnitChanges units{};
+  std::map<mission::StateIndex, std::uint32_t> begun{};
+};
+
 /// The journal of a concurrent run: which actions and opaque subtrees have begun and ended. Only what counts
 /// is recorded; an opaque subtree counts as one action. For the engine's thread.
 class NodeJournal {
  public:
   /// What is recorded of an execution beside its outcome, outputs and error: the value of kRecordOutput.
-  [[nodiscard]] static type::Value record_of(const mission::Globals& used,
-                                             const std::vector<std::string>& facts);
+  [[nodiscard]] static type::Value record_of(const mission::Globals& used, const SubtreeChanges& changes);
 
   NodeJournal(const MissionPlan& plan, std::shared_ptr<mission::RunJournal> journal);
 

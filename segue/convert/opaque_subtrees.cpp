@@ -168,17 +168,10 @@ class Search {
     for (const mission::Fact& fact : action.effects)
       touched.push_back({"fact " + to_string(fact), true});
     for (const mission::ResourceUse& use : action.resources) {
-      const bool free = use.operation == mission::ResourceOperation::Exists || commutes(use.resource);
-      touched.push_back({"resource " + use.resource, !free || varies(use.resource)});
+      const bool only_looks = use.operation == mission::ResourceOperation::Exists && !varies(use.resource);
+      touched.push_back({"resource " + use.resource, !only_looks});
     }
     return action.reads_world;
-  }
-
-  /// Whether the order of those who use it does not matter: they wait for each other only while it is in use.
-  [[nodiscard]] bool commutes(const std::string& name) const {
-    const auto& resources = program_.mission().resources;
-    const auto found = std::ranges::find(resources, name, &mission::Resource::name);
-    return found != resources.end() && found->commutes;
   }
 
   /// Whether units of it are created or removed: then all that use it do so in program order.

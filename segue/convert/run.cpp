@@ -22,6 +22,7 @@ class ObservedPlan final : public cdtn::Expansion {
   void expand(cdtn::TaskNetwork& network, std::size_t wanted) override { plan_.expand(network, wanted); }
   void failed(cdtn::NodeId node) override { plan_.failed(node); }
   void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
+  [[nodiscard]] bool races() const override { return plan_.races(); }
   [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override { return plan_.take_lost(); }
   [[nodiscard]] bool finished() const override { return plan_.finished(); }
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs) override {
@@ -77,7 +78,7 @@ class Run::Implementation {
         environment_(*plan_, runners_, std::move(by_action), options, journal_.get()),
         observed_(*plan_, options.observe, journal_.get()),
         engine_(plan_->network(), observed_, environment_, settings(options)) {
-    if (journal_) plan_->set_races(journal_->races());
+    if (journal_) plan_->set_race_record(journal_->races());
   }
 
   const mission::MissionResult& run() {
@@ -138,7 +139,8 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
   auto assigned = runners.assign(program->mission());
   if (!assigned) return assigned.error();
   options.observe = one_at_a_time(std::move(options.observe));
-  auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts);
+  auto plan = MissionPlan::create(std::move(program), std::move(inputs), options.facts, PlanScope::AsKnown,
+                                  options.resources);
   if (!plan) return plan.error();
   auto& network = (*plan)->network();
   attach(network.initial_world, network.facts, options.world_data);
@@ -189,6 +191,7 @@ class Bounded final : public cdtn::Expansion {
   }
   void failed(cdtn::NodeId node) override { plan_.failed(node); }
   void skipped(cdtn::NodeId node) override { plan_.skipped(node); }
+  [[nodiscard]] bool races() const override { return plan_.races(); }
   [[nodiscard]] std::vector<cdtn::NodeId> take_lost() override { return plan_.take_lost(); }
   [[nodiscard]] bool finished() const override { return plan_.finished() || plan_.network().size() >= most_; }
 

@@ -23,6 +23,7 @@ struct RunOptions {
   bool log = false;                                      ///< record events in the result of the network
   Duration preemption_grace = std::chrono::seconds(10);  ///< as in mission::EngineOptions
   std::vector<mission::Fact> facts{};                    ///< likewise
+  mission::UnitCounts resources{};                       ///< likewise
   mission::AttachedData world_data{};                    ///< likewise
   std::function<void(std::string)> warn;                 ///< likewise
   /// Called for every action that begins, and for every one whose end counts: actions that run ahead and are

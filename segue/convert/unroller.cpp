@@ -21,6 +21,7 @@ Unroller::Unroller(MissionPlan& plan, std::vector<type::Value> inputs, PlanScope
       given_(std::move(inputs)),
       scope_(scope),
       subtrees_(find_opaque_subtrees(plan.program())),
+      shared_(plan.program()),
       touches_(plan.program().mission().actions.size()) {
   find_varying();
 }
@@ -149,8 +150,7 @@ bool Unroller::enter_pending(Track& track) {
   return !track.pending;
 }
 
-/// Plans the state next; a leaf whose inputs determine its facts or resources only once these are known.
-
+/// Plans the state next; a leaf only once it is ready.
 void Unroller::enter(Track& track, StateEntry entry) {
   const StateIndex state = entry.state;
   const StateKind kind = node(state).kind;
@@ -162,7 +162,7 @@ void Unroller::enter(Track& track, StateEntry entry) {
   }
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
-  if (scope_ != PlanScope::Outline && !naming_values(entry)) {
+  if (scope_ != PlanScope::Outline && !is_ready(entry)) {
     track.pending = std::move(entry);
     return;
   }
@@ -217,6 +217,7 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
   const BranchEdge when = activation.entry.when;
   const mission::CompiledState& barrier = node(activation.entry.state);
   const std::uint64_t number = barriers_++;
+  const std::size_t open_before = before_.size();
   for (const StateIndex child : barrier.children) {
     if (child == barrier.decider) continue;
     StateEntry branch = entry_of(track.frames.back(), child, when);
@@ -228,7 +229,9 @@ void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
     const auto around = std::exchange(branch_, beside->branch);
     enter(*beside, std::move(branch));
     branch_ = around;
+    if (!beside->settled()) before_.push_back(beside.get());
   }
+  before_.resize(open_before);
 }
 
 /// Ends the hierarchy at the top of the track.
@@ -323,11 +326,16 @@ bool Unroller::step_barrier(Track& track) {
     finish(track, state, {});
     return true;
   }
-  bool settled = true;
+  const std::size_t open_before = before_.size();
   for (const auto& beside : frame.tracks) {
-    if (step(*beside)) return true;
-    settled = settled && beside->settled();
+    if (step(*beside)) {
+      before_.resize(open_before);
+      return true;
+    }
+    if (!beside->settled()) before_.push_back(beside.get());
   }
+  const bool settled = before_.size() == open_before;
+  before_.resize(open_before);
   if (!settled) return false;
   join_barrier(track);
   return true;

@@ -3,6 +3,7 @@
 
 #include <segue/convert/mission_plan.hpp>
 #include <segue/convert/track.hpp>
+#include <segue/mission/shared_units.hpp>
 
 #include <memory>
 #include <optional>
@@ -39,8 +40,9 @@ class Unroller {
   [[nodiscard]] const StateEnd& end() const { return *main_.end; }
   PathConditions& paths() { return paths_; }
   [[nodiscard]] const std::vector<type::Value>& given() const { return given_; }
-  [[nodiscard]] const RaceRecord& races() const { return record_; }
-  void set_races(RaceRecord record) { record_ = std::move(record); }
+  [[nodiscard]] bool races() const { return !races_.empty(); }
+  [[nodiscard]] const RaceRecord& race_record() const { return record_; }
+  void set_race_record(RaceRecord record) { record_ = std::move(record); }
   [[nodiscard]] const OpaqueSubtreeReason& subtree_reason(mission::StateIndex state) const {
     return subtrees_[state];
   }
@@ -119,6 +121,8 @@ class Unroller {
                     std::vector<Symbol> outputs);
   std::vector<Symbol> inputs_of(ContainerExecution& activation, mission::StateIndex child, BranchEdge at);
   Default fallback(const mission::PortSource& supply, BranchEdge at);
+  [[nodiscard]] bool is_ready(const StateEntry& entry);
+  [[nodiscard]] bool is_in_turn(const StateEntry& entry);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
   void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
   void declare_unknown(const StateEntry& entry, cdtn::NodeSpec& spec);
@@ -144,7 +148,10 @@ class Unroller {
   std::vector<bool> over_;                           ///< by node: it has ended, or was skipped
   std::uint32_t over_before_ = 0;                    ///< all nodes before are over or off the path
   const std::vector<OpaqueSubtreeReason> subtrees_;  ///< by state
-  std::vector<std::string> varying_;                 ///< patterns of resources that are created or removed
+  mission::SharedUnits shared_;
+  std::vector<const Track*>
+      before_;  ///< of the states beside and before the one that is being planned: open ones
+  std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

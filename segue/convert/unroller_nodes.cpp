@@ -3,6 +3,7 @@
 #include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
 #include <segue/mission/footprint.hpp>
+#include <segue/mission/units.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -49,22 +50,7 @@ bool uses_variables(const Action& action) {
 /// Resources of which units are created or removed. All their users take units in program order, including
 /// those that are planned before the first node that creates or removes some.
 void Unroller::find_varying() {
-  for (const Action& each : plan_.program().mission().actions) {
-    for (const mission::ResourceUse& use : each.resources) {
-      const auto operation = use.operation;
-      const bool changes = operation == mission::ResourceOperation::Create ||
-                           operation == mission::ResourceOperation::Consume ||
-                           operation == mission::ResourceOperation::Delete;
-      if (!changes) continue;
-      std::string pattern = use.resource;
-      for (const std::string& name : mission::placeholders(use.resource)) {
-        const std::string key = "{" + name + "}";
-        for (auto at = pattern.find(key); at != std::string::npos; at = pattern.find(key))
-          pattern.replace(at, key.size(), "*");
-      }
-      varying_.push_back(std::move(pattern));
-    }
-  }
+  varying_ = mission::varying_resources(plan_.program().mission());
 }
 
 /// Whether the state, or one in it, is declared strict.
@@ -113,6 +99,23 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
     track->open.push_back(id);
   plan_.nodes_.push_back(std::move(node));
   return id;
+}
+
+/// Whether it is known what the action touches, and whether its turn has come.
+bool Unroller::is_ready(const StateEntry& entry) {
+  return naming_values(entry).has_value() && is_in_turn(entry);
+}
+
+/// Units that come and go are taken in program order, also beside each other.
+bool Unroller::is_in_turn(const StateEntry& entry) {
+  for (const Track* beside : before_) {
+    if (!shared_.shared(beside->branch->child, node(entry.state).action)) continue;
+    plan_.waits_for_ = "how " + plan_.program().state(beside->branch->child).id.str() +
+                       " goes on, which uses the same units before " +
+                       plan_.program().state(entry.state).id.str();
+    return false;
+  }
+  return true;
 }
 
 /// The inputs that facts and resources refer to, by port; nothing if one is not known yet.

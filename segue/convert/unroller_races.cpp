@@ -169,8 +169,9 @@ void Unroller::decide(Race& race, std::size_t first) {
 
 /// Whether all that the state stands for has ended, for certain.
 bool Unroller::has_ended(Track& track) {
+  if (!track.settled()) return false;
   drop_ended(track);
-  if (!track.settled() || !track.open.empty()) return false;
+  if (!track.open.empty()) return false;
   return std::ranges::any_of(track.end->exits, [&](const Exit& exit) {
     const auto live = paths_.live(exit.arrival.when);
     return live && live->always();

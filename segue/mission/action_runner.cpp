@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/base/varied_duration.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/index.hpp>
 
@@ -45,7 +46,7 @@ namespace {
 /// Runs simulated actions, and by `expect` those that are simulated on request.
 class Simulation final : public ActionRunner {
  public:
-  explicit Simulation(bool as_expected) : as_expected_(as_expected) {}
+  Simulation(bool as_expected, std::uint64_t seed) : as_expected_(as_expected), seed_(seed) {}
 
   std::optional<Ending> start(ActionCall& call) override {
     if (call.backward()) return Ending{};
@@ -68,13 +69,16 @@ class Simulation final : public ActionRunner {
   }
 
  private:
-  static std::optional<Ending> after(ActionCall& call, Duration duration, Ending ending) {
+  std::optional<Ending> after(ActionCall& call, Duration duration, Ending ending) const {
     if (duration == Duration::zero()) return ending;
-    call.end_after(duration, std::move(ending));
+    const bool varies = seed_ != 0;
+    call.end_after(varies ? varied(duration, seed_, call.path(), call.iteration()) : duration,
+                   std::move(ending));
     return std::nullopt;
   }
 
-  bool as_expected_;
+  const bool as_expected_;
+  const std::uint64_t seed_;
 };
 
 class Decisions final : public ActionRunner {
@@ -109,8 +113,8 @@ class FunctionRunner final : public ActionRunner {
 }  // namespace
 
 Runners::Runners()
-    : simulation_(std::make_shared<Simulation>(false)),
-      expectation_(std::make_shared<Simulation>(true)),
+    : simulation_(std::make_shared<Simulation>(false, 0)),
+      expectation_(std::make_shared<Simulation>(true, 0)),
       decisions_(std::make_shared<Decisions>()) {}
 Runners::~Runners() = default;
 
@@ -125,6 +129,10 @@ void Runners::set_scripts(std::shared_ptr<ActionRunner> runner) {
 }
 void Runners::simulate_all() {
   simulate_all_ = true;
+}
+void Runners::vary_durations(std::uint64_t seed) {
+  simulation_ = std::make_shared<Simulation>(false, seed);
+  expectation_ = std::make_shared<Simulation>(true, seed);
 }
 
 Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission& mission) const {

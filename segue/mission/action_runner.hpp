@@ -130,6 +130,9 @@ class Runners {
   void set_scripts(std::shared_ptr<ActionRunner> runner);
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
+  /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
+  /// that state; 0: as declared.
+  void vary_durations(std::uint64_t seed);
 
   /// The runner of each action of the mission; NotFound if an action has none, or one that lacks what it
   /// needs.

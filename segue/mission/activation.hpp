@@ -3,6 +3,7 @@
 
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/history.hpp>
+#include <segue/mission/units.hpp>
 #include <segue/mission/world.hpp>
 
 #include <cstdint>
@@ -21,6 +22,12 @@ struct Slot {
   std::uint64_t stamp = 0;
 };
 
+/// What a leaf has done with units, for when that is undone. `done`: it ended as expected.
+struct UnitsUsed {
+  std::vector<UnitUse> uses{};
+  bool done = false;
+};
+
 /// The data needed to step back over a child that has ended.
 struct UndoRecord {
   std::uint32_t position = 0;
@@ -28,6 +35,7 @@ struct UndoRecord {
   std::vector<type::Value> inputs{};                     ///< of a leaf
   World::Changes changed{};                              ///< likewise
   bool refused = false;                                  ///< likewise
+  UnitsUsed units{};                                     ///< likewise
   std::vector<std::pair<std::uint32_t, Slot>> before{};  ///< the values that its end replaced
   Outcome last = 0;                                      ///< `last` of the container before it
   std::string error{};
@@ -47,7 +55,8 @@ struct Activation {
   bool pass = false;      ///< was held and is released for one child
   bool mark = false;      ///< a step over or out ends here
   bool deferred = false;  ///< a leaf that a completer will end
-  bool refused = false;   ///< a leaf whose action did not begin: a precondition is not met
+  bool refused = false;   ///< a leaf whose action did not begin: a precondition is not met, or units lack
+  bool asks = false;      ///< a leaf that waits for units
   bool replayed = false;  ///< a leaf whose end comes from the journal
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
@@ -57,6 +66,8 @@ struct Activation {
   std::string error_before;         ///< leaves: the error of the preceding state
   std::vector<GroundFact> effects;  ///< leaves: applied if they end as expected
   World::Changes changed{};         ///< leaves: the changes this made
+  std::vector<UnitUse> asked;       ///< leaves: units that it needs
+  UnitsUsed units;                  ///< leaves: those that it has taken
   std::vector<type::Value> inputs;
   std::vector<type::Value> outputs;
   StateIndex shown_as =

@@ -20,6 +20,8 @@ void check_actions(const Mission& mission, Diagnostics& diagnostics);
 void check_facts(const Mission& mission, Diagnostics& diagnostics);
 /// Resources that an action needs but that can never exist.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
+/// States that begin only when too few units are left for them. Requires a mission without errors.
+void check_units(const MissionIndex& index, Diagnostics& diagnostics);
 /// Names, transitions, reachability, deciders, recursion of libraries.
 void check_control(const MissionIndex& index, Diagnostics& diagnostics);
 /// Ports and their types; inputs that are read before they can have been written.

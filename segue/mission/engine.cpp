@@ -22,10 +22,13 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
   auto facts = options.part ? Result<World::Facts>(options.part->world.facts())
                             : initial_facts(program->mission(), options.facts);
   if (!facts) return facts.error();
+  auto units = options.part ? Result<Units::Counts>(options.part->units)
+                            : initial_units(program->mission(), options.resources);
+  if (!units) return units.error();
   World world(std::move(*facts), options.backward,
               options.part ? options.part->world.data() : options.world_data);
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
-                                                   std::move(options));
+                                                   Units(*units), std::move(options));
   return std::unique_ptr<Engine>(new Engine(std::move(core)));
 }
 
@@ -105,6 +108,9 @@ Globals& Engine::globals() {
 }
 const World& Engine::world() const {
   return core_->world;
+}
+const Units& Engine::units() const {
+  return core_->units;
 }
 std::uint64_t Engine::executions() const {
   return core_->executions;

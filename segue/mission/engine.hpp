@@ -8,6 +8,7 @@
 #include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/mission/run_journal.hpp>
+#include <segue/mission/units.hpp>
 #include <segue/mission/world.hpp>
 
 #include <atomic>
@@ -37,7 +38,8 @@ struct MissionPart {
   std::string error_before;  ///< with which the preceding state aborted
   Globals globals;           ///< shared with the creator
   std::shared_ptr<Iterations> iterations;
-  WorldView world;  ///< when it begins
+  WorldView world;      ///< when it begins
+  Units::Counts units;  ///< likewise
 };
 
 struct EngineOptions {
@@ -51,6 +53,8 @@ struct EngineOptions {
   Duration preemption_grace = std::chrono::seconds(10);
   /// Facts that hold at the beginning, or do not, in place of what the mission declares.
   std::vector<Fact> facts{};
+  /// How many units of some resources there are, in place of what the mission declares.
+  UnitCounts resources{};
   /// What actions that read the world find attached to it.
   AttachedData world_data{};
   /// Receives warnings, such as that an input is not of the declared type. On the engine's thread.
@@ -78,8 +82,8 @@ struct MissionResult {
 /// once.
 class Engine {
  public:
-  /// NotFound if an action has no runner, InvalidArgument if a given fact is malformed, Unsupported for a
-  /// journal together with `backward` or a part.
+  /// NotFound if an action has no runner or nothing uses a given resource, InvalidArgument if a given fact is
+  /// malformed, Unsupported for a journal together with `backward` or a part.
   static Result<std::unique_ptr<Engine>> create(std::shared_ptr<const Program> program,
                                                 const Runners& runners, EngineOptions options = {});
   ~Engine();
@@ -124,6 +128,8 @@ class Engine {
   [[nodiscard]] Globals& globals();
   /// The facts that hold: the initial ones, changed by the actions that ended as expected.
   [[nodiscard]] const World& world() const;
+  /// What is left of the units of resources.
+  [[nodiscard]] const Units& units() const;
   /// How many executions of states have begun, actions and containers alike.
   [[nodiscard]] std::uint64_t executions() const;
 

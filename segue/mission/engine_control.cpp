@@ -79,6 +79,7 @@ void EngineCore::remember(Activation& hierarchy, Activation& child) {
                     {},
                     child.changed,
                     child.refused,
+                    std::move(child.units),
                     std::move(replaced_),
                     hierarchy.last,
                     hierarchy.error,
@@ -192,6 +193,7 @@ void EngineCore::undo_leaf(Activation& around, StateIndex state, const UndoRecor
   }
   free(leaf);
   world.undo(done.changed);
+  units.undo(done.units.uses, done.units.done);
 }
 
 /// Undoes every action inside, last one first; of concurrent branches, the last branch first.
@@ -214,8 +216,11 @@ void EngineCore::undo_all(Activation& kept) {
     if (inside.item != History::kNone) history.undo(inside.item);
     if (kind == StateKind::Execution)
       undo_leaf(*inside.parent, inside.state,
-                {0, inside.item, inside.inputs, inside.changed, inside.refused});
-    if (kind == StateKind::Decider) world.undo(inside.changed);
+                {0, inside.item, inside.inputs, inside.changed, inside.refused, inside.units});
+    if (kind == StateKind::Decider) {
+      world.undo(inside.changed);
+      units.undo(inside.units.uses, inside.units.done);
+    }
     for (Activation* child : inside.children)
       open.push_back({child, nullptr});
     for (const UndoRecord& record : inside.undo)

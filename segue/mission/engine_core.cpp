@@ -13,19 +13,20 @@ constexpr int kTurn = 64;
 }  // namespace
 
 EngineCore::EngineCore(std::shared_ptr<const Program> program_,
-                       std::vector<std::shared_ptr<ActionRunner>> runners_, World world_,
+                       std::vector<std::shared_ptr<ActionRunner>> runners_, World world_, Units units_,
                        EngineOptions options_)
     : program(std::move(program_)),
       runners(std::move(runners_)),
       options(std::move(options_)),
       globals(options.part ? options.part->globals : Globals(program->mission().globals)),
       world(std::move(world_)),
+      units(std::move(units_)),
       iterations_(options.part ? options.part->iterations
                                : std::make_shared<Iterations>(program->nodes().size())),
+      shared_(*program),
       virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {
   for (const Action& action : program->mission().actions)
-    touches_.push_back(!action.preconditions.empty() || !action.effects.empty() ||
-                       !naming_inputs(action).empty());
+    touches_.push_back(!action.preconditions.empty() || !action.effects.empty() || !action.resources.empty());
 }
 
 void EngineCore::begin() {
@@ -52,7 +53,7 @@ Engine::Progress EngineCore::run() {
       Activation* next = ready_.front();
       ready_.pop_front();
       go_on(next);
-    } else if (!wait()) {
+    } else if (!ask_again() && !wait()) {
       return Engine::Progress::Held;
     }
   }
@@ -161,6 +162,12 @@ void EngineCore::preempt(Activation& root) {
     activation.preempted = true;
     open.insert(open.end(), activation.children.begin(), activation.children.end());
     if (activation.held) let_go(activation);
+    if (activation.asks) {
+      activation.asks = false;
+      activation.refused = true;
+      ready_.push_back(leave(activation, kPreempted));
+      continue;
+    }
     if (is_container(program->node(activation.state).kind) || activation.phase != Activation::Phase::Wait)
       continue;
     if (activation.deferred) {

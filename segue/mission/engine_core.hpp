@@ -5,6 +5,7 @@
 #include <segue/mission/activation.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/mailbox.hpp>
+#include <segue/mission/shared_units.hpp>
 
 #include <deque>
 #include <map>
@@ -29,7 +30,7 @@ namespace segue::mission::detail {
 class EngineCore {
  public:
   EngineCore(std::shared_ptr<const Program> program, std::vector<std::shared_ptr<ActionRunner>> runners,
-             World world, EngineOptions options);
+             World world, Units units, EngineOptions options);
 
   Engine::Progress run();
 
@@ -47,6 +48,7 @@ class EngineCore {
   EngineOptions options;
   Globals globals;
   World world;
+  Units units;
   History history;
   std::shared_ptr<Mailbox> mailbox = std::make_shared<Mailbox>();
   MissionResult result;
@@ -88,7 +90,7 @@ class EngineCore {
   Activation* proceed(Activation& hierarchy);
   Activation* leave(Activation& activation, Outcome outcome);
   Activation* finish(Activation& activation);
-  bool check_preconditions(Activation& leaf);
+  Activation* begin_leaf(Activation& leaf);
   void apply_effects(Activation& leaf);
   Activation* child_of_hierarchy(Activation& hierarchy, Activation& child);
   Activation* child_of_concurrency(Activation& concurrency, Activation& child);
@@ -98,6 +100,17 @@ class EngineCore {
   Ending execute(Activation& leaf, bool& under_way);
   void check(Activation& leaf, const Ending& ending);
   void first_step(Activation& hierarchy);
+
+  // engine_units.cpp: what an action needs before it begins
+  Activation* ask(Activation& leaf);
+  bool look_up(Activation& leaf);
+  bool take_units(Activation& leaf);
+  void give_units_back(Activation& leaf);
+  bool ask_again();
+  [[nodiscard]] bool is_overtaking(const Activation& leaf);
+  [[nodiscard]] bool is_in_turn(const Activation& leaf, bool to_the_end = false);
+  [[nodiscard]] bool only_lacks_held(const Activation& leaf);
+  [[nodiscard]] bool may_use_more(const Activation& state, std::uint32_t action);
 
   // engine_data.cpp: activations and the data flow between them
   Activation* make(StateIndex state, Activation* parent);
@@ -145,7 +158,9 @@ class EngineCore {
   std::size_t replayed_count_ = 0;
   std::vector<std::pair<TimePoint, Timer>> late_;  ///< preempted, with the time at which they are abandoned
   std::shared_ptr<Iterations> iterations_;
-  std::vector<bool> touches_;  ///< by action: it has facts, or resources named by inputs
+  std::vector<bool> touches_;  ///< by action: it has facts or resources
+  SharedUnits shared_;
+  std::vector<Waiting> asking_;  ///< leaves that wait for units, the first one longest
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its undo record
   Activation* root_ = nullptr;
   Mode mode_ = Mode::Run;

@@ -19,7 +19,7 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.shown_as = state;
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
-  activation.refused = activation.replayed = false;
+  activation.refused = activation.replayed = activation.asks = false;
   activation.changed = {};
   activation.item = History::kNone;
   activation.outcome = activation.last = 0;
@@ -38,6 +38,8 @@ void EngineCore::free(Activation& activation) {
   activation.children.clear();
   activation.branches.clear();
   activation.effects.clear();
+  activation.asked.clear();
+  activation.units = {};
   activation.undo.clear();
   free_.push_back(&activation);
 }

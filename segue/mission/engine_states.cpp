@@ -99,7 +99,10 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   for (const PortSource& output : program->node(leaf.shown_as).outputs)
     leaf.outputs.push_back(fallback(output));
   if (leaf.preempted) return leave(leaf, kPreempted);
-  if (touches_[program->node(leaf.state).action] && !check_preconditions(leaf)) return leave(leaf, kAborted);
+  return touches_[program->node(leaf.state).action] ? ask(leaf) : begin_leaf(leaf);
+}
+
+Activation* EngineCore::begin_leaf(Activation& leaf) {
   bool under_way = false;
   const Ending ending = call(leaf, under_way);
   if (under_way) {
@@ -109,22 +112,6 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   check(leaf, ending);
   leaf.phase = Phase::Finish;
   return &leaf;
-}
-
-/// Whether the action may begin; if not, the error of the leaf says why.
-bool EngineCore::check_preconditions(Activation& leaf) {
-  auto touched = footprint(program->mission(), program->mission().actions[program->node(leaf.state).action],
-                           leaf.inputs, path(leaf));
-  if (!touched) {
-    leaf.error = touched.error().message;
-  } else if (const GroundFact* lacking = world.first_false(touched->preconditions)) {
-    leaf.error = precondition_error(*lacking);
-  } else {
-    leaf.effects = std::move(touched->effects);
-    return true;
-  }
-  leaf.refused = true;
-  return false;
 }
 
 /// Declared effects only apply if the action ends with its expected outcome.
@@ -234,6 +221,7 @@ Activation* EngineCore::finish(Activation& activation) {
     if (const auto port = position(*node.output_ports, "error")) activation.outputs[*port] = activation.error;
   }
   if (!activation.effects.empty()) apply_effects(activation);
+  if (!activation.units.uses.empty()) give_units_back(activation);
   if (activation.item != History::kNone)
     history.end(activation.item, activation.outcome, now(), activation.error);
   Activation* around = activation.parent;

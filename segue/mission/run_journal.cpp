@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 
 #include <fcntl.h>
@@ -70,6 +71,20 @@ Value list(const std::vector<std::string>& texts) {
   return Value::List(texts.begin(), texts.end());
 }
 
+Value counts_value(const UnitCounts& counts) {
+  ValueMap map;
+  for (const auto& [resource, count] : counts)
+    map.set(resource, static_cast<std::uint64_t>(count));
+  return map;
+}
+
+UnitCounts counts_of(const Value& line) {
+  UnitCounts counts;
+  for (const auto& [resource, count] : unit_changes(map_of(line, "resources")))
+    counts.emplace_back(resource, static_cast<std::uint32_t>(count));
+  return counts;
+}
+
 /// The fields that begin the line of an event.
 ValueMap event(const std::string& kind, const Execution& execution) {
   ValueMap line;
@@ -99,6 +114,24 @@ Result<Descriptor> open_locked(const std::filesystem::path& path, int flags) {
 
 }  // namespace
 
+Value to_value(const std::map<StateIndex, std::uint32_t>& counts) {
+  ValueMap map;
+  for (const auto& [state, count] : counts)
+    map.append(std::to_string(state), static_cast<std::uint64_t>(count));
+  return map;
+}
+
+std::map<StateIndex, std::uint32_t> counts_by_state(const ValueMap& map) {
+  std::map<StateIndex, std::uint32_t> counts;
+  for (const auto& [name, count] : map) {
+    StateIndex state = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), state);
+    if (error == std::errc() && *end == 0 && count.is_integer())
+      counts[state] = static_cast<std::uint32_t>(count.as_int());
+  }
+  return counts;
+}
+
 Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::path& file,
                                                        const Mission& mission, Start start, Warn warn) {
   auto opened = open_locked(file, O_CREAT | O_EXCL);
@@ -112,6 +145,8 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
   line.append("facts", list(start.facts));
   line.append("start_at", start.start_at);
   if (start.concurrent) line.append("concurrent", true);
+  if (!start.resources.empty()) line.append("resources", counts_value(start.resources));
+  if (start.seed != 0) line.append("seed", start.seed);
   journal->start_ = std::move(start);
   journal->write(line, true);
   if (!journal->file_.valid()) return fail(ErrorCode::IoError, "cannot write to " + quote(file.string()));
@@ -168,7 +203,8 @@ Result<void> RunJournal::read(std::string_view text, const Mission& mission, con
                                                   " as it was then; this mission is another one");
     }
     start_ = {map_of(*line, "inputs"), texts_of(*line, "facts"), text_of(*line, "start_at"),
-              flag_of(*line, "concurrent")};
+              flag_of(*line, "concurrent"), counts_of(*line)};
+    if (const Value& seed = part(*line, "seed"); seed.is_integer()) start_.seed = seed.as_uint();
   }
   return number > 0 ? Result<void>{} : not_a_journal("it is empty, as a full disk leaves it");
 }
@@ -199,7 +235,9 @@ Result<void> RunJournal::take(const Value& line) {
           outputs.is_list() ? outputs.as_list() : Value::List(),
           map_of(line, "globals"),
           texts_of(line, "erased"),
-          texts_of(line, "facts")};
+          texts_of(line, "facts"),
+          unit_changes(map_of(line, "units")),
+          counts_by_state(map_of(line, "states"))};
   const Execution execution{path->as_string(), n.as_uint(), text_of(line, "loops")};
   open_.erase(execution);
   if (!places_.emplace(execution, ends_.size()).second)
@@ -260,6 +298,8 @@ void RunJournal::ended(const Execution& execution, const End& end) {
   if (!end.globals.empty()) line.append("globals", end.globals);
   if (!end.erased.empty()) line.append("erased", list(end.erased));
   if (!end.facts.empty()) line.append("facts", list(end.facts));
+  if (!end.units.empty()) line.append("units", to_value(end.units));
+  if (!end.begun.empty()) line.append("states", to_value(end.begun));
   write(line, false);
 }
 

@@ -6,6 +6,7 @@
 #include <segue/mission/execution.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/units.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
@@ -20,6 +21,10 @@
 #include <vector>
 
 namespace segue::mission {
+
+/// As in a journal: a count by the number of the state; entries that are no numbers are left out.
+type::Value to_value(const std::map<StateIndex, std::uint32_t>& counts);
+std::map<StateIndex, std::uint32_t> counts_by_state(const type::ValueMap& map);
 
 /// A file that records a run: a line of JSON for each action that begins and for each that ends. A later run
 /// of the same mission replays the recorded ends in their order (concurrently: as actions get their turn)
@@ -37,6 +42,8 @@ class RunJournal {
     std::vector<std::string> facts;
     std::string start_at;
     bool concurrent = false;  ///< of a concurrent run, which can only be resumed concurrently
+    UnitCounts resources{};   ///< units in place of those that the mission declares
+    std::uint64_t seed = 0;   ///< varies simulated durations
   };
   /// What resume() does about potentially irreversible actions that were running when the run was
   /// interrupted: refuse; execute them again; take them as ended as expected, with default outputs; or as
@@ -51,6 +58,9 @@ class RunJournal {
     std::vector<std::string> erased;  ///< names of variables
     /// Of an opaque subtree: the facts that became true, and with "!" those that became false.
     std::vector<std::string> facts{};
+    UnitChanges units{};  ///< likewise, units that it has created or removed
+    /// Likewise, how often states in it have begun since the mission began.
+    std::map<StateIndex, std::uint32_t> begun{};
   };
   using Warn = std::function<void(std::string)>;
 

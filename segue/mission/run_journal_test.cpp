@@ -100,6 +100,21 @@ TEST_F(RunJournals, WhatHasEndedIsNotExecutedAgain) {
   EXPECT_THAT(to_string(resume().error()), HasSubstr("has ended"));
 }
 
+TEST_F(RunJournals, ARunIsResumedWithWhatItBeganWith) {
+  {
+    RunJournal::Start start;
+    start.resources = {{"cup", 2}};
+    start.seed = 7;
+    auto journal = RunJournal::create(file_, mission(), start).value();
+    journal->ended({"look"}, {0, "", false, {}, {}, {}, {"p()"}, {{"cup", -1}}, {{1, 2}}});
+  }
+  const auto journal = RunJournal::resume(file_, mission(), false, UnderWay::Again).value();
+  EXPECT_EQ(journal->start().resources, (UnitCounts{{"cup", 2}}));
+  EXPECT_EQ(journal->start().seed, 7);
+  EXPECT_EQ((*journal)[0].units, (UnitChanges{{"cup", -1}}));
+  EXPECT_EQ((*journal)[0].begun, (std::map<StateIndex, std::uint32_t>{{1, 2}}));
+}
+
 TEST_F(RunJournals, PureActionsThatWereUnderWayAreExecutedAgain) {
   break_off_after(2);
   EXPECT_EQ(run(resume()).outcome_name, "held");
@@ -197,10 +212,14 @@ RC_GTEST_PROP(RunJournal, AnyFileIsReadOrRefused, ()) {
   const Mission mission = read_mission(kMission, "m.yaml", diagnostics).value();
   std::filesystem::remove(file);
   {
-    auto journal = RunJournal::create(file, mission, {}).value();
+    RunJournal::Start start;
+    start.resources = {{"cup", 2}};
+    start.seed = 7;
+    auto journal = RunJournal::create(file, mission, start).value();
     journal->began({"look"}, false);
-    journal->ended({"look"}, {0, "e", false, {type::Value(1)}, {}, {}}, type::Value::map({{"g", 1}}));
     journal->first({"look", 0, "1"});
+    journal->ended({"look"}, {0, "e", false, {type::Value(1)}, {}, {}, {"p()"}, {{"cup", -1}}, {{1, 2}}},
+                   type::Value::map({{"g", 1}}));
     journal->began({"grasp"}, true);
   }
   std::string text = read_file(file).value();

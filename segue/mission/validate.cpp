@@ -37,6 +37,7 @@ Diagnostics validate(const MissionIndex& index) {
   check_resources(index.mission(), diagnostics);
   check_control(index, diagnostics);
   check_data(index, diagnostics);
+  if (!diagnostics.has_errors()) check_units(index, diagnostics);
   diagnostics.sort();
   return diagnostics;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
+#include <segue/mission/units.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -8,17 +9,6 @@
 
 namespace segue::mission::detail {
 namespace {
-
-/// "cup_{n}" as "cup_*".
-std::string pattern_of(const std::string& resource) {
-  std::string pattern;
-  for (std::size_t i = 0; i < resource.size(); ++i) {
-    const auto close = resource[i] == '{' ? resource.find('}', i) : std::string::npos;
-    pattern += close == std::string::npos ? resource[i] : '*';
-    if (close != std::string::npos) i = close;
-  }
-  return pattern;
-}
 
 /// Finds the resources that can exist: those that exist at the beginning, and repeatedly those that are
 /// created by actions whose own needs can be met.
@@ -48,7 +38,7 @@ class Creation {
     if (std::ranges::any_of(action.resources, [this](const ResourceUse& use) { return lacks(use); }))
       return false;
     for (const ResourceUse& use : action.resources) {
-      if (use.operation == ResourceOperation::Create) there_.push_back(pattern_of(use.resource));
+      if (use.operation == ResourceOperation::Create) there_.push_back(resource_pattern(use.resource));
     }
     return true;
   }
@@ -58,7 +48,7 @@ class Creation {
   [[nodiscard]] bool lacks(const ResourceUse& use) const {
     if (use.operation == ResourceOperation::Create || use.operation == ResourceOperation::Release)
       return false;
-    const std::string pattern = pattern_of(use.resource);
+    const std::string pattern = resource_pattern(use.resource);
     const bool there =
         std::ranges::any_of(there_, [&](const std::string& known) { return meet(known, pattern); });
     return !there && is_made(use.resource, pattern);
@@ -75,7 +65,7 @@ class Creation {
     std::vector<std::string> names;
     for (const Action& action : mission_.actions) {
       const bool creates = std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
-        return use.operation == ResourceOperation::Create && meet(pattern_of(use.resource), pattern);
+        return use.operation == ResourceOperation::Create && meet(resource_pattern(use.resource), pattern);
       });
       if (creates) names.push_back(action.name.str());
     }
@@ -89,7 +79,7 @@ class Creation {
   void report(const Action& action) {
     for (const ResourceUse& use : action.resources) {
       if (!lacks(use)) continue;
-      const auto makers = creators(pattern_of(use.resource));
+      const auto makers = creators(resource_pattern(use.resource));
       const std::string why = makers.empty() ? "no action creates one, and none exists at the beginning"
                                              : "it is created only by " + listed(makers) +
                                                    ", which can itself only run once it is there";
@@ -108,9 +98,27 @@ class Creation {
 bool is_created(const Mission& mission, const std::string& resource) {
   return std::ranges::any_of(mission.actions, [&](const Action& action) {
     return std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
-      return use.operation == ResourceOperation::Create && matches_glob(pattern_of(use.resource), resource);
+      return use.operation == ResourceOperation::Create &&
+             matches_glob(resource_pattern(use.resource), resource);
     });
   });
+}
+
+/// The units that this use and others of the action take together; 0 if this is not the first of several, or
+/// one of them takes more than there are by itself.
+std::int64_t taken_with(const Action& action, const ResourceUse& use, int there) {
+  std::int64_t sum = 0;
+  const ResourceUse* first = nullptr;
+  for (const ResourceUse& each : action.resources) {
+    const bool takes = each.operation == ResourceOperation::Block ||
+                       each.operation == ResourceOperation::Consume ||
+                       each.operation == ResourceOperation::Delete;
+    if (!takes || each.resource != use.resource) continue;
+    if (each.count > there) return 0;
+    if (first == nullptr) first = &each;
+    sum += each.count;
+  }
+  return first == &use && sum > use.count ? sum : 0;
 }
 
 /// Checks the use of a resource whose name is known; `declared` is null if it is not declared.
@@ -123,6 +131,13 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
   if (needs && there > 0 && use.count > there && !is_created(mission, use.resource)) {
     diagnostics.error("too-few",
                       what + "it needs " + std::to_string(use.count) + " of the resource " +
+                          quote(use.resource) + ", but there " + (there == 1 ? "is " : "are ") +
+                          std::to_string(there) + " at the beginning, and no action creates more",
+                      use.where);
+  } else if (const std::int64_t all = taken_with(action, use, there);
+             there > 0 && all > there && !is_created(mission, use.resource)) {
+    diagnostics.error("too-few",
+                      what + "with its other uses it needs " + std::to_string(all) + " of the resource " +
                           quote(use.resource) + ", but there " + (there == 1 ? "is " : "are ") +
                           std::to_string(there) + " at the beginning, and no action creates more",
                       use.where);

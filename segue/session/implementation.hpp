@@ -29,8 +29,8 @@ Result<draw::Diagram> diagram_of(const SharedProgram& program, const ConvertRequ
 Result<std::vector<type::Value>> inputs_by_port(const mission::Program& program, const type::ValueMap& given);
 /// ParseError.
 Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& texts);
-/// Those of the request, with scripts and simulation as it says.
-mission::Runners runners_for(const RunRequest& request);
+/// Those of the request, with scripts and simulation as it says; `seed` varies simulated durations.
+mission::Runners runners_for(const RunRequest& request, std::uint64_t seed);
 
 inline double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();

@@ -97,6 +97,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     auto facts = parse_facts(start->facts);
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
+    options.resources = start->resources;
     options.world_data = request.world_data;
     options.clock = request.clock;
     options.strict = request.strict;
@@ -104,7 +105,7 @@ class ConcurrentMissionRun final : public NetworkRun {
     options.world_copies = request.world_copies;
     options.warn = request.note;
     options.observe = request.on_action;
-    auto run = convert::Run::create(std::move(program), runners_for(request), std::move(*inputs),
+    auto run = convert::Run::create(std::move(program), runners_for(request, start->seed), std::move(*inputs),
                                     std::move(options));
     if (!run) return run.error();
     run_ = std::move(*run);
@@ -202,7 +203,7 @@ class FlatNetworkRun final : public NetworkRun {
  public:
   explicit FlatNetworkRun(std::shared_ptr<const cdtn::FlatNetwork> flat) : flat_(std::move(flat)) {}
 
-  Result<void> prepare(const NetworkRequest& request) {
+  Result<void> prepare(const RunRequest& request) {
     if (!request.resources.empty()) {
       auto own = std::make_shared<cdtn::FlatNetwork>(*flat_);
       for (const auto& [name, count] : request.resources) {
@@ -220,7 +221,7 @@ class FlatNetworkRun final : public NetworkRun {
   void execute(const RunRequest& request, const std::stop_token& stop) {
     const bool sequential = request.mode == RunMode::Sequential;
     const ProcessorTime time;
-    cdtn::SimulatedEnvironment simulated(network(), flat_->trials, request.network.seed);
+    cdtn::SimulatedEnvironment simulated(network(), flat_->trials, request.seed);
     ObservedEnvironment observed(*flat_, simulated, request.on_action);
     cdtn::Environment& environment =
         request.on_action ? static_cast<cdtn::Environment&>(observed) : simulated;
@@ -240,7 +241,7 @@ class FlatNetworkRun final : public NetworkRun {
   [[nodiscard]] const cdtn::RunResult& result() const override { return result_; }
 
   [[nodiscard]] Duration sequential_time(const RunRequest& request, const std::stop_token& stop) const {
-    cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.network.seed);
+    cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.seed);
     const auto whole = cdtn::run_sequential(network(), environment, cdtn::ClockKind::Virtual, stop);
     return whole.stopped ? time_of_all(result_) : whole.makespan;
   }
@@ -275,7 +276,7 @@ RunResult run_concurrently(SharedProgram program, const RunRequest& request, std
 RunResult run_network(std::shared_ptr<const cdtn::FlatNetwork> network, const RunRequest& request,
                       std::stop_token stop) {
   auto run = std::make_unique<FlatNetworkRun>(std::move(network));
-  if (auto prepared = run->prepare(request.network); !prepared) return prepared.error();
+  if (auto prepared = run->prepare(request); !prepared) return prepared.error();
   run->execute(request, stop);
   return std::unique_ptr<FinishedRun>(std::move(run));
 }

@@ -8,7 +8,8 @@ using mission::RunJournal;
 Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                        std::shared_ptr<RunJournal>& journal) {
   const bool concurrent = request.mode == RunMode::Concurrent;
-  RunJournal::Start start{request.inputs, request.facts, request.start_at, concurrent};
+  RunJournal::Start start{request.inputs, request.facts,     request.start_at,
+                          concurrent,     request.resources, request.seed};
   if (!request.journal) return start;
   const JournalRequest& wanted = *request.journal;
   if (!wanted.resume) {
@@ -17,9 +18,11 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
     journal = std::move(*created);
     return start;
   }
-  if (!start.inputs.empty() || !start.facts.empty() || !start.start_at.empty()) {
+  const bool is_new = !start.inputs.empty() || !start.facts.empty() || !start.start_at.empty() ||
+                      !start.resources.empty() || start.seed != 0;
+  if (is_new) {
     return fail(ErrorCode::InvalidArgument,
-                "a run that is resumed has the inputs, facts and start that it began with");
+                "a run that is resumed has the inputs, facts, resources, seed and start that it began with");
   }
   auto found = RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note);
   if (!found) return found.error();

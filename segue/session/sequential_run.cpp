@@ -29,8 +29,10 @@ class SequentialRun final : public FinishedRun {
     auto facts = parse_facts(start->facts);
     if (!facts) return facts.error();
     options.facts = std::move(*facts);
+    options.resources = start->resources;
     options.world_data = request.world_data;
-    auto engine = mission::Engine::create(std::move(program), runners_for(request), std::move(options));
+    auto engine =
+        mission::Engine::create(std::move(program), runners_for(request, start->seed), std::move(options));
     if (!engine) return engine.error();
     engine_ = std::move(*engine);
     for (const auto& [name, value] : start->inputs) {
@@ -99,6 +101,10 @@ class SequentialRun final : public FinishedRun {
     for (const std::string& fact : engine_->world().facts())
       world.emplace_back(fact);
     map.append("world", std::move(world));
+    ValueMap units;
+    for (const auto& [resource, count] : engine_->units().counts())
+      units.append(resource, static_cast<std::uint64_t>(count));
+    map.append("units", std::move(units));
     map.append("engine_us_per_node", engine_us_);
     return map;
   }

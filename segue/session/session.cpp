@@ -79,18 +79,18 @@ const std::string& Session::name() const {
 
 namespace {
 
+constexpr std::string_view kNoGoal =
+    "an order by the goal is for task networks: it needs the goal and all nodes before the run, but a "
+    "mission "
+    "has no goal and becomes a network while it runs";
+
 /// What a request has and the plan could not heed, or "".
 std::string problem_of(const RunRequest& request, bool is_network) {
   const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
                            !request.world_data.empty() || request.journal.has_value();
   if (is_network && of_missions)
     return "inputs, facts, a state to start at and a journal are for missions, not for task networks";
-  const NetworkRequest& network = request.network;
-  const bool of_networks =
-      network.order != cdtn::OrderRule::Epoch || network.seed != 0 || !network.resources.empty();
-  if (!is_network && of_networks)
-    return "an order, a seed and counts of resources are for task networks, not for missions; "
-           "a mission states its resources under 'resources'";
+  if (!is_network && request.order != cdtn::OrderRule::Epoch) return std::string(kNoGoal);
   if (request.mode == RunMode::Sequential &&
       (request.strict || request.workers != 0 || request.world_copies != 0))
     return "strict, a number of workers and of copies of the world are for concurrent runs";
@@ -103,7 +103,7 @@ std::string problem_of(const RunRequest& request, bool is_network) {
 
 Result<draw::Diagram> Session::convert(const ConvertRequest& request) const {
   if (!is_network() && request.order != cdtn::OrderRule::Epoch)
-    return fail(ErrorCode::Unsupported, "an order is for task networks, not for missions");
+    return fail(ErrorCode::Unsupported, std::string(kNoGoal));
   if (!is_network()) return detail::diagram_of(program_, request);
   if (!request.inputs.empty() || !request.facts.empty())
     return fail(ErrorCode::Unsupported, "inputs and facts are for missions, not for task networks");
@@ -160,7 +160,7 @@ Result<std::vector<mission::Fact>> parse_facts(const std::vector<std::string>& t
   return facts;
 }
 
-mission::Runners runners_for(const RunRequest& request) {
+mission::Runners runners_for(const RunRequest& request, std::uint64_t seed) {
   mission::Runners runners = request.runners;
   if (!request.python.empty()) {
     mission::ScriptOptions scripts;
@@ -168,6 +168,7 @@ mission::Runners runners_for(const RunRequest& request) {
     runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
   }
   if (request.simulate) runners.simulate_all();
+  runners.vary_durations(seed);
   return runners;
 }
 

@@ -41,13 +41,6 @@ struct JournalRequest {
   mission::RunJournal::UnderWay under_way = mission::RunJournal::UnderWay::Refuse;
 };
 
-/// What only runs of task networks from files have; their nodes are simulated.
-struct NetworkRequest {
-  cdtn::OrderRule order = cdtn::OrderRule::Epoch;
-  std::uint64_t seed = 0;  ///< varies durations, the same way for the same number; 0: as expected
-  std::vector<std::pair<std::string, std::uint32_t>> resources;  ///< how many units there are of some
-};
-
 struct RunRequest {
   RunMode mode = RunMode::Sequential;
   cdtn::ClockKind clock = cdtn::ClockKind::Real;
@@ -64,10 +57,12 @@ struct RunRequest {
   std::string python = "python3";  ///< executes scripts; empty: as `runners` says
   bool simulate = false;           ///< simulate every action by what is expected of it
 
+  std::uint64_t seed = 0;  ///< varies simulated durations, the same way for the same number; 0: as expected
+  mission::UnitCounts resources;   ///< how many units there are of some, in place of what the plan declares
   bool strict = false;             ///< concurrent: every node is strict, whatever the plan declares
   std::uint32_t workers = 0;       ///< concurrent: how many nodes run at the same time; 0: any number
   std::uint32_t world_copies = 0;  ///< concurrent: projected worlds at the same time; 0: any number
-  NetworkRequest network;
+  cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network only
 
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
   /// subtree.

@@ -51,6 +51,7 @@ class Trial {
     options.backward = test_.find("backward") != nullptr;
     options.preemption_grace = std::chrono::milliseconds(1);
     options.facts = facts();
+    options.resources = resources();
     options.warn = [this](const std::string& text) { warnings_.emplace_back(text); };
     ASSERT_NO_FATAL_FAILURE(open_journal(false, options.journal));
     auto engine = Engine::create(program_, runners_, std::move(options));
@@ -72,6 +73,8 @@ class Trial {
     }
     outcome_ = engine_->result();
     world_ = engine_->world().facts();
+    for (const auto& [resource, count] : engine_->units().counts())
+      units_[resource] = count;
     compare(*test_.find("expect"));
   }
 
@@ -80,6 +83,7 @@ class Trial {
     convert::RunOptions options;
     options.clock = cdtn::ClockKind::Virtual;
     options.facts = facts();
+    options.resources = resources();
     options.preemption_grace = std::chrono::milliseconds(1);
     ASSERT_NO_FATAL_FAILURE(open_journal(true, options.journal));
     std::vector<Value> inputs(program_->node(0).input_ports->size());
@@ -93,6 +97,9 @@ class Trial {
     outcome_ = run_->run();
     for (const std::string& fact : run_->network_result().world.texts(run_->plan().network().facts))
       world_.insert(fact);
+    const cdtn::ResourceTable& resources = run_->plan().network().resources;
+    for (std::uint32_t i = 0; i < resources.size(); ++i)
+      units_[resources.name(cdtn::ResourceId{i})] = run_->network_result().units[i];
     const auto by_text = [](const Value& a, const Value& b) { return json(a) < json(b); };
     std::ranges::sort(notes_, by_text);
     ValueMap expect;
@@ -134,6 +141,15 @@ class Trial {
     return facts;
   }
 
+  [[nodiscard]] UnitCounts resources() const {
+    UnitCounts counts;
+    if (const Value* given = test_.find("resources")) {
+      for (const auto& [name, count] : given->as_map())
+        counts.emplace_back(name, static_cast<std::uint32_t>(count.as_uint()));
+    }
+    return counts;
+  }
+
   void do_step(const Value& step) {
     const std::string verb = step.find("do")->as_string();
     if (verb == "pause") engine_->pause();
@@ -156,6 +172,10 @@ class Trial {
     }
     if (const Value* world = step.find("world")) {
       EXPECT_EQ(json(listed(engine_->world().facts())), json(*world)) << "after " << verb;
+    }
+    if (const Value* units = step.find("units")) {
+      for (const auto& [name, count] : units->as_map())
+        EXPECT_EQ(engine_->units().counts()[name], count.as_uint()) << name << " after " << verb;
     }
     const Value* held = step.find("held");
     ASSERT_EQ(held != nullptr, progress == Engine::Progress::Held) << verb;
@@ -192,6 +212,9 @@ class Trial {
       const Globals& globals = engine_ ? engine_->globals() : run_->globals();
       for (const auto& [name, value] : wanted.as_map())
         map.append(name, globals.get(name).value_or("(none)"));
+    } else if (key == "units") {
+      for (const auto& [name, count] : wanted.as_map())
+        map.append(name, units_.contains(name) ? Value(units_.at(name)) : Value());
     } else {
       return "no case expects a " + key;
     }
@@ -282,6 +305,7 @@ class Trial {
   std::unique_ptr<convert::Run> run_;
   MissionResult outcome_;
   World::Facts world_;
+  std::map<std::string, std::uint64_t> units_;
   Value::List notes_;
   Value::List warnings_;
   std::filesystem::path journal_;

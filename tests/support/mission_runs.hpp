@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -158,6 +159,8 @@ struct Ran {
   std::vector<std::string> world;
   type::Value globals;
   std::map<std::string, std::vector<std::string>> happened;
+  std::map<mission::StateIndex, std::set<std::string>> ends;  ///< the outcomes of each action
+  std::map<std::string, std::int64_t, std::less<>> units;     ///< that are left, where they are not one
   Duration makespan{};
   bool tie = false;                 ///< states of a preemptive container ended at the same time, or at once
   std::vector<std::string> firsts;  ///< the paths of states that have ended their preemptive containers
@@ -170,11 +173,13 @@ inline void note_race(const mission::Program& program, const mission::History& h
   const auto& items = history.items();
   bool decided = false;
   for (std::uint32_t i = race + 1; i < items.size(); ++i) {
-    std::uint32_t around = items[i].parent;
-    while (around != mission::History::kNone && around != race)
-      around = items[around].parent;
-    if (around != race) continue;
-    ran.tie = ran.tie || items[i].began == items[race].end;
+    std::uint32_t state = i;  // of the container
+    while (items[state].parent != mission::History::kNone && items[state].parent != race)
+      state = items[state].parent;
+    if (items[state].parent != race) continue;
+    const bool lost = items[state].outcome == mission::kPreempted;
+    const bool just_ended = items[i].end == items[race].end && items[i].outcome != mission::kPreempted;
+    ran.tie = ran.tie || items[i].began == items[race].end || (lost && just_ended);
     if (items[i].parent != race) continue;
     const bool first = items[i].outcome != mission::kPreempted;
     ran.tie = ran.tie || (first && decided);
@@ -196,10 +201,13 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
   ran.makespan = clock.now() - begin;
   ran.world.assign(engine->world().facts().begin(), engine->world().facts().end());
   ran.globals = engine->globals().snapshot();
+  for (const auto& [resource, count] : engine->units().counts())
+    if (count != 1) ran.units[resource] = count;
   const auto& items = engine->history().items();
   for (std::uint32_t i = 0; i < items.size(); ++i) {
     const auto kind = program->node(items[i].state).kind;
     if (kind != mission::StateKind::Execution && kind != mission::StateKind::Decider) continue;
+    ran.ends[items[i].state].insert(program->outcome_name(items[i].state, items[i].outcome));
     ran.happened[engine->history().path(*program, i)].push_back(
         program->outcome_name(items[i].state, items[i].outcome));
   }
@@ -234,10 +242,14 @@ class ConcurrentRun {
     ran.makespan = network_result().makespan;
     ran.world = network_result().world.texts(plan().network().facts);
     ran.globals = run_->globals().snapshot();
+    const cdtn::ResourceTable& resources = plan().network().resources;
+    for (std::uint32_t i = 0; i < resources.size(); ++i)
+      if (network_result().units[i] != 1)
+        ran.units[resources.name(cdtn::ResourceId{i})] = network_result().units[i];
     for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
       ran.happened[std::string(plan()[node].path)].push_back(outcome);
     });
-    for (const mission::Execution& first : plan().races().firsts)
+    for (const mission::Execution& first : plan().race_record().firsts)
       ran.firsts.push_back(first.path);
     std::ranges::sort(ran.firsts);
   }

@@ -180,8 +180,7 @@ TEST_F(Files, OptionsThatMeanNothingForAFileAreRefused) {
   write("n.json", R"({"nodes": [{"name": "a", "duration_s": 1}]})");
   EXPECT_EQ(segue({"mission", "run", "m.yaml", "--clock", "virtual"}).status, 0);
   for (const std::vector<std::string>& more :
-       std::vector<std::vector<std::string>>{{"--resource", "nonsense=3"},
-                                             {"--seed", "3"},
+       std::vector<std::vector<std::string>>{{"--mode", "concurrent", "--order", "goal"},
                                              {"--order", "goal"},
                                              {"--world-copies", "2"},
                                              {"--workers", "2"},
@@ -192,7 +191,14 @@ TEST_F(Files, OptionsThatMeanNothingForAFileAreRefused) {
     EXPECT_EQ(finished.status, 1) << more[0];
     EXPECT_TRUE(contains(finished.errors, " for ")) << finished.errors;
   }
-  EXPECT_EQ(segue({"mission", "run", "n.json", "--clock", "virtual", "--resource", "nonsense=3"}).status, 1);
+  for (const char* file : {"m.yaml", "n.json"}) {
+    for (const char* mode : {"sequential", "concurrent"}) {
+      const auto finished =
+          segue({"mission", "run", file, "--clock", "virtual", "--mode", mode, "--resource", "nonsense=3"});
+      EXPECT_EQ(finished.status, 1);
+      EXPECT_TRUE(contains(finished.errors, "a resource 'nonsense'")) << finished.errors;
+    }
+  }
   EXPECT_EQ(segue({"mission", "run", "n.json", "--clock", "virtual", "--start-at", "a"}).status, 1);
   EXPECT_EQ(segue({"mission", "convert", "m.yaml", "--order", "goal"}).status, 1);
 }

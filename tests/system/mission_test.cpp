@@ -173,6 +173,58 @@ states:
   }
 }
 
+TEST_F(Missions, AMissionBeginsWithTheUnitsThatAreGiven) {
+  write("m.yaml", R"(mission: m
+resources: {cup: {count: 3}}
+actions: {pour: {resources: [{consume: cup}], run: {simulated: {duration: 1s}}}}
+start: first
+states:
+  first: {action: pour, on: {success: second}}
+  second: {action: pour, on: {success: return success}}
+)");
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    std::vector<std::string> run = {"mission", "run", "m.yaml", "--clock", "virtual", "--mode", mode};
+    EXPECT_EQ(json(run).find("units")->find("cup")->as_uint(), 1) << mode;
+    run.insert(run.end(), {"--resource", "cup=1", "--journal", "journal." + mode});
+    const auto few = segue(run);
+    EXPECT_EQ(few.status, 1) << mode;
+    EXPECT_THAT(few.errors, HasSubstr("it needs 1 of the resource 'cup', of which there are 0")) << mode;
+    run.push_back("--resume");
+    EXPECT_THAT(segue(run).errors, HasSubstr("has the inputs, facts, resources")) << mode;
+  }
+}
+
+TEST_F(Missions, ASeedVariesDurations) {
+  write("m.yaml", R"(mission: m
+actions:
+  look: {effects: ["+seen"], run: {simulated: {duration: 4s}}}
+  grasp: {effects: ["+held"], expect: {duration: 4s}, run: {callback: grasp}}
+start: look
+states:
+  look: {on: {success: grasp}}
+  grasp: {on: {success: return success}}
+)");
+  const auto durations = [this](const std::string& mode, const std::string& seed) {
+    const auto run = json(
+        {"mission", "run", "m.yaml", "--clock", "virtual", "--simulate", "--mode", mode, "--seed", seed});
+    std::vector<double> found;
+    for (const auto& node : run.find("nodes")->as_list())
+      found.push_back(node.find("end_s")->as_double() - node.find("start_s")->as_double());
+    return found;
+  };
+  const auto one = durations("sequential", "1");
+  const auto two = durations("sequential", "2");
+  EXPECT_NE(one, two);
+  EXPECT_EQ(one.size(), 2);
+  EXPECT_NE(one.at(0), one.at(1));
+  for (const double duration : one)
+    EXPECT_TRUE(duration >= 2 && duration <= 8) << duration;
+  const auto concurrent = durations("concurrent", "1");
+  for (std::size_t i = 0; i < one.size(); ++i)
+    EXPECT_NEAR(concurrent.at(i), one[i], 1e-6) << "the same in either mode";
+  EXPECT_EQ(durations("sequential", "0"), (std::vector<double>{4, 4}));
+}
+
 TEST_F(Missions, AMachineRunsConcurrently) {
   write("m.yaml", R"j(mission: m
 actions:

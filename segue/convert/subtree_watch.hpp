@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/convert/node_journal.hpp>
+#include <segue/mission/engine.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace segue::convert {
+
+/// What there was when an opaque subtree began, so that it can be told what that has changed.
+class SubtreeWatch {
+ public:
+  explicit SubtreeWatch(const mission::MissionPart& part);
+  /// After the run of the engine.
+  [[nodiscard]] SubtreeChanges changes(const mission::Engine& engine) const;
+
+ private:
+  mission::World::Facts facts_;
+  mission::Units::Counts units_;
+  std::shared_ptr<mission::Iterations> iterations_;
+  std::vector<std::uint32_t> begun_;  ///< by state
+};
+
+}  // namespace segue::convert

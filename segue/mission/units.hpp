@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/mission/footprint.hpp>
+#include <segue/type/value.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::mission {
+
+/// What one execution does with units of a resource, whose name is complete.
+struct UnitUse {
+  ResourceOperation operation = ResourceOperation::Block;
+  std::string resource;
+  std::uint32_t count = 1;
+  friend bool operator==(const UnitUse&, const UnitUse&) = default;
+};
+
+/// How many units there are of some resources.
+using UnitCounts = std::vector<std::pair<std::string, std::uint32_t>>;
+/// How many more units of some resources there are than before, or fewer.
+using UnitChanges = std::vector<std::pair<std::string, std::int64_t>>;
+
+/// As in a journal: the change by the resource; entries that are no numbers are left out.
+type::Value to_value(const UnitChanges& changes);
+UnitChanges unit_changes(const type::ValueMap& map);
+
+/// How many units of each resource there are while a mission runs as written, and which of them executions
+/// hold. A resource that is not counted has one unit. An execution gets all that it asks for or nothing. The
+/// same rules as those of cdtn::ResourcePool. Not thread safe.
+class Units {
+ public:
+  using Counts = std::map<std::string, std::uint32_t, std::less<>>;
+
+  explicit Units(const Counts& counts = {});
+
+  /// Those that exist, held or not, of all resources that are counted or have been used.
+  [[nodiscard]] Counts counts() const;
+  /// What has changed since there were so many.
+  [[nodiscard]] UnitChanges changes_since(const Counts& counts) const;
+  /// Why these uses cannot be had even if every execution gave back what it holds; nothing if they can.
+  [[nodiscard]] std::optional<std::string> shortage(std::span<const UnitUse> uses) const;
+  /// Whether nobody holds so many that these uses must wait.
+  [[nodiscard]] bool are_free(std::span<const UnitUse> uses) const;
+  /// Takes them for an execution that begins, unless others hold some of them (false), or there is a
+  /// shortage.
+  bool take(std::span<const UnitUse> uses);
+  /// The execution that took them has ended. `done`: as expected, so that it has created and deleted what it
+  /// declares; what it consumed is gone in either case.
+  void give_back(std::span<const UnitUse> uses, bool done);
+  /// As if an execution that has given them back had never been.
+  void undo(std::span<const UnitUse> uses, bool done);
+
+ private:
+  struct Stock {
+    std::int64_t total = 1;
+    std::int64_t held = 0;
+    std::int64_t leaving = 0;                 ///< held by executions that delete them
+    std::multiset<std::int64_t> relied_on{};  ///< by running executions to which they must exist
+  };
+  [[nodiscard]] Stock stock(std::string_view resource) const;
+
+  std::map<std::string, Stock, std::less<>> stocks_;
+};
+
+/// The units that there are when a run begins: those of the mission, overridden by `given`. NotFound for a
+/// resource that the mission neither declares nor uses.
+Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& given);
+
+/// The uses of an execution: those that the action declares, with these names (Footprint::resources).
+std::vector<UnitUse> unit_uses(const Action& action, std::vector<std::string> names);
+
+/// The name of a resource with "*" in place of each input: "cup_{n}" as "cup_*".
+std::string resource_pattern(std::string_view resource);
+
+/// Patterns of the resources of which some action creates, consumes or deletes units. Those who use one take
+/// their units in program order, also side by side.
+std::vector<std::string> varying_resources(const Mission& mission);
+
+}  // namespace segue::mission
