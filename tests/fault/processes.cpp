@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "processes.hpp"
 
+#include <segue/base/file.hpp>
+
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <sstream>
+#include <system_error>
+#include <vector>
 
 namespace segue::testing {
 
@@ -14,26 +16,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Empty if the process ends meanwhile.
 std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return read_file(file).value_or("");
 }
 
 fs::path folder_of(pid_t pid) {
   return fs::path("/proc") / std::to_string(pid);
 }
 
-std::size_t entries(const fs::path& folder) {
-  std::error_code error;
-  const fs::directory_iterator begin(folder, error);
-  return error ? 0 : static_cast<std::size_t>(std::distance(begin, fs::directory_iterator()));
+/// Those that are found until the process ends.
+std::vector<fs::path> entries(const fs::path& folder) {
+  std::error_code gone;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator at(folder, gone); !gone && at != fs::directory_iterator(); at.increment(gone))
+    found.push_back(at->path());
+  return found;
 }
 
 std::size_t threads_of(pid_t pid) {
-  std::error_code gone;
   std::size_t threads = 0;
-  for (const auto& thread : fs::directory_iterator(folder_of(pid) / "task", gone)) {
-    const std::string name = text_of(thread.path() / "comm");
+  for (const fs::path& thread : entries(folder_of(pid) / "task")) {
+    const std::string name = text_of(thread / "comm");
     threads += name == "segue-fleet\n" || name == "segue-calls\n" ? 0 : 1;
   }
   return threads;
@@ -44,19 +48,19 @@ std::size_t threads_of(pid_t pid) {
 std::map<pid_t, std::string> processes_of(const fs::path& runtime_folder) {
   const std::string wanted = "XDG_RUNTIME_DIR=" + runtime_folder.string();
   std::map<pid_t, std::string> found;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string name = entry.path().filename();
+  for (const fs::path& entry : entries("/proc")) {
+    const std::string name = entry.filename();
     if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
       continue;
     }
     const pid_t pid = std::stoi(name);
-    const std::string environment = '\0' + text_of(entry.path() / "environ");
+    const std::string environment = '\0' + text_of(entry / "environ");
     const bool is_ours = environment.find('\0' + wanted + '\0') != std::string::npos;
     if (!is_ours || pid == ::getpid() || state_of(pid) == 'Z') {
       continue;
     }
     std::error_code gone;
-    const fs::path program = fs::read_symlink(entry.path() / "exe", gone);
+    const fs::path program = fs::read_symlink(entry / "exe", gone);
     if (!gone) {
       found.emplace(pid, program.filename());
     }
@@ -83,7 +87,7 @@ std::map<std::string, pid_t> deployments_of(const fs::path& runtime_folder) {
 Holdings holdings_of(pid_t pid) {
   Holdings holdings;
   holdings.threads = threads_of(pid);
-  holdings.descriptors = entries(folder_of(pid) / "fd");
+  holdings.descriptors = entries(folder_of(pid) / "fd").size();
   std::istringstream maps(text_of(folder_of(pid) / "maps"));
   for (std::string line; std::getline(maps, line);) {
     holdings.memory_maps += line.find("/memfd:") == std::string::npos ? 0 : 1;
