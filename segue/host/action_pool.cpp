@@ -78,9 +78,9 @@ thread_local ActionPool::Implementation::FollowUps* ActionPool::Implementation::
 class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch::Entry,
                                                 public std::enable_shared_from_this<Batch> {
  public:
-  Batch(ActionPool::Implementation& pool, std::vector<model::Action> all, TimePoint until,
+  Batch(std::shared_ptr<ActionPool::Implementation> pool, std::vector<model::Action> all, TimePoint until,
         Completion completed)
-      : pool_(pool),
+      : pool_(std::move(pool)),
         actions_(std::move(all)),
         deadline_(until),
         outcomes_(actions_.size(), std::move(completed)) {}
@@ -103,7 +103,8 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
   Result<void> carry_out(const model::Action& action) const;
   void give_up();
 
-  ActionPool::Implementation& pool_;
+  /// Deadlines may look after a batch that has just ended, when nobody else has the pool any more.
+  const std::shared_ptr<ActionPool::Implementation> pool_;
   const std::vector<model::Action> actions_;
   const TimePoint deadline_;
   BatchOutcomes outcomes_;
@@ -114,7 +115,7 @@ class ActionPool::Implementation::Batch final : public concurrent::DeadlineWatch
 
 Result<void> ActionPool::Implementation::Batch::carry_out(const model::Action& action) const {
   try {
-    return pool_.work(action, deadline_);
+    return pool_->work(action, deadline_);
   } catch (const std::exception& exception) {
     return fail(ErrorCode::Internal, std::string("threw: ") + exception.what(), action.label());
   } catch (...) {
@@ -155,22 +156,22 @@ TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
     slow_ = true;
   }
   if (slow_) {
-    pool_.report([self = shared_from_this()] { self->outcomes_.report(); });
+    pool_->report([self = shared_from_this()] { self->outcomes_.report(); });
   }
   if (stuck && !all_begun()) {
-    pool_.call_worker(shared_from_this());
+    pool_->call_worker(shared_from_this());
   }
-  return slow_ && all_begun() ? end() : std::min(time + pool_.patience, end());
+  return slow_ && all_begun() ? end() : std::min(time + pool_->patience, end());
 }
 
 void ActionPool::Implementation::Batch::give_up() {
   const std::size_t begun = next_.exchange(actions_.size());
   {
-    const std::lock_guard lock(pool_.mutex);
+    const std::lock_guard lock(pool_->mutex);
     is_overdue = true;
-    pool_.threads.add_overdue(static_cast<std::ptrdiff_t>(workers));
+    pool_->threads.add_overdue(static_cast<std::ptrdiff_t>(workers));
   }
-  pool_.report([self = shared_from_this(), begun] {
+  pool_->report([self = shared_from_this(), begun] {
     self->outcomes_.fail_rest(
         [&](std::size_t index) { return overdue(self->actions_[index], index < begun); });
   });
@@ -270,6 +271,9 @@ void ActionPool::Implementation::leave(const BatchPtr& batch) {
 void ActionPool::Implementation::report(std::function<void()> how) {
   {
     const std::lock_guard lock(mutex);
+    if (is_closed && workers == 0) {
+      return;  // all has ended, and has been reported
+    }
     ++workers;
   }
   const auto job = [self = shared_from_this(), how = std::move(how)] {
@@ -299,14 +303,14 @@ ActionPool::~ActionPool() {
 
 void ActionPool::begin(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
   if (!actions.empty()) {
-    implementation_->begin(std::make_shared<Implementation::Batch>(*implementation_, std::move(actions),
+    implementation_->begin(std::make_shared<Implementation::Batch>(implementation_, std::move(actions),
                                                                    deadline, std::move(completed)));
   }
 }
 
 void ActionPool::begin_here(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
   if (!actions.empty()) {
-    implementation_->begin_here(std::make_shared<Implementation::Batch>(*implementation_, std::move(actions),
+    implementation_->begin_here(std::make_shared<Implementation::Batch>(implementation_, std::move(actions),
                                                                         deadline, std::move(completed)));
   }
 }
