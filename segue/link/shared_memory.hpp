@@ -54,7 +54,8 @@ class SharedMemory {
   virtual Result<void> admit(const MemoryOffer& peer) = 0;
   [[nodiscard]] virtual bool knows(Incarnation peer) const = 0;
   /// For a peer that is dead or given up: ends every connection with it, reclaims the samples that it held,
-  /// and unmaps its memory once the last sample that lies there is released.
+  /// and unmaps its memory once the last sample that lies there is released. A peer that lives all the same
+  /// may find samples that it still holds overwritten.
   virtual void forget(Incarnation peer) = 0;
 
   [[nodiscard]] virtual MemoryUsage usage() const = 0;
