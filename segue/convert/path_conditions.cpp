@@ -102,7 +102,9 @@ bool PathConditions::never_meet(BranchEdge a, BranchEdge b, int& budget) {
     for (; !one.always(); one = branches_[one.branch].around) {
       const Branch& join = branches_[one.branch];
       if (join.meaning.empty() || one.outcome != join.outcomes.front()) continue;
-      const auto apart = [&](BranchEdge edge) { return --budget > 0 && never_meet(edge, other, budget); };
+      const auto apart = [this, &budget, beside = other](BranchEdge edge) {
+        return --budget > 0 && never_meet(edge, beside, budget);
+      };
       if (std::ranges::all_of(join.meaning, apart)) return true;
     }
   }

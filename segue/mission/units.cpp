@@ -129,11 +129,11 @@ Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& gi
   for (const Resource& resource : mission.resources)
     counts[resource.name] = static_cast<std::uint32_t>(std::max(0, resource.count));
   for (const auto& [name, count] : given) {
-    const bool used = std::ranges::any_of(mission.actions, [&](const Action& action) {
-      return std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
-        return matches_glob(resource_pattern(use.resource), name);
-      });
-    });
+    const auto names = [&wanted = name](const ResourceUse& use) {
+      return matches_glob(resource_pattern(use.resource), wanted);
+    };
+    const bool used = std::ranges::any_of(
+        mission.actions, [&](const Action& action) { return std::ranges::any_of(action.resources, names); });
     if (!used && !counts.contains(name))
       return fail(ErrorCode::NotFound, "no action uses a resource " + quote(name));
     counts[name] = count;
