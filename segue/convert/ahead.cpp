@@ -18,11 +18,27 @@ using cdtn::ActsAhead;
 /// Nodes in the parts that are examined more closely; what would take more stays in the list.
 constexpr std::size_t kMostCompared = 2'000'000;
 
+/// Whether the input has several possible sources: a run waits only for those that may still count when it
+/// plans the node.
+bool has_candidates(const PlannedNode& node, std::uint32_t input) {
+  const auto is_one_of_several = [&](const ValueSource& source) {
+    return source.feeds.size() > 1 &&
+           std::ranges::find(source.feeds, input, &ValueSource::Feed::input) != source.feeds.end();
+  };
+  const auto errors = [&](const BranchSource& branch) {
+    return std::ranges::any_of(branch.ends, is_one_of_several, &BranchEnd::error);
+  };
+  return std::ranges::any_of(node.inputs, is_one_of_several) || is_one_of_several(node.error_before) ||
+         is_one_of_several(node.begun) || std::ranges::any_of(node.branches, errors);
+}
+
 /// Whether a run certainly has the dependency. Of the ways that a join waits for, some may be known to be off
 /// the path when a run plans what comes after; where the others are all ways from one state, it needs no
 /// join.
-bool is_certain(const MissionPlan& plan, NodeId to, cdtn::Reason reason) {
-  return plan[to].role != Role::Join || reason == cdtn::Reason::Condition;
+bool is_certain(const MissionPlan& plan, NodeId to, const cdtn::Dependency& dependency) {
+  if (dependency.reason() == cdtn::Reason::Condition) return true;
+  if (plan[to].role == Role::Join) return false;
+  return dependency.reason() != cdtn::Reason::Data || !has_candidates(plan[to], dependency.subject);
 }
 
 /// The paths of an outline. A run plans no node that it knows to be off its path, so only who is on the path
@@ -35,7 +51,7 @@ class OutlinePaths final : public cdtn::Paths {
     return plan_.implies(node, other);
   }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
-    return convert::is_certain(plan_, dependency.to, dependency.reason());
+    return convert::is_certain(plan_, dependency.to, dependency);
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
     return plan_.exclude(a, b) || beside_or_after_race(plan_, b, a);
@@ -52,7 +68,7 @@ class OnePath final : public cdtn::Paths {
   [[nodiscard]] bool implies(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool comes_with(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
-    return convert::is_certain(plan_, part_.nodes[index(dependency.to)], dependency.reason());
+    return convert::is_certain(plan_, part_.nodes[index(dependency.to)], dependency);
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
     return beside_or_after_race(plan_, part_.nodes[index(b)], part_.nodes[index(a)]);
