@@ -162,7 +162,7 @@ void Unroller::enter(Track& track, StateEntry entry) {
   }
   if (kind != StateKind::Execution && kind != StateKind::Decider)
     return enter_container(track, std::move(entry));
-  if (scope_ != PlanScope::Outline && !is_ready(entry)) {
+  if (!is_ready(entry)) {
     track.pending = std::move(entry);
     return;
   }

@@ -101,9 +101,10 @@ NodeId Unroller::append(NodeSpec& spec, PlannedNode node, std::string_view name)
   return id;
 }
 
-/// Whether it is known what the action touches, and whether its turn has come.
+/// Whether it is known what the action touches, which an outline does not wait for, and whether its turn has
+/// come.
 bool Unroller::is_ready(const StateEntry& entry) {
-  return naming_values(entry).has_value() && is_in_turn(entry);
+  return (scope_ == PlanScope::Outline || naming_values(entry).has_value()) && is_in_turn(entry);
 }
 
 /// Units that come and go are taken in program order, also beside each other.
