@@ -189,9 +189,10 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
   return true;
 }
 
+/// What is no step takes no time, so it needs no worker.
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
   note_speculative(node, true);
-  if (options_.workers == 0 && !(pause_.paused() && environment_.is_step(node))) return launch(node);
+  if ((options_.workers == 0 && !pause_.paused()) || !environment_.is_step(node)) return launch(node);
   at(node).phase = Phase::Ready;
   (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
 }

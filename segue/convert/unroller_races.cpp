@@ -67,7 +67,8 @@ bool Unroller::step_race(Track& track) {
   bool open = false;
   bool settled = true;
   for (const auto& beside : race.tracks) {
-    if (!race.first && step(*beside)) return true;
+    const bool is_decided = scope_ == PlanScope::AsKnown && race.first;
+    if (!is_decided && step(*beside)) return true;
     drop_ended(*beside);
     open = open || !beside->open.empty();
     settled = settled && beside->settled();

@@ -70,12 +70,17 @@ struct Resource {
 
 /// What an action does with `count` units of a resource. "{port}" in the name stands for the value of that
 /// input. `parameters` must equal those of the resource; "{port}" as a parameter is the value of that input.
+/// A block ends with the action; with `keep`, if it ends as expected, only with an action that releases the
+/// units.
 struct ResourceUse {
   ResourceOperation operation = ResourceOperation::Block;
   std::string resource;
   int count = 1;
   type::Value parameters{type::ValueMap{}};
+  bool keep = false;  ///< Block
   SourcePlace where;
+  /// Whether units are kept after the action, or released that an earlier one has kept.
+  [[nodiscard]] bool moves_kept_units() const { return keep || operation == ResourceOperation::Release; }
   friend bool operator==(const ResourceUse&, const ResourceUse&) = default;
 };
 

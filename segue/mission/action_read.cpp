@@ -84,7 +84,13 @@ void read_use(std::vector<ResourceUse>& uses, const Value& item, const std::stri
   constexpr std::int64_t kMost = std::numeric_limits<int>::max();
   use.count = static_cast<int>(fields.integer("count", 1, kMost, "bad-count").value_or(1));
   if (const Value* parameters = fields.find("parameters", Value::Kind::Map)) use.parameters = *parameters;
+  use.keep = fields.boolean("keep", false);
   fields.finish();
+  if (use.keep && use.operation != ResourceOperation::Block) {
+    source.error("bad-resource",
+                 fields.what() + ": only units that are blocked can be kept, as in {block: arm, keep: true}",
+                 item);
+  }
   if (operations != 1) {
     const std::vector<std::string> names(kResourceOperationNames.begin(), kResourceOperationNames.end());
     source.error("bad-resource",

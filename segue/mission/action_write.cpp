@@ -29,6 +29,7 @@ Value write_use(const ResourceUse& use) {
   map.append(std::string(kResourceOperationNames[static_cast<std::size_t>(use.operation)]), use.resource);
   if (use.count != 1) map.append("count", use.count);
   if (!is_empty_map(use.parameters)) map.append("parameters", use.parameters);
+  if (use.keep) map.append("keep", true);
   return map;
 }
 

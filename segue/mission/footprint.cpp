@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/footprint.hpp>
 #include <segue/mission/index.hpp>
+#include <segue/mission/kept_units.hpp>
 #include <segue/type/json.hpp>
 
 #include <algorithm>
@@ -66,6 +67,7 @@ class Grounding {
       auto text = filled(use.resource, "resource " + quote(use.resource));
       if (!text) return text.error();
       if (auto fits = check_parameters(use, *text); !fits) return fits.error();
+      if (auto fits = check_kept(*text); !fits) return fits.error();
       footprint.resources.push_back(std::move(*text));
     }
     return footprint;
@@ -117,6 +119,15 @@ class Grounding {
   [[nodiscard]] const Value* input(const std::string& name) const {
     const auto port = position(action_.inputs, name);
     return port && *port < inputs_.size() ? &inputs_[*port] : nullptr;
+  }
+
+  /// What is kept of a resource that is not declared would exist once, like any other.
+  Result<void> check_kept(const std::string& name) {
+    if (!is_kept_name(name) ||
+        std::ranges::find(mission_.resources, name, &Resource::name) != mission_.resources.end())
+      return {};
+    return fail(ErrorCode::InvalidArgument, where() + ": there is no resource " + quote(name) +
+                                                ": what is kept must be declared under 'resources'");
   }
 
   /// Checks that the resource has the parameters that the action requires.

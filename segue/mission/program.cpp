@@ -3,6 +3,7 @@
 #include <segue/mission/checks.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/index.hpp>
+#include <segue/mission/kept_units.hpp>
 #include <segue/mission/program.hpp>
 
 #include <algorithm>
@@ -163,6 +164,7 @@ Result<std::shared_ptr<const Program>> Program::compile(Mission mission) {
   const Diagnostics problems = detail::validate(index);
   if (problems.has_errors()) return problems.to_error();
   Compiler(index, program->nodes_).run();
+  move_kept_units(program->mission_);
   return std::shared_ptr<const Program>(std::move(program));
 }
 

@@ -69,6 +69,7 @@ class Program {
   /// InvalidArgument with the first problem that validate() finds.
   static Result<std::shared_ptr<const Program>> compile(Mission mission);
 
+  /// As it was written, but for units that are kept (move_kept_units).
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }

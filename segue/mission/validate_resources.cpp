@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
+#include <segue/mission/kept_units.hpp>
 #include <segue/mission/units.hpp>
 
 #include <algorithm>
@@ -9,6 +10,13 @@
 
 namespace segue::mission::detail {
 namespace {
+
+/// Whether both names may stand for the same resource.
+bool meets(const std::string& a, const std::string& b) {
+  const std::string one = resource_pattern(a);
+  const std::string other = resource_pattern(b);
+  return matches_glob(one, other) || matches_glob(other, one);
+}
 
 /// Finds the resources that can exist: those that exist at the beginning, and repeatedly those that are
 /// created by actions whose own needs can be met.
@@ -50,7 +58,7 @@ class Creation {
       return false;
     const std::string pattern = resource_pattern(use.resource);
     const bool there =
-        std::ranges::any_of(there_, [&](const std::string& known) { return meet(known, pattern); });
+        std::ranges::any_of(there_, [&](const std::string& known) { return meets(known, pattern); });
     return !there && is_made(use.resource, pattern);
   }
 
@@ -65,15 +73,11 @@ class Creation {
     std::vector<std::string> names;
     for (const Action& action : mission_.actions) {
       const bool creates = std::ranges::any_of(action.resources, [&](const ResourceUse& use) {
-        return use.operation == ResourceOperation::Create && meet(resource_pattern(use.resource), pattern);
+        return use.operation == ResourceOperation::Create && meets(use.resource, pattern);
       });
       if (creates) names.push_back(action.name.str());
     }
     return names;
-  }
-
-  static bool meet(const std::string& a, const std::string& b) {
-    return matches_glob(a, b) || matches_glob(b, a);
   }
 
   void report(const Action& action) {
@@ -142,12 +146,6 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
                           std::to_string(there) + " at the beginning, and no action creates more",
                       use.where);
   }
-  if (use.operation == ResourceOperation::Release) {
-    diagnostics.warning("ignored-release",
-                        what + "it releases " + quote(use.resource) +
-                            ", which has no effect: an action holds what it blocks until it ends",
-                        use.where);
-  }
   for (const auto& [key, parameter] : use.parameters.as_map()) {
     const type::Value* own = declared == nullptr ? nullptr : declared->parameters.find(key);
     if (own == nullptr) {
@@ -164,10 +162,41 @@ void check_use(const Action& action, const ResourceUse& use, const Resource* dec
   }
 }
 
+/// Units that are kept must be of a declared resource, and what is released must be kept by some action.
+void check_kept(const Mission& mission, Diagnostics& diagnostics) {
+  for (const Action& action : mission.actions) {
+    for (const ResourceUse& use : action.resources) {
+      const auto kept = kept_resource(use);
+      if (!kept) continue;
+      const std::string what = "action " + quote(action.name.str()) + ": ";
+      const auto declares = [&](const Resource& known) { return meets(*kept, known.name); };
+      if (std::ranges::none_of(mission.resources, declares)) {
+        diagnostics.error(
+            "undeclared-resource",
+            what + "units of " + quote(*kept) + " can be kept only if it is declared under 'resources'",
+            use.where);
+      }
+      const auto keeps = [&](const Action& other) {
+        return std::ranges::any_of(other.resources, [&](const ResourceUse& other_use) {
+          return other_use.keep && meets(other_use.resource, use.resource);
+        });
+      };
+      if (use.operation != ResourceOperation::Release || std::ranges::any_of(mission.actions, keeps))
+        continue;
+      diagnostics.warning("release-without-keep",
+                          what + "it releases " + quote(use.resource) +
+                              ", which no action keeps: one must have it with {block: " + use.resource +
+                              ", keep: true}; other blocks end with their action",
+                          use.where);
+    }
+  }
+}
+
 }  // namespace
 
 void check_resources(const Mission& mission, Diagnostics& diagnostics) {
   Creation(mission, diagnostics).run();
+  check_kept(mission, diagnostics);
   std::unordered_map<std::string_view, const Resource*> resources;
   for (const Resource& resource : mission.resources)
     resources.try_emplace(resource.name, &resource);

@@ -26,7 +26,7 @@ class RandomMission {
     const std::string world = chance(50) ? "world: [f0, g(1), g(4)]\n" : "";
     return "mission: random\n" + world +
            "resources:\n  r1: {commutes: true}\n  pool: {count: 2}\n  stock: {class: task, count: 100000}\n" +
-           "  cup: {class: world, count: 2}\n" + "actions:\n" + actions_ +
+           "  cup: {class: world, count: 2}\n  tool: {count: 2}\n" + "actions:\n" + actions_ +
            (libraries_.empty() ? "" : "libraries:\n" + libraries_) +
            "inputs: {in: {type: int, default: 7}}\n" + root;
   }
@@ -67,6 +67,9 @@ class RandomMission {
       uses.push_back(fmt::format("{{{}: stock, count: {}}}", kOperations[under(5)], 1 + under(3)));
     if (!pure && chance(20))
       uses.push_back(fmt::format("{{{}: cup, count: {}}}", kOperations[under(5)], 1 + under(2)));
+    static constexpr std::string_view kTool[] = {"block: tool, keep: true", "release: tool", "block: tool",
+                                                 "exists: tool (kept)"};
+    if (!pure && chance(15)) uses.push_back(fmt::format("{{{}}}", kTool[under(4)]));
     if (!pure && chance(4)) uses.push_back("{consume: \"thing_{x}\"}");
     if (pure && chance(5)) uses.push_back(chance(50) ? "{exists: stock}" : "{exists: cup, count: 2}");
     return uses.empty() ? "" : fmt::format("    resources: [{}]\n", fmt::join(uses, ", "));
