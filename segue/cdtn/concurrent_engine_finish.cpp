@@ -32,6 +32,7 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   at(running_.back()).run_place = state.run_place;
   running_[state.run_place] = running_.back();
   running_.pop_back();
+  if (needs_worker(node)) --at_work_;
   log(node, LogKind::End);
   environment_.ended(node, end.attempt);
   note_speculative(node, false);

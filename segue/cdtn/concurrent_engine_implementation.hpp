@@ -53,6 +53,7 @@ class ConcurrentEngine::Implementation {
   bool hold();
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool beyond(NodeId node) const { return index(node) >= limit_; }
+  [[nodiscard]] bool needs_worker(NodeId node) const;
   [[nodiscard]] Rank rank(NodeId node) const;
   [[nodiscard]] bool gates_start(const Dependency& dependency) const;
   [[nodiscard]] bool irreversible(NodeId node) const {
@@ -84,7 +85,6 @@ class ConcurrentEngine::Implementation {
   void note_what_is_read(NodeId node);
   void return_copy(NodeId node);
   void return_copies_of_producers(NodeId node);
-
   // Preempting speculative runs (concurrent_engine_preempt.cpp).
   void note_speculative(NodeId node, bool speculative);
   void note_preempted(NodeId node, bool preempted);
@@ -155,7 +155,6 @@ class ConcurrentEngine::Implementation {
   Expansion* expansion_ = nullptr;
   Order own_order_;
   std::unique_ptr<OrderBuilder> builder_;
-
   CompletionQueue events_;
   ResourcePool pool_;
   VersionedWorld world_;
@@ -165,7 +164,8 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint8_t> writes_;     ///< by access: 0 not yet, 1 nothing, else 2 + value
   std::vector<std::uint32_t> versions_;  ///< by input: that was used; 0: none
   std::vector<NodeId> running_;
-  std::vector<NodeId> work_;  ///< nodes to check
+  std::uint32_t at_work_ = 0;  ///< running nodes that have a worker; counted if their number is limited
+  std::vector<NodeId> work_;   ///< nodes to check
   std::vector<NodeId> batch_;
   std::vector<NodeId> to_skip_;
   std::vector<NodeId> granted_;

@@ -41,7 +41,7 @@ bool ConcurrentEngine::Implementation::speculation_holds(NodeId node) const {
 
 /// Records the units and the worker that a cancelled run still holds, until it ends.
 void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempted) {
-  preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
+  if (needs_worker(node)) preempted_workers_ = preempted ? preempted_workers_ + 1 : preempted_workers_ - 1;
   for (const Claim& claim : network_.claims(node)) {
     if (claim.op != ResourceOp::Block || claim.group != kNone) continue;
     std::uint64_t& units = preempted_units_[index(claim.resource)];
@@ -89,12 +89,12 @@ void ConcurrentEngine::Implementation::preempt_for_waiting() {
     if (at(node).phase == Phase::Queued && certain(node)) preempt_for_units(node);
   }
   if (options_.workers == 0 || pause_.paused()) return;
-  const std::uint64_t coming = options_.workers - running_.size() + preempted_workers_;
+  const std::uint64_t coming = options_.workers - at_work_ + preempted_workers_;
   for (std::uint64_t wanted = ready_.size(); wanted > coming; --wanted) {
     const NodeId* last = nullptr;
     for (const NodeId& node : running_) {
-      const bool speculative =
-          (!certain(node) || planted(EngineFault::PreemptsWhatCounts)) && !at(node).cancelled;
+      const bool speculative = (!certain(node) || planted(EngineFault::PreemptsWhatCounts)) &&
+                               !at(node).cancelled && needs_worker(node);
       if (speculative && (last == nullptr || rank(*last) < rank(node))) last = &node;
     }
     if (last == nullptr) return;

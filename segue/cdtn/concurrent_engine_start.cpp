@@ -190,6 +190,10 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
 }
 
 /// What is no step takes no time, so it needs no worker.
+bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
+  return options_.workers != 0 && environment_.is_step(node);
+}
+
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
   note_speculative(node, true);
   if ((options_.workers == 0 && !pause_.paused()) || !environment_.is_step(node)) return launch(node);
@@ -228,7 +232,7 @@ std::optional<NodeId> ConcurrentEngine::Implementation::next_ready() {
 /// Gives free workers and copies of the world to the nodes that wait for them, by rank; workers first to
 /// nodes that are certain to count.
 void ConcurrentEngine::Implementation::take_waiting() {
-  while (options_.workers == 0 || running_.size() < options_.workers) {
+  while (options_.workers == 0 || at_work_ < options_.workers) {
     const auto node = next_ready();
     if (!node) break;
     launch(*node);
@@ -282,6 +286,7 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   state.started = events_.now();
   state.run_place = static_cast<std::uint32_t>(running_.size());
   running_.push_back(node);
+  if (needs_worker(node)) ++at_work_;
   ++state.attempt;
   ++statistics_.starts;
   if (state.speculative) ++statistics_.speculative;

@@ -177,6 +177,10 @@ void OrderBuilder::add_resources(NodeId node, bool blocks_in_order) {
         network_[node].kind == ActionClass::Irreversible && claim.op != ResourceOp::Exists;
     if (!resource.varies && !resource.grouped && !(blocks_in_order && irreversible && !resource.commutes))
       continue;
+    if (claim.group != kNone && claim.op == ResourceOp::Exists) {  // the first member holds them already
+      order_.add(NodeId{network_.groups()[claim.group].first}, Reason::Resource, index(claim.resource));
+      continue;
+    }
     NodeId& last = last_claim_[index(claim.resource)];
     if (index(last) != kNone && last != node) order_.add(last, Reason::Resource, index(claim.resource));
     last = node;

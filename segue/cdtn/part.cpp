@@ -26,6 +26,7 @@ NodeSpec spec_of(const TaskNetwork& network, NodeId node, const std::vector<std:
     if (access.writes) spec.effects.push_back({access.fact, access.value});
   }
   for (Claim claim : network.claims(node)) {
+    if (claim.group != kNone && claim.op == ResourceOp::Exists) continue;  // what holds them comes before
     claim.group = kNone;
     spec.claims.push_back(claim);
   }

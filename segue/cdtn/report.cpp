@@ -85,8 +85,10 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
     world.emplace_back(fact);
   root.set("world", std::move(world));
   ValueMap units;
-  for (std::uint32_t i = 0; i < result.units.size(); ++i)
+  for (std::uint32_t i = 0; i < result.units.size(); ++i) {
+    if (network.resources[ResourceId{i}].lent) continue;
     units.set(network.resources.name(ResourceId{i}), static_cast<std::uint64_t>(result.units[i]));
+  }
   root.set("units", std::move(units));
   const RunStatistics& statistics = result.statistics;
   root.set("speculation", Value::map({{"ahead", statistics.speculative},

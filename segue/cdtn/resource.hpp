@@ -41,6 +41,7 @@ struct GroupLock {
   ResourceId resource{};
   std::uint32_t count = 1;
   std::uint32_t members = 0;
+  std::uint32_t first = kNone;  ///< the first member
 };
 
 /// A resource as declared. Its name may carry parameters: "process:planner(fast)".
@@ -50,6 +51,7 @@ struct ResourceRecord {
   bool commutes = false;    ///< the order in which nodes use it does not matter
   bool varies = false;      ///< some node creates, consumes or deletes units
   bool grouped = false;     ///< some group lock holds it
+  bool lent = false;        ///< its units are part of what group locks hold
 };
 
 /// Resources, interned by name. Not thread safe; reading is, while nobody adds.

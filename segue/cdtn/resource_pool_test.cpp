@@ -126,6 +126,22 @@ TEST_F(Pool, AGroupKeepsItsUnitsFromFirstToLastMember) {
   EXPECT_THAT(granted(), testing::ElementsAre(NodeId{2}));
 }
 
+TEST_F(Pool, AGroupThatGrowsTakesItsUnitsAgain) {
+  const ResourceId arm = add("arm", 1);
+  pool().take_groups(std::vector<GroupLock>{{arm, 1, 1}});
+  const Claims first{{arm, ResourceOp::Block, 1, 0}};
+  const Claims member{{arm, ResourceOp::Exists, 1, 0}};
+  EXPECT_TRUE(pool().request(rank(0), first));
+  pool().release(first, true);
+  pool().leave_group(0);
+  pool().take_groups(std::vector<GroupLock>{{arm, 1, 2}});
+  EXPECT_TRUE(pool().request(rank(1), member));
+  EXPECT_FALSE(pool().request(rank(5), Claims{{arm}}));
+  pool().release(member, true);
+  pool().leave_group(0);
+  EXPECT_THAT(granted(), testing::ElementsAre(NodeId{5}));
+}
+
 /// The rule as it is written, looking at everybody each time.
 class NaivePool {
  public:

@@ -19,7 +19,7 @@ std::string TaskNetwork::label(NodeId node) const {
 
 std::uint32_t TaskNetwork::add_group(ResourceId resource, std::uint32_t count) {
   resources[resource].grouped = true;
-  groups_.push_back({resource, count, 0});
+  groups_.push_back({resource, count, 0, kNone});
   return static_cast<std::uint32_t>(groups_.size()) - 1;
 }
 
@@ -109,11 +109,13 @@ void TaskNetwork::append_claims(const NodeSpec& spec) {
           return other.resource == claim.resource && other.op == claim.op && other.group == claim.group;
         });
     if (same != claims_.end()) {
-      same->count += claim.count;
+      const bool together =
+          claim.op != ResourceOp::Exists;  // several nodes and claims rely on the same units
+      same->count = together ? same->count + claim.count : std::max(same->count, claim.count);
       continue;
     }
     claims_.push_back(claim);
-    if (claim.group != kNone) ++groups_[claim.group].members;
+    if (claim.group != kNone && groups_[claim.group].members++ == 0) groups_[claim.group].first = size();
   }
 }
 

@@ -304,17 +304,12 @@ void ActionEnvironment::start(NodeContext& context, Completions& completions) {
       return start_subtree(context, completions);
     case Role::Join:
       return join(context, completions);
+    case Role::Begin:
+      return begin_container(context, completions);
     case Role::Copy:
     case Role::Global:
-      break;
+      return hand_on(context, completions);
   }
-  Value handed = planned.role == Role::Global
-                     ? globals_of(context.node()).get(planned.global).value_or(Value())
-                     : newest(context, planned.inputs);
-  auto report = std::make_unique<cdtn::Report>();
-  report->outputs =
-      std::make_shared<const Value>(Value::map({{std::string(kValueOutput), std::move(handed)}}));
-  completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 
 /// True if the node ended in an earlier run: it ends at once as it did then.
@@ -345,20 +340,6 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
   else
     again();
   return true;
-}
-
-void ActionEnvironment::join(NodeContext& context, Completions& completions) {
-  bool reached = planted(ConversionFault::JoinsAlways);
-  for (const auto& [input, outcome] : plan_[context.node()].joined) {
-    const Value* said = context.input(input);
-    reached = reached || (said != nullptr && *said == Value(static_cast<std::uint64_t>(outcome)));
-  }
-  const auto& outcomes = plan_.network().outcomes;
-  auto report = std::make_unique<cdtn::Report>();
-  report->outcome = cdtn::OutcomeId(*outcomes.find(reached ? "reached" : "missed"));
-  report->outputs = std::make_shared<const Value>(
-      Value::map({{std::string(kOutcomeOutput), static_cast<std::uint64_t>(report->outcome)}}));
-  completions.finish_at(completions.now(), context.node(), context.attempt(), std::move(report));
 }
 
 void ActionEnvironment::start_action(NodeContext& context, Completions& completions) {
@@ -403,7 +384,8 @@ mission::MissionPart ActionEnvironment::part(NodeContext& context, const mission
           planted(ConversionFault::ForgetsSharedGlobals) ? mission::Globals() : used,
           iterations_,
           world(context),
-          units(context)};
+          units(context),
+          planned.around};
 }
 
 mission::Units::Counts ActionEnvironment::units(NodeContext& context) const {

@@ -62,7 +62,9 @@ class ActionEnvironment final : public cdtn::Environment {
   [[nodiscard]] mission::Units::Counts units(cdtn::NodeContext& context) const;
   void start_subtree(cdtn::NodeContext& context, cdtn::Completions& completions);
   void occupy(mission::Engine* opaque_subtree);
+  void hand_on(cdtn::NodeContext& context, cdtn::Completions& completions);
   void join(cdtn::NodeContext& context, cdtn::Completions& completions);
+  void begin_container(cdtn::NodeContext& context, cdtn::Completions& completions);
   [[nodiscard]] type::Value value(cdtn::NodeContext& context, const ValueSource& source) const;
   [[nodiscard]] type::Value newest(cdtn::NodeContext& context, std::span<const ValueSource> sources) const;
   [[nodiscard]] std::vector<type::Value> inputs(cdtn::NodeContext& context) const;

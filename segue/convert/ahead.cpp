@@ -18,27 +18,34 @@ using cdtn::ActsAhead;
 /// Nodes in the parts that are examined more closely; what would take more stays in the list.
 constexpr std::size_t kMostCompared = 2'000'000;
 
-/// Whether the input has several possible sources: a run waits only for those that may still count when it
-/// plans the node.
-bool has_candidates(const PlannedNode& node, std::uint32_t input) {
-  const auto is_one_of_several = [&](const ValueSource& source) {
-    return source.feeds.size() > 1 &&
-           std::ranges::find(source.feeds, input, &ValueSource::Feed::input) != source.feeds.end();
+/// The source of a value to which the input belongs; null for inputs that are no part of values.
+const ValueSource* source_of(const PlannedNode& node, std::uint32_t input) {
+  const auto feeds = [&](const ValueSource& source) {
+    return std::ranges::find(source.feeds, input, &ValueSource::Feed::input) != source.feeds.end();
   };
-  const auto errors = [&](const BranchSource& branch) {
-    return std::ranges::any_of(branch.ends, is_one_of_several, &BranchEnd::error);
-  };
-  return std::ranges::any_of(node.inputs, is_one_of_several) || is_one_of_several(node.error_before) ||
-         is_one_of_several(node.begun) || std::ranges::any_of(node.branches, errors);
+  if (feeds(node.error_before)) return &node.error_before;
+  if (feeds(node.begun)) return &node.begun;
+  for (const BranchSource& branch : node.branches) {
+    const auto end = std::ranges::find_if(branch.ends, feeds, &BranchEnd::error);
+    if (end != branch.ends.end()) return &end->error;
+  }
+  const auto found = std::ranges::find_if(node.inputs, feeds);
+  return found == node.inputs.end() ? nullptr : &*found;
 }
 
 /// Whether a run certainly has the dependency. Of the ways that a join waits for, some may be known to be off
 /// the path when a run plans what comes after; where the others are all ways from one state, it needs no
-/// join.
-bool is_certain(const MissionPlan& plan, NodeId to, const cdtn::Dependency& dependency) {
+/// join. Of several possible sources of a value, a run waits only for those that may still count; on one path
+/// that is the newest: `counts` tells whether a source is on the path.
+template <class Counts>
+bool is_certain(const PlannedNode& to, const cdtn::Dependency& dependency, Counts&& counts) {
   if (dependency.reason() == cdtn::Reason::Condition) return true;
-  if (plan[to].role == Role::Join) return false;
-  return dependency.reason() != cdtn::Reason::Data || !has_candidates(plan[to], dependency.subject);
+  if (to.role == Role::Join) return false;
+  if (dependency.reason() != cdtn::Reason::Data) return true;
+  const ValueSource* source = source_of(to, dependency.subject);
+  if (source == nullptr || source->feeds.size() == 1) return true;
+  const auto newest = std::ranges::find_if(source->feeds, counts, &ValueSource::Feed::input);
+  return newest != source->feeds.end() && newest->input == dependency.subject;
 }
 
 /// The paths of an outline. A run plans no node that it knows to be off its path, so only who is on the path
@@ -51,7 +58,7 @@ class OutlinePaths final : public cdtn::Paths {
     return plan_.implies(node, other);
   }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
-    return convert::is_certain(plan_, dependency.to, dependency);
+    return convert::is_certain(plan_[dependency.to], dependency, [](std::uint32_t) { return false; });
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
     return plan_.exclude(a, b) || beside_or_after_race(plan_, b, a);
@@ -68,7 +75,11 @@ class OnePath final : public cdtn::Paths {
   [[nodiscard]] bool implies(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool comes_with(NodeId, NodeId) const override { return true; }
   [[nodiscard]] bool is_certain(const cdtn::Dependency& dependency) const override {
-    return convert::is_certain(plan_, part_.nodes[index(dependency.to)], dependency);
+    const auto inputs = part_.network.inputs(dependency.to);
+    const auto is_there = [&](std::uint32_t input) {
+      return std::ranges::find(inputs, input, &cdtn::DataInput::input) != inputs.end();
+    };
+    return convert::is_certain(plan_[part_.nodes[index(dependency.to)]], dependency, is_there);
   }
   [[nodiscard]] bool exclude(NodeId a, NodeId b) const override {
     return beside_or_after_race(plan_, part_.nodes[index(b)], part_.nodes[index(a)]);

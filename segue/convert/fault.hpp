@@ -42,7 +42,8 @@ enum class ConversionFault : std::uint8_t {
   RacesConflict,             ///< states of a preemptive container that touch the same wait for each other
   RacesBeginEarly,           ///< states of a preemptive container begin before what comes before it has ended
   SeesOldUnits,              ///< opaque subtrees begin with the units of the beginning
-  Last = SeesOldUnits
+  ForgetsSurroundings,       ///< what containers declare is ignored
+  Last = ForgetsSurroundings
 };
 
 #ifdef SEGUE_CONVERT_FAULTS

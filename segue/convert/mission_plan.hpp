@@ -8,6 +8,7 @@
 #include <segue/mission/execution.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/surroundings.hpp>
 #include <segue/mission/units.hpp>
 
 #include <cstdint>
@@ -26,8 +27,9 @@ namespace segue::convert {
 
 /// Action: a leaf. OpaqueSubtree: a state with everything in it, run sequentially as one node. Join: says
 /// whether one of several ways to a state was taken. Copy: forwards an input or a constant of a container
-/// under a condition. Global: reads a global variable.
-enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global };
+/// under a condition. Global: reads a global variable. Begin: of a container that declares
+/// something; takes what it blocks.
+enum class Role : std::uint8_t { Action, OpaqueSubtree, Join, Copy, Global, Begin };
 
 /// Where a value comes from: the newest input that exists, or else `rest`.
 struct ValueSource {
@@ -78,7 +80,8 @@ struct PlannedNode {
   std::vector<std::pair<std::uint32_t, cdtn::OutcomeId>>
       joined;  ///< Join: inputs and the values that they must have
   std::string global;
-  std::string refused;  ///< why the action can never begin
+  std::string refused;                ///< why the action can never begin
+  mission::SurroundingsPtr around{};  ///< OpaqueSubtree: what is declared around it
 };
 
 /// Names of outputs in addition to those of ports.

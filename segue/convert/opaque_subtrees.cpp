@@ -99,6 +99,8 @@ class Search {
     if (entry.kind == StateKind::Preemptive) {
       const StateIndex child = unfinished_source(state);
       if (child != kNoState) return {Kind::UsesUnfinished, child};
+      const StateIndex declaring = declaring_container(state);
+      if (declaring != kNoState) return {Kind::DeclaresInRace, declaring};
     }
     if (mission::is_concurrency(entry.kind) && beside && races(state)) {
       const StateIndex child = conflict_beside(state);
@@ -121,6 +123,18 @@ class Search {
       });
     });
     return found == container.children.end() ? kNoState : *found;
+  }
+
+  /// The state or one in it that is a container and declares something: it would have to be undone in the
+  /// middle.
+  [[nodiscard]] StateIndex declaring_container(StateIndex state) const {
+    const mission::CompiledState& entry = node(state);
+    if (entry.required != nullptr) return state;
+    if (entry.kind == StateKind::Library) return declaring_container(entry.library);
+    for (const StateIndex child : entry.children) {
+      if (const StateIndex found = declaring_container(child); found != kNoState) return found;
+    }
+    return kNoState;
   }
 
   /// Whether it is a preemptive container, or there is one in it.
@@ -156,7 +170,7 @@ class Search {
     const mission::CompiledState& entry = node(state);
     if (entry.kind == StateKind::Library) return collect(entry.library, touched);
     if (mission::is_leaf(entry.kind)) return collect(action(state), touched);
-    bool all = false;
+    bool all = entry.required != nullptr && collect(*entry.required, touched);
     for (const StateIndex child : entry.children)
       all = collect(child, touched) || all;
     return all;

@@ -16,6 +16,7 @@ struct OpaqueSubtreeReason {
     UsesUnfinished,     ///< a preemptive container whose outputs come from `state` in it, which has states
     HandlesPreemption,  ///< `state` in it has a transition for its preemption
     OpaqueBeside,       ///< a barrier or preemptive container, and `state` in it may touch anything
+    DeclaresInRace,     ///< a preemptive container, and `state`, it or one in it, declares what it needs
     ConflictBeside  ///< what `state` in it touches decides which state of a preemptive container ends first
   };
   Kind kind = Kind::None;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/cdtn/resource.hpp>
 #include <segue/convert/path_conditions.hpp>
 #include <segue/convert/symbol.hpp>
 #include <segue/convert/weak_order.hpp>
 #include <segue/mission/place.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/surroundings.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -45,6 +47,9 @@ struct StateEntry {
   bool strict = false;          ///< it is declared strict, or an enclosing state
   std::vector<Symbol> inputs;
   std::vector<Candidate> errors;
+  mission::SurroundingsPtr around;  ///< what is declared around it
+  std::shared_ptr<const std::vector<cdtn::Claim>>
+      memberships;  ///< in the group locks of the containers around it; null: none
 };
 
 /// The state whose defaults of outputs count.
@@ -55,12 +60,19 @@ inline mission::StateIndex shown_as(const StateEntry& entry) {
 /// One execution of a container in the plan.
 struct ContainerExecution {
   explicit ContainerExecution(StateEntry given, std::size_t slot_count)
-      : entry(std::move(given)), slots(slot_count) {}
+      : entry(std::move(given)),
+        slots(slot_count),
+        inside(entry.when),
+        around(entry.around),
+        memberships(entry.memberships) {}
   StateEntry entry;
   Slots slots;
   std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
   std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
   std::vector<Exit> exits;
+  BranchEdge inside;                                              ///< on which its states are entered
+  mission::SurroundingsPtr around{};                              ///< what is declared around its states
+  std::shared_ptr<const std::vector<cdtn::Claim>> memberships{};  ///< of its states
 };
 
 struct Track;

@@ -110,6 +110,8 @@ StateEntry Unroller::entry_of(const Frame& frame, StateIndex child, BranchEdge w
   entry.path = path_of(around, child);
   entry.loops = loops_around(frame);
   entry.strict = around.entry.strict || plan_.program().state(child).strict;
+  entry.around = around.around;
+  entry.memberships = around.memberships;
   entry.aborts_handled = around.entry.aborts_handled || node(child).next[1].kind != NextStep::Kind::Nowhere;
   return entry;
 }
@@ -160,12 +162,11 @@ void Unroller::enter(Track& track, StateEntry entry) {
     track.pending = std::move(entry);
     return;
   }
-  if (kind != StateKind::Execution && kind != StateKind::Decider)
-    return enter_container(track, std::move(entry));
-  if (!is_ready(entry)) {
+  if (plan_.program().declared(state) != nullptr && !is_ready(entry)) {
     track.pending = std::move(entry);
     return;
   }
+  if (!mission::is_leaf(kind)) return enter_container(track, std::move(entry));
   if (kind == StateKind::Execution) return finish(track, state, add_action(entry, nullptr));
   const std::vector<StateEnd> beside = ends_beside(track);
   finish(track, state, add_action(entry, &beside));
@@ -196,16 +197,18 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
     for (; copy != container.at_begin.end() && copy->from == i; ++copy)
       activation->slots.write(copy->to, when, activation->slots.read(i, when, paths_), paths_);
   }
+  begin_container(*activation);
+  const BranchEdge inside = activation->inside;
   if (container.kind == StateKind::Hierarchy) {
     activation->arrivals.resize(container.children.size());
     activation->order = order_of(state);
     if (container.start.kind == NextStep::Kind::Child) {
-      activation->arrivals[container.start.child].push_back({when, false, {}});
+      activation->arrivals[container.start.child].push_back({inside, false, {}});
       return;
     }
-    activation->exits.push_back({container.start.outcome, {when, false, {}}});
+    activation->exits.push_back({container.start.outcome, {inside, false, {}}});
     if (container.start.outcome == kAborted)
-      activation->exits.back().arrival.errors = constant(plan_.program().start_abort_text(state), when);
+      activation->exits.back().arrival.errors = constant(plan_.program().start_abort_text(state), inside);
     return;
   }
   if (container.kind == StateKind::Preemptive) return enter_race(track, *activation);
@@ -214,7 +217,7 @@ void Unroller::enter_container(Track& track, StateEntry entry) {
 
 /// Enters all states of the barrier at the top of the track, each on a track of its own.
 void Unroller::enter_branches(Track& track, ContainerExecution& activation) {
-  const BranchEdge when = activation.entry.when;
+  const BranchEdge when = activation.inside;
   const mission::CompiledState& barrier = node(activation.entry.state);
   const std::uint64_t number = barriers_++;
   const std::size_t open_before = before_.size();
@@ -320,10 +323,8 @@ std::vector<Candidate> Unroller::constant(std::string text, BranchEdge when) {
 
 bool Unroller::step_barrier(Track& track) {
   const Frame& frame = track.frames.back();
-  if (!paths_.live(frame.activation->entry.when)) {
-    const StateIndex state = frame.activation->entry.state;
-    track.frames.pop_back();
-    finish(track, state, {});
+  if (!paths_.live(frame.activation->inside)) {
+    leave_off_path(track);
     return true;
   }
   const std::size_t open_before = before_.size();
@@ -341,16 +342,23 @@ bool Unroller::step_barrier(Track& track) {
   return true;
 }
 
+/// The container at the top of the track is off the path, or has not begun.
+void Unroller::leave_off_path(Track& track) {
+  if (!track.frames.back().activation->exits.empty()) return leave(track);
+  const StateIndex state = track.frames.back().activation->entry.state;
+  track.frames.pop_back();
+  finish(track, state, {});
+}
+
 void Unroller::join_barrier(Track& track) {
   ContainerExecution& activation = *track.frames.back().activation;
   const mission::CompiledState& barrier = node(activation.entry.state);
   const std::vector<StateEnd> ends = ends_beside(track);
   std::size_t next = 0;
   for (const StateIndex child : barrier.children) {
-    if (child != barrier.decider)
-      take_outputs(activation, child, activation.entry.when, ends[next++].outputs);
+    if (child != barrier.decider) take_outputs(activation, child, activation.inside, ends[next++].outputs);
   }
-  enter(track, entry_of(track.frames.back(), barrier.decider, activation.entry.when));
+  enter(track, entry_of(track.frames.back(), barrier.decider, activation.inside));
 }
 
 /// The ends of the states of the barrier at the top of the track.
@@ -363,7 +371,7 @@ std::vector<StateEnd> Unroller::ends_beside(const Track& track) const {
 
 void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
   ContainerExecution& activation = *track.frames.back().activation;
-  take_outputs(activation, state, activation.entry.when, end.outputs);
+  take_outputs(activation, state, activation.inside, end.outputs);
   for (Exit& exit : end.exits) {
     const NextStep& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
     exit.arrival.errors = errors_of(state, exit, step);

@@ -67,6 +67,7 @@ class Unroller {
   std::vector<Candidate> errors_of(mission::StateIndex child, Exit& exit, const mission::NextStep& step);
   std::vector<Candidate> constant(std::string text, BranchEdge when);
   void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
+  void leave_off_path(Track& track);
   void join_barrier(Track& track);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
@@ -124,9 +125,16 @@ class Unroller {
   [[nodiscard]] bool is_ready(const StateEntry& entry);
   [[nodiscard]] bool is_in_turn(const StateEntry& entry);
   [[nodiscard]] std::optional<std::vector<type::Value>> naming_values(const StateEntry& entry);
+  const std::vector<std::size_t>& naming_inputs(mission::StateIndex state);
   void declare(const StateEntry& entry, cdtn::NodeSpec& spec, PlannedNode& planned);
   void declare_unknown(const StateEntry& entry, cdtn::NodeSpec& spec);
-  [[nodiscard]] std::optional<std::string> look_up(const StateEntry& entry, Touch& touch);
+  [[nodiscard]] Result<mission::Needs> needs_of(const StateEntry& entry);
+  void look_up(const mission::Needs& needs, Touch& touch);
+
+  // What containers declare (unroller_containers.cpp)
+  void begin_container(ContainerExecution& activation);
+  void block(ContainerExecution& activation, cdtn::NodeSpec& spec, const mission::Needs& needs);
+  void lend(const mission::Surroundings::Held& held);
   [[nodiscard]] const mission::CompiledState& node(mission::StateIndex state) const {
     return plan_.program().node(state);
   }
@@ -157,7 +165,9 @@ class Unroller {
   std::unordered_map<mission::StateIndex, Slots> begun_;
   std::vector<std::uint32_t> copies_;  ///< by name, of TaskNetwork::names
   std::vector<Touch> touches_;         ///< by action
-  cdtn::NodeSpec spec_;                ///< of the current node
+  std::unordered_map<mission::StateIndex, std::optional<std::vector<std::size_t>>>
+      named_by_;         ///< by container: the inputs that determine what it declares
+  cdtn::NodeSpec spec_;  ///< of the current node
 };
 
 }  // namespace segue::convert

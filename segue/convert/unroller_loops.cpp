@@ -27,7 +27,7 @@ void Unroller::take_alternatives(Track& track) {
     ContainerExecution& activation = *frame.activation;
     Frame::Loop& loop = frame.loops.back();
     const auto& arrivals = live_arrivals(loop.back);
-    const auto base = paths_.live(activation.entry.when);
+    const auto base = paths_.live(activation.inside);
     if (arrivals.empty() || !base) {
       track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
       continue;
@@ -64,7 +64,7 @@ bool Unroller::end_of_loop(Track& track) {
     return true;
   }
   if (scope_ == PlanScope::Outline) return end_of_outlined_loop(frame);
-  const auto base = paths_.live(activation.entry.when);
+  const auto base = paths_.live(activation.inside);
   if (!base) return false;
   const auto certain = [&](const BranchEdge& edge) {
     const auto live = paths_.live(edge);

@@ -110,7 +110,7 @@ bool Unroller::is_ready(const StateEntry& entry) {
 /// Units that come and go are taken in program order, also beside each other.
 bool Unroller::is_in_turn(const StateEntry& entry) {
   for (const Track* beside : before_) {
-    if (!shared_.shared(beside->branch->child, node(entry.state).action)) continue;
+    if (!shared_.shared(beside->branch->child, entry.state)) continue;
     plan_.waits_for_ = "how " + plan_.program().state(beside->branch->child).id.str() +
                        " goes on, which uses the same units before " +
                        plan_.program().state(entry.state).id.str();
@@ -121,12 +121,9 @@ bool Unroller::is_in_turn(const StateEntry& entry) {
 
 /// The inputs that facts and resources refer to, by port; nothing if one is not known yet.
 std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entry) {
-  const Action& what = action(entry.state);
-  Touch& touch = touches_[node(entry.state).action];
-  if (!touch.named_by) touch.named_by = mission::naming_inputs(what);
-  if (touch.known) return std::vector<Value>();
+  const Action& what = *plan_.program().declared(entry.state);
   std::vector<Value> values(what.inputs.size());
-  for (const std::size_t port : *touch.named_by) {
+  for (const std::size_t port : naming_inputs(entry.state)) {
     const std::string& name = what.inputs[port].name;
     auto value = value_of(entry.inputs[port]);
     if (!value) {
@@ -139,20 +136,33 @@ std::optional<std::vector<Value>> Unroller::naming_values(const StateEntry& entr
   return values;
 }
 
+const std::vector<std::size_t>& Unroller::naming_inputs(StateIndex state) {
+  const bool leaf = mission::is_leaf(node(state).kind);
+  auto& known = leaf ? touches_[node(state).action].named_by : named_by_[state];
+  if (!known) known = mission::naming_inputs(*plan_.program().declared(state));
+  return *known;
+}
+
 /// Adds the facts and resources of the action; if a name cannot be formed, the action will not begin.
 void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& planned) {
-  Touch& touch = touches_[node(entry.state).action];
-  if (scope_ == PlanScope::Outline && !naming_values(entry)) return declare_unknown(entry, spec);
+  Touch& cached = touches_[node(entry.state).action];
+  Touch special;
+  Touch& touch = entry.around == nullptr ? cached : special;
   if (!touch.known) {
-    if (auto refused = look_up(entry, touch)) {
-      planned.refused = std::move(*refused);
+    if (scope_ == PlanScope::Outline && !naming_values(entry)) return declare_unknown(entry, spec);
+    const auto needs = needs_of(entry);
+    if (!needs) {
+      planned.refused = needs.error().message;
       return;
     }
-    touch.known = touch.named_by->empty();
+    look_up(*needs, touch);
+    touch.known = naming_inputs(entry.state).empty();
   }
   spec.preconditions = touch.preconditions;
   spec.effects = touch.effects;
   spec.claims = touch.claims;
+  if (entry.memberships != nullptr)
+    spec.claims.insert(spec.claims.end(), entry.memberships->begin(), entry.memberships->end());
 }
 
 /// Instead of the facts that are not known yet, a fact of its own, so that it changes something but depends
@@ -164,34 +174,35 @@ void Unroller::declare_unknown(const StateEntry& entry, NodeSpec& spec) {
   if (fact && (!what.effects.empty() || !what.resources.empty())) spec.effects.push_back({*fact, true});
 }
 
-/// The error if a name cannot be formed.
-std::optional<std::string> Unroller::look_up(const StateEntry& entry, Touch& touch) {
-  const Action& what = action(entry.state);
+/// With what is declared around the state; an error if a name cannot be formed. Requires that the values that
+/// names consist of are known.
+Result<mission::Needs> Unroller::needs_of(const StateEntry& entry) {
   const auto values = naming_values(entry);
   assert(values);
-  const auto touched = mission::footprint(plan_.program().mission(), what, *values, entry.path);
-  if (!touched) return touched.error().message;
+  return mission::needs(plan_.program().mission(), *plan_.program().declared(entry.state), *values,
+                        entry.path, entry.around);
+}
+
+void Unroller::look_up(const mission::Needs& needs, Touch& touch) {
   const auto literals = [&](const std::vector<mission::GroundFact>& facts, std::vector<cdtn::Literal>& into) {
     into.clear();
     for (const mission::GroundFact& fact : facts) {
       if (const auto id = plan_.network_.facts.intern_named(fact.text)) into.push_back({*id, fact.holds});
     }
   };
-  literals(touched->preconditions, touch.preconditions);
-  if (!planted(ConversionFault::ForgetsEffects)) literals(touched->effects, touch.effects);
+  literals(needs.preconditions, touch.preconditions);
+  if (!planted(ConversionFault::ForgetsEffects)) literals(needs.effects, touch.effects);
   touch.claims.clear();
   const auto varies = [&](const std::string& name) {
     return std::ranges::any_of(varying_, [&](const auto& pattern) { return matches_glob(pattern, name); });
   };
-  for (std::size_t i = 0; i < what.resources.size() && !planted(ConversionFault::ForgetsResources); ++i) {
-    const auto resource = plan_.network_.resources.intern(touched->resources[i]);
+  for (const mission::UnitUse& use : needs.uses) {
+    if (planted(ConversionFault::ForgetsResources)) break;
+    const auto resource = plan_.network_.resources.intern(use.resource);
     cdtn::ResourceRecord& known = plan_.network_.resources[resource];
-    known.varies = known.varies || varies(touched->resources[i]);
-    const mission::ResourceUse& use = what.resources[i];
-    touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation),
-                            static_cast<std::uint32_t>(use.count), cdtn::kNone});
+    known.varies = known.varies || varies(use.resource);
+    touch.claims.push_back({resource, static_cast<cdtn::ResourceOp>(use.operation), use.count, cdtn::kNone});
   }
-  return std::nullopt;
 }
 
 /// The count of begins is passed as a value, so that speculative runs see it too.
@@ -310,6 +321,8 @@ StateEnd Unroller::add_subtree(const StateEntry& entry) {
   planned.loops = entry.loops;
   planned.state = entry.state;
   planned.shown_as = shown_as(entry);
+  planned.around = entry.around;
+  if (entry.memberships != nullptr) spec.claims = *entry.memberships;
   spec.opaque_subtree = true;
   spec.opaque = true;
   spec.reads_world = true;

@@ -58,9 +58,7 @@ void Unroller::enter_race(Track& track, ContainerExecution& activation) {
 bool Unroller::step_race(Track& track) {
   const Frame& frame = track.frames.back();
   if (!paths_.live(frame.activation->entry.when)) {
-    const StateIndex state = frame.activation->entry.state;
-    track.frames.pop_back();
-    finish(track, state, {});
+    leave_off_path(track);
     return true;
   }
   Race& race = *frame.race;

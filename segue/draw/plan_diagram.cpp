@@ -18,6 +18,7 @@ std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
   const auto id = [&](mission::StateIndex state) { return plan.program().state(state).id.str(); };
   if (planned.role == Role::Global) return "the variable " + planned.global;
   if (planned.role == Role::Join) return fmt::format("of {} ways", planned.joined.size());
+  if (planned.role == Role::Begin) return "begins the container: takes what it blocks";
   if (planned.role != Role::OpaqueSubtree) return {};
   const OpaqueSubtreeReason reason = plan.subtree_reason(planned.state);
   switch (reason.kind) {
@@ -30,6 +31,8 @@ std::string note_of(const MissionPlan& plan, const PlannedNode& planned) {
     case OpaqueSubtreeReason::Kind::ConflictBeside:
       return "since " + id(reason.state) +
              " in it touches what another state touches, which must not decide which one ends first";
+    case OpaqueSubtreeReason::Kind::DeclaresInRace:
+      return "since " + id(reason.state) + " declares preconditions or resources, and may be preempted";
     case OpaqueSubtreeReason::Kind::None:
       break;
   }
@@ -73,6 +76,7 @@ Diagram::Role role_of(Role role, Diagram::Role otherwise) {
     case Role::Global:
       return Diagram::Role::Global;
     case Role::Action:
+    case Role::Begin:
       break;
   }
   return otherwise;

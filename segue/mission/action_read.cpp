@@ -250,13 +250,18 @@ std::vector<std::string> read_outcomes(Fields& fields, const Source& source) {
   return outcomes;
 }
 
+void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& resources, Fields& fields,
+                const Source& source) {
+  read_facts(preconditions, fields, "preconditions", "!", source);
+  const Value* uses = fields.find("resources", Value::Kind::List);
+  if (uses == nullptr) return;
+  for (const Value& item : uses->as_list())
+    read_use(resources, item, fields.what(), source);
+}
+
 void read_declarations(Action& action, Fields& fields, const Source& source) {
-  read_facts(action.preconditions, fields, "preconditions", "!", source);
+  read_needs(action.preconditions, action.resources, fields, source);
   read_facts(action.effects, fields, "effects", "+-", source);
-  if (const Value* resources = fields.find("resources", Value::Kind::List)) {
-    for (const Value& item : resources->as_list())
-      read_use(action.resources, item, fields.what(), source);
-  }
   action.pure = fields.boolean("pure", false);
   action.sensing = fields.boolean("sensing", false);
   action.reads_world = fields.boolean("reads_world", false);

@@ -96,20 +96,24 @@ void write_outcomes(ValueMap& map, const std::vector<std::string>& outcomes) {
   if (outcomes != std::vector<std::string>{"success"}) map.append("outcomes", text_list(outcomes));
 }
 
+void write_needs(ValueMap& map, const std::vector<Fact>& preconditions,
+                 const std::vector<ResourceUse>& resources) {
+  if (!preconditions.empty()) map.append("preconditions", write_facts(preconditions, "", "!"));
+  if (resources.empty()) return;
+  Value::List uses;
+  for (const ResourceUse& use : resources)
+    uses.push_back(write_use(use));
+  map.append("resources", std::move(uses));
+}
+
 Value write_action(const Action& action) {
   ValueMap map;
   if (!action.description.empty()) map.append("description", action.description);
   write_ports(map, "inputs", action.inputs);
   write_ports(map, "outputs", action.outputs);
   write_outcomes(map, action.outcomes);
-  if (!action.preconditions.empty()) map.append("preconditions", write_facts(action.preconditions, "", "!"));
+  write_needs(map, action.preconditions, action.resources);
   if (!action.effects.empty()) map.append("effects", write_facts(action.effects, "+", "-"));
-  if (!action.resources.empty()) {
-    Value::List uses;
-    for (const ResourceUse& use : action.resources)
-      uses.push_back(write_use(use));
-    map.append("resources", std::move(uses));
-  }
   if (action.pure) map.append("pure", true);
   if (action.sensing) map.append("sensing", true);
   if (action.reads_world) map.append("reads_world", true);

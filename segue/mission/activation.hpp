@@ -3,6 +3,7 @@
 
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/history.hpp>
+#include <segue/mission/surroundings.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/mission/world.hpp>
 
@@ -55,8 +56,8 @@ struct Activation {
   bool pass = false;      ///< was held and is released for one child
   bool mark = false;      ///< a step over or out ends here
   bool deferred = false;  ///< a leaf that a completer will end
-  bool refused = false;   ///< a leaf whose action did not begin: a precondition is not met, or units lack
-  bool asks = false;      ///< a leaf that waits for units
+  bool refused = false;   ///< it did not begin: a precondition is not met, or units lack
+  bool asks = false;      ///< a leaf or container that waits for units
   bool replayed = false;  ///< a leaf whose end comes from the journal
   std::uint32_t iteration = 0;
   std::uint32_t item = History::kNone;
@@ -66,8 +67,10 @@ struct Activation {
   std::string error_before;         ///< leaves: the error of the preceding state
   std::vector<GroundFact> effects;  ///< leaves: applied if they end as expected
   World::Changes changed{};         ///< leaves: the changes this made
-  std::vector<UnitUse> asked;       ///< leaves: units that it needs
-  UnitsUsed units;                  ///< leaves: those that it has taken
+  std::vector<UnitUse> asked;       ///< units that it needs
+  UnitsUsed units;                  ///< those that it has taken
+  SurroundingsPtr around;           ///< what is declared around it
+  SurroundingsPtr inside;           ///< containers: what is declared around its children
   std::vector<type::Value> inputs;
   std::vector<type::Value> outputs;
   StateIndex shown_as =

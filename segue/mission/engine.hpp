@@ -8,6 +8,7 @@
 #include <segue/mission/history.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/mission/run_journal.hpp>
+#include <segue/mission/surroundings.hpp>
 #include <segue/mission/units.hpp>
 #include <segue/mission/world.hpp>
 
@@ -40,6 +41,7 @@ struct MissionPart {
   std::shared_ptr<Iterations> iterations;
   WorldView world;      ///< when it begins
   Units::Counts units;  ///< likewise
+  SurroundingsPtr around{};
 };
 
 struct EngineOptions {

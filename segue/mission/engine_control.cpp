@@ -128,6 +128,7 @@ Result<Activation*> EngineCore::out_to_something_done(Activation& hierarchy) {
   for (Activation* inner = &hierarchy; inner != around;) {
     Activation* outer = inner->parent;
     if (inner->item != History::kNone) history.undo(inner->item);
+    if (!inner->units.uses.empty()) give_units_back(*inner);
     free(*inner);
     inner = outer;
   }
@@ -154,6 +155,7 @@ void EngineCore::undo_at(Activation& hierarchy) {
       break;
     }
     // The step back enters the child again, at its end.
+    hold_units_again(*record.kept, record.units);
     at->children.assign(1, record.kept);
     at->phase = Phase::Wait;
     at = inner;

@@ -24,6 +24,7 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
       iterations_(options.part ? options.part->iterations
                                : std::make_shared<Iterations>(program->nodes().size())),
       shared_(*program),
+      around_root_(options.part ? options.part->around : nullptr),
       virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {
   for (const Action& action : program->mission().actions)
     touches_.push_back(!action.preconditions.empty() || !action.effects.empty() || !action.resources.empty());
@@ -53,7 +54,7 @@ Engine::Progress EngineCore::run() {
       Activation* next = ready_.front();
       ready_.pop_front();
       go_on(next);
-    } else if (!ask_again() && !wait()) {
+    } else if (!ask_again() && !wait() && (!held_.empty() || !give_up_waiting())) {
       return Engine::Progress::Held;
     }
   }

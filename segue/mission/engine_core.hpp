@@ -86,7 +86,8 @@ class EngineCore {
   Activation* enter(Activation& activation);
   Activation* enter_leaf(Activation& activation);
   Activation* enter_library(Activation& activation);
-  Activation* enter_concurrency(Activation& activation);
+  Activation* begin_container(Activation& container);
+  Activation* begin_branches(Activation& concurrency);
   Activation* proceed(Activation& hierarchy);
   Activation* leave(Activation& activation, Outcome outcome);
   Activation* finish(Activation& activation);
@@ -102,15 +103,19 @@ class EngineCore {
   void first_step(Activation& hierarchy);
 
   // engine_units.cpp: what an action needs before it begins
-  Activation* ask(Activation& leaf);
-  bool look_up(Activation& leaf);
+  Activation* ask(Activation& activation);
+  bool look_up(Activation& activation);
   bool take_units(Activation& leaf);
   void give_units_back(Activation& leaf);
+  void keep_blocked(Activation& container);
+  [[nodiscard]] static std::span<const Surroundings::Held> lent_by(const Activation& container);
+  void hold_units_again(Activation& container, UnitsUsed& before);
   bool ask_again();
+  bool give_up_waiting();
   [[nodiscard]] bool is_overtaking(const Activation& leaf);
   [[nodiscard]] bool is_in_turn(const Activation& leaf, bool to_the_end = false);
   [[nodiscard]] bool only_lacks_held(const Activation& leaf);
-  [[nodiscard]] bool may_use_more(const Activation& state, std::uint32_t action);
+  [[nodiscard]] bool may_use_more(const Activation& state, StateIndex user);
 
   // engine_data.cpp: activations and the data flow between them
   Activation* make(StateIndex state, Activation* parent);
@@ -162,6 +167,7 @@ class EngineCore {
   SharedUnits shared_;
   std::vector<Waiting> asking_;  ///< leaves that wait for units, the first one longest
   std::vector<std::pair<std::uint32_t, Slot>> replaced_;  ///< by the child that ends, for its undo record
+  const SurroundingsPtr around_root_;
   Activation* root_ = nullptr;
   Mode mode_ = Mode::Run;
   VirtualClock* virtual_clock_ = nullptr;

@@ -20,6 +20,8 @@ Activation* EngineCore::make(StateIndex state, Activation* parent) {
   activation.phase = Activation::Phase::Begin;
   activation.preempted = activation.held = activation.pass = activation.mark = activation.deferred = false;
   activation.refused = activation.replayed = activation.asks = false;
+  activation.around = parent == nullptr ? around_root_ : parent->inside;
+  activation.inside = activation.around;
   activation.changed = {};
   activation.item = History::kNone;
   activation.outcome = activation.last = 0;
@@ -40,6 +42,7 @@ void EngineCore::free(Activation& activation) {
   activation.effects.clear();
   activation.asked.clear();
   activation.units = {};
+  activation.around = activation.inside = nullptr;
   activation.undo.clear();
   free_.push_back(&activation);
 }

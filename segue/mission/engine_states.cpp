@@ -73,15 +73,20 @@ Activation* EngineCore::enter(Activation& activation) {
     case StateKind::Library:
       return enter_library(activation);
     case StateKind::Hierarchy:
-      set_up(activation);
-      first_step(activation);
-      activation.phase = Phase::Proceed;
-      return &activation;
     case StateKind::Barrier:
     case StateKind::Preemptive:
       break;
   }
-  return enter_concurrency(activation);
+  set_up(activation);
+  if (node.required == nullptr) return begin_container(activation);
+  return activation.preempted ? leave(activation, kPreempted) : ask(activation);
+}
+
+Activation* EngineCore::begin_container(Activation& container) {
+  if (program->node(container.state).kind != StateKind::Hierarchy) return begin_branches(container);
+  first_step(container);
+  container.phase = Phase::Proceed;
+  return &container;
 }
 
 /// The start of the hierarchy, or the child on the path at which the mission was told to start.
@@ -99,7 +104,8 @@ Activation* EngineCore::enter_leaf(Activation& leaf) {
   for (const PortSource& output : program->node(leaf.shown_as).outputs)
     leaf.outputs.push_back(fallback(output));
   if (leaf.preempted) return leave(leaf, kPreempted);
-  return touches_[program->node(leaf.state).action] ? ask(leaf) : begin_leaf(leaf);
+  const bool asks = leaf.around != nullptr || touches_[program->node(leaf.state).action];
+  return asks ? ask(leaf) : begin_leaf(leaf);
 }
 
 Activation* EngineCore::begin_leaf(Activation& leaf) {
@@ -173,9 +179,8 @@ Activation* EngineCore::enter_library(Activation& library) {
   return root;
 }
 
-Activation* EngineCore::enter_concurrency(Activation& concurrency) {
+Activation* EngineCore::begin_branches(Activation& concurrency) {
   const CompiledState& node = program->node(concurrency.state);
-  set_up(concurrency);
   concurrency.phase = Phase::Wait;
   if (concurrency.preempted) return leave(concurrency, kPreempted);
   for (const StateIndex state : node.children) {

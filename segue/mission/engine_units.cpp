@@ -14,44 +14,47 @@ namespace segue::mission::detail {
 
 using Phase = Activation::Phase;
 
-/// Begins the leaf if it may, ends it if it never may, or else lets it wait.
-Activation* EngineCore::ask(Activation& leaf) {
-  if (!look_up(leaf)) {
-    leaf.asks = false;
-    leaf.refused = true;
-    return leave(leaf, kAborted);
+/// Begins the leaf or container if it may, ends it if it never may, or else lets it wait.
+Activation* EngineCore::ask(Activation& activation) {
+  if (!look_up(activation)) {
+    activation.asks = false;
+    activation.refused = true;
+    return leave(activation, kAborted);
   }
-  if (!take_units(leaf)) {
-    leaf.phase = Phase::Wait;
-    leaf.asks = true;
-    leaf.effects.clear();
-    asking_.emplace_back(&leaf, leaf.generation);
+  if (!take_units(activation)) {
+    activation.phase = Phase::Wait;
+    activation.asks = true;
+    activation.effects.clear();
+    asking_.emplace_back(&activation, activation.generation);
     return nullptr;
   }
-  leaf.asks = false;
-  return begin_leaf(leaf);
+  activation.asks = false;
+  return is_leaf(program->node(activation.state).kind) ? begin_leaf(activation) : begin_container(activation);
 }
 
-/// What the action touches; false if it may not begin: the error of the leaf says why.
-bool EngineCore::look_up(Activation& leaf) {
-  const Action& action = program->mission().actions[program->node(leaf.state).action];
-  auto touched = footprint(program->mission(), action, leaf.inputs, path(leaf));
-  if (!touched) {
-    leaf.error = touched.error().message;
+/// What it needs and changes; false if it may not begin: its error says why.
+bool EngineCore::look_up(Activation& activation) {
+  const Action& declared = *program->declared(activation.state);
+  const std::string at = path(activation);
+  auto own = needs(program->mission(), declared, activation.inputs, at, activation.around);
+  if (!own) {
+    activation.error = own.error().message;
     return false;
   }
-  if (const GroundFact* lacking = world.first_false(touched->preconditions)) {
-    leaf.error = precondition_error(*lacking);
+  if (const GroundFact* lacking = world.first_false(own->preconditions)) {
+    activation.error = precondition_error(*lacking);
     return false;
   }
-  leaf.asked = unit_uses(action, std::move(touched->resources));
-  if (is_in_turn(leaf, true)) {
-    if (auto shortage = units.shortage(leaf.asked)) {
-      leaf.error = std::move(*shortage);
+  if (is_container(program->node(activation.state).kind))
+    activation.inside = inside(*own, at, activation.around);
+  activation.asked = std::move(own->uses);
+  if (is_in_turn(activation, true)) {
+    if (auto shortage = units.shortage(activation.asked)) {
+      activation.error = std::move(*shortage);
       return false;
     }
   }
-  leaf.effects = std::move(touched->effects);
+  activation.effects = std::move(own->effects);
   return true;
 }
 
@@ -59,12 +62,39 @@ bool EngineCore::take_units(Activation& leaf) {
   if (leaf.asked.empty()) return true;
   if (!is_in_turn(leaf) || is_overtaking(leaf) || !units.take(leaf.asked)) return false;
   leaf.units.uses = std::move(leaf.asked);
+  if (!is_leaf(program->node(leaf.state).kind)) keep_blocked(leaf);
   return true;
 }
 
+/// A container goes on with what it blocks, which it lends to the states in it; the rest had to be there only
+/// when it began.
+void EngineCore::keep_blocked(Activation& container) {
+  const auto others = std::ranges::stable_partition(
+      container.units.uses, [](const UnitUse& use) { return use.operation == ResourceOperation::Block; });
+  units.give_back(others, false);
+  container.units.uses.erase(others.begin(), others.end());
+  for (const Surroundings::Held& held : lent_by(container))
+    units.lend(held.taken, held.count, held.lent);
+}
+
+/// What the container itself has blocked and lends to the states in it.
+std::span<const Surroundings::Held> EngineCore::lent_by(const Activation& container) {
+  if (container.inside == container.around) return {};
+  const std::size_t outer = container.around == nullptr ? 0 : container.around->held.size();
+  return std::span(container.inside->held).first(container.inside->held.size() - outer);
+}
+
+/// For a step back into the container.
+void EngineCore::hold_units_again(Activation& container, UnitsUsed& before) {
+  container.asked = std::move(before.uses);
+  if (!container.asked.empty()) take_units(container);
+}
+
 void EngineCore::give_units_back(Activation& leaf) {
-  const Action& action = program->mission().actions[program->node(leaf.state).action];
-  leaf.units.done = program->outcome_name(leaf.state, leaf.outcome) == action.foreseen_outcome();
+  const Action& declared = *program->declared(leaf.state);
+  leaf.units.done = program->outcome_name(leaf.state, leaf.outcome) == declared.foreseen_outcome();
+  for (const Surroundings::Held& held : lent_by(leaf))
+    units.take_back(held.taken, held.count, held.lent);
   units.give_back(leaf.units.uses, leaf.units.done);
 }
 
@@ -94,10 +124,30 @@ bool EngineCore::ask_again() {
   return any;
 }
 
-/// Whether the leaf only waits until others, which are under way, give units back. What it then takes nobody
-/// may take before.
+/// Called when nothing can go on any more: units that are waited for are held by containers that wait
+/// themselves. The first that waits aborts; false if nothing waits.
+bool EngineCore::give_up_waiting() {
+  for (const Waiting& waiting : asking_) {
+    Activation& leaf = *waiting.first;
+    if (leaf.generation != waiting.second || !leaf.asks) continue;
+    const auto lacks = [this](const UnitUse& use) { return !units.are_free(std::span(&use, 1)); };
+    const auto lacking = std::ranges::find_if(leaf.asked, lacks);
+    const std::string& resource =
+        lacking == leaf.asked.end() ? leaf.asked.front().resource : lacking->resource;
+    leaf.error = "it waits for units of the resource " + quote(resource) +
+                 ", which are held by a state that waits itself";
+    leaf.asks = false;
+    leaf.refused = true;
+    ready_.push_back(leave(leaf, kAborted));
+    return true;
+  }
+  return false;
+}
+
+/// Whether the leaf only waits until actions, which are under way, give units back. What it then takes nobody
+/// may take before. What waits for a container keeps nothing from others: the container may need it to end.
 bool EngineCore::only_lacks_held(const Activation& leaf) {
-  return is_in_turn(leaf) && !units.shortage(leaf.asked);
+  return is_in_turn(leaf) && !units.shortage(leaf.asked) && !units.wait_for_container(leaf.asked);
 }
 
 /// Whether a leaf that has waited longer needs the same resource, and only waits until it is free.
@@ -114,38 +164,37 @@ bool EngineCore::is_overtaking(const Activation& leaf) {
 /// In a barrier, who uses units that come and go waits until the states before its own have begun their last
 /// use of them; with `to_the_end`, until they have ended.
 bool EngineCore::is_in_turn(const Activation& leaf, bool to_the_end) {
-  const std::uint32_t action = program->node(leaf.state).action;
-  if (!shared_.takes_in_order(action)) return true;
+  if (!shared_.takes_in_order(leaf.state)) return true;
   const Activation* inner = &leaf;
   for (const Activation* around = leaf.parent; around != nullptr;
        inner = std::exchange(around, around->parent)) {
     if (program->node(around->state).kind != StateKind::Barrier) continue;
     for (const Activation* sibling : around->children) {
       if (sibling == inner) break;
-      if (sibling->phase == Phase::Done || !shared_.shared(sibling->state, action)) continue;
-      if (to_the_end || may_use_more(*sibling, action)) return false;
+      if (sibling->phase == Phase::Done || !shared_.shared(sibling->state, leaf.state)) continue;
+      if (to_the_end || may_use_more(*sibling, leaf.state)) return false;
     }
   }
   return true;
 }
 
-/// Whether an action may still begin in the state that shares such units with this one.
-bool EngineCore::may_use_more(const Activation& state, std::uint32_t action) {
+/// Whether something may still begin in the state that shares such units with the user.
+bool EngineCore::may_use_more(const Activation& state, StateIndex user) {
   std::vector<const Activation*> open = {&state};
   while (!open.empty()) {
     const Activation& next = *open.back();
     open.pop_back();
     const CompiledState& node = program->node(next.state);
     const bool begins = next.phase == Phase::Begin || next.asks;
-    if (begins && shared_.shared(next.state, action)) return true;
+    if (begins && shared_.shared(next.state, user)) return true;
     if (next.phase == Phase::Proceed && next.pending.kind == NextStep::Kind::Child) {
       const StateIndex child = node.children[next.pending.child];
-      if (shared_.shared(child, action) || shared_.shared_after(child, action)) return true;
+      if (shared_.shared(child, user) || shared_.shared_after(child, user)) return true;
     }
     if (next.phase != Phase::Wait || is_leaf(node.kind)) continue;
-    if (node.kind == StateKind::Barrier && next.open > 0 && shared_.shared(node.decider, action)) return true;
+    if (node.kind == StateKind::Barrier && next.open > 0 && shared_.shared(node.decider, user)) return true;
     for (const Activation* child : next.children) {
-      if (node.kind == StateKind::Hierarchy && shared_.shared_after(child->state, action)) return true;
+      if (node.kind == StateKind::Hierarchy && shared_.shared_after(child->state, user)) return true;
       open.push_back(child);
     }
   }

@@ -38,6 +38,17 @@ std::string joined(const std::vector<const std::string*>& ids) {
 
 }  // namespace
 
+std::optional<Action> declared_by(const State& container) {
+  if (container.preconditions.empty() && container.resources.empty()) return std::nullopt;
+  Action made;
+  made.name = ActionName(container.id.str());
+  made.inputs = container.inputs;
+  made.preconditions = container.preconditions;
+  made.resources = container.resources;
+  made.where = container.where;
+  return made;
+}
+
 std::string Mission::path(StateIndex state) const {
   std::vector<const std::string*> ids;
   for (; state != kNoState && states[state].parent != kNoState; state = states[state].parent)

@@ -93,11 +93,17 @@ struct State {
   std::vector<StateIndex> children;  ///< in their order; program order for concurrency
   std::optional<Target> start;       ///< Hierarchy
   std::vector<DataFlow> flows;
+  std::vector<Fact> preconditions;     ///< of every action in it
+  std::vector<ResourceUse> resources;  ///< Block: from its begin to its end; Exists: when it begins
 
   type::Value notes{type::ValueMap{}};  ///< data of tools, such as RAFCON's semantic data
   SourcePlace where;
   friend bool operator==(const State&, const State&) = default;
 };
+
+/// What a container declares for everything in it, as an action with its inputs; nothing if it declares
+/// nothing.
+std::optional<Action> declared_by(const State& container);
 
 /// A state machine that library states use; `root` is the root of its tree.
 struct Library {

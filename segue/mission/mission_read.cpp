@@ -89,12 +89,14 @@ class Reader {
     state.script_id = fields.text("id");
     state.description = fields.text("description");
     const bool container = fields.find("states", Value::Kind::Map) != nullptr;
+    const bool root = parent == kNoState;
     state.kind = kind_of(fields, container);
     state.strict = fields.boolean("strict", false);
     if (const Value* notes = fields.find("notes", Value::Kind::Map)) state.notes = *notes;
     read_transitions(state, fields);
     if (is_container(state.kind)) {
       read_container(state, fields);
+      if (!root) detail::read_needs(state.preconditions, state.resources, fields, source_);
     } else {
       read_use(state, fields);
     }

@@ -29,6 +29,7 @@ void write_container(ValueMap& map, const State& state) {
   detail::write_ports(map, "outputs", state.outputs);
   detail::write_outcomes(map, state.outcomes);
   detail::write_ports(map, "variables", state.variables);
+  detail::write_needs(map, state.preconditions, state.resources);
   if (state.start) map.append("start", target_text(*state.start));
   if (state.flows.empty()) return;
   Value::List flows;

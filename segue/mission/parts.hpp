@@ -26,6 +26,9 @@ std::vector<PortValue> read_values(Fields& fields, std::string_view key, const S
 std::vector<std::string> read_outcomes(Fields& fields, const Source& source);
 /// Reads "world": facts without inputs.
 std::vector<Fact> read_world(Fields& fields, const Source& source);
+/// Reads "preconditions" and "resources", of an action or a container.
+void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& resources, Fields& fields,
+                const Source& source);
 /// Reads what an action declares of its facts, resources and class, and what is expected of it.
 void read_declarations(Action& action, Fields& fields, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
@@ -35,6 +38,8 @@ Resource read_resource(const std::string& name, const type::Value& value, const 
 void write_ports(type::ValueMap& map, std::string_view key, const std::vector<Port>& ports);
 void write_values(type::ValueMap& map, std::string_view key, const std::vector<PortValue>& values);
 void write_outcomes(type::ValueMap& map, const std::vector<std::string>& outcomes);
+void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
+                 const std::vector<ResourceUse>& resources);
 type::Value write_action(const Action& action);
 type::Value write_resource(const Resource& resource);
 

@@ -44,6 +44,8 @@ class Compiler {
     node.outputs = supplies(*shown.outputs, state.output_values);
     node.variables = supplies(state.variables, {});
     node.next.resize(shown.outcomes->size() + 2);
+    if (auto declared = declared_by(state))
+      node.required = std::make_shared<const Action>(std::move(*declared));
     if (state.kind == StateKind::Library) {
       node.library = index_.library(state.library)->root;
     } else if (!is_container(state.kind)) {

@@ -58,9 +58,10 @@ struct CompiledState {
   std::uint32_t slots = 0;  ///< containers, from here on
   std::vector<StateIndex> children;
   NextStep start;
-  std::vector<PortSource> variables;  ///< initial values
-  std::vector<SlotCopy> at_begin;     ///< from inputs to variables: each after its input is written
-  StateIndex decider = kNoState;      ///< Barrier
+  std::vector<PortSource> variables;         ///< initial values
+  std::vector<SlotCopy> at_begin;            ///< from inputs to variables: each after its input is written
+  StateIndex decider = kNoState;             ///< Barrier
+  std::shared_ptr<const Action> required{};  ///< its preconditions and resources, with its inputs; null: none
 };
 
 /// A mission that is ready to run: names are resolved to positions. Immutable; engines may share it.
@@ -75,6 +76,11 @@ class Program {
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }
   [[nodiscard]] const CompiledState& node(StateIndex state) const { return nodes_[state]; }
   [[nodiscard]] const State& state(StateIndex state) const { return mission_.states[state]; }
+  /// What a leaf or a container declares; null if a container declares nothing, and for libraries.
+  [[nodiscard]] const Action* declared(StateIndex state) const {
+    const CompiledState& node = nodes_[state];
+    return is_leaf(node.kind) ? &mission_.actions[node.action] : node.required.get();
+  }
   [[nodiscard]] std::string outcome_name(StateIndex state, Outcome outcome) const;
   /// The error of a container that aborts because its state ended with an outcome of its own that leads
   /// there.

@@ -22,25 +22,49 @@ bool meets_any(const std::string& resource, const std::vector<std::string>& othe
 
 SharedUnits::SharedUnits(const Program& program) : program_(program) {
   const std::vector<std::string> varying = varying_resources(program.mission());
-  for (const Action& action : program.mission().actions) {
-    std::vector<std::string>& own = varying_.emplace_back();
-    for (const ResourceUse& use : action.resources) {
+  const auto used = [&](const std::vector<ResourceUse>& uses) {
+    Patterns own;
+    for (const ResourceUse& use : uses) {
       std::string pattern = resource_pattern(use.resource);
       if (meets_any(pattern, varying)) own.push_back(std::move(pattern));
     }
+    return own;
+  };
+  for (const Action& action : program.mission().actions)
+    by_action_.push_back(used(action.resources));
+  first_user_.assign(by_action_.size(), kNoState);
+  for (StateIndex i = static_cast<StateIndex>(program.nodes().size()); i-- > 0;) {
+    const CompiledState& node = program.node(i);
+    if (is_leaf(node.kind)) first_user_[node.action] = i;
+    if (node.required == nullptr) continue;
+    if (Patterns own = used(node.required->resources); !own.empty()) by_container_[i] = std::move(own);
   }
 }
 
-bool SharedUnits::shared(StateIndex state, std::uint32_t action) {
-  if (varying_[action].empty()) return false;
-  const auto [known, is_new] = known_.try_emplace({state, action}, false);
-  if (is_new) known->second = has_user(state, varying_[action]);
+const SharedUnits::Patterns& SharedUnits::used_by(StateIndex state) const {
+  static const Patterns none;
+  const CompiledState& node = program_.node(state);
+  if (is_leaf(node.kind)) return by_action_[node.action];
+  const auto found = by_container_.find(state);
+  return found == by_container_.end() ? none : found->second;
+}
+
+/// One of all states that use the same.
+StateIndex SharedUnits::alike(StateIndex user) const {
+  const CompiledState& node = program_.node(user);
+  return is_leaf(node.kind) ? first_user_[node.action] : user;
+}
+
+bool SharedUnits::shared(StateIndex state, StateIndex user) {
+  if (used_by(user).empty()) return false;
+  const auto [known, is_new] = known_.try_emplace({state, alike(user)}, false);
+  if (is_new) known->second = has_user(state, used_by(user));
   return known->second;
 }
 
-bool SharedUnits::shared_after(StateIndex state, std::uint32_t action) {
-  if (varying_[action].empty()) return false;
-  const auto [known, is_new] = known_after_.try_emplace({state, action}, false);
+bool SharedUnits::shared_after(StateIndex state, StateIndex user) {
+  if (used_by(user).empty()) return false;
+  const auto [known, is_new] = known_after_.try_emplace({state, alike(user)}, false);
   if (!is_new) return known->second;
   std::vector<StateIndex> open = {state};
   std::set<StateIndex> seen;
@@ -51,22 +75,23 @@ bool SharedUnits::shared_after(StateIndex state, std::uint32_t action) {
       if (step.kind != NextStep::Kind::Child) continue;
       const StateIndex next = program_.node(node.parent).children[step.child];
       if (!seen.insert(next).second) continue;
-      known->second = known->second || shared(next, action);
+      known->second = known->second || shared(next, user);
       open.push_back(next);
     }
   }
   return known->second;
 }
 
-bool SharedUnits::has_user(StateIndex state, const std::vector<std::string>& resources) const {
+bool SharedUnits::has_user(StateIndex state, const Patterns& resources) const {
   std::vector<StateIndex> open = {state};
   while (!open.empty()) {
-    const CompiledState& node = program_.node(open.back());
+    const StateIndex next = open.back();
+    const CompiledState& node = program_.node(next);
     open.pop_back();
     open.insert(open.end(), node.children.begin(), node.children.end());
     if (node.kind == StateKind::Library) open.push_back(node.library);
     const auto used = [&](const std::string& own) { return meets_any(own, resources); };
-    if (is_leaf(node.kind) && std::ranges::any_of(varying_[node.action], used)) return true;
+    if (std::ranges::any_of(used_by(next), used)) return true;
   }
   return false;
 }

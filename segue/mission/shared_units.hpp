@@ -12,28 +12,33 @@
 namespace segue::mission {
 
 /// Who uses units that come and go: those of resources of which some action creates, consumes or deletes
-/// units. States of a barrier take these in program order, in runs as written and concurrently, so that no
-/// race decides who goes short. For one thread.
+/// units, or which some container blocks. States of a barrier take these in program order, in runs as written
+/// and concurrently, so that no race decides who goes short. For one thread.
 class SharedUnits {
  public:
   /// `program` must outlive this.
   explicit SharedUnits(const Program& program);
 
-  /// Whether the action (by its position) may use such units.
-  [[nodiscard]] bool takes_in_order(std::uint32_t action) const { return !varying_[action].empty(); }
-  /// Whether an action in the state may use such units of a resource that the action may use as well. Names
+  /// Whether the leaf or container may use such units itself.
+  [[nodiscard]] bool takes_in_order(StateIndex user) const { return !used_by(user).empty(); }
+  /// Whether something in the state may use such units of a resource that the user may use as well. Names
   /// that contain inputs may stand for any resource that fits. The first call for two is linear in the states
   /// within.
-  [[nodiscard]] bool shared(StateIndex state, std::uint32_t action);
+  [[nodiscard]] bool shared(StateIndex state, StateIndex user);
   /// Likewise, whether a state may that can follow this one in its hierarchy.
-  [[nodiscard]] bool shared_after(StateIndex state, std::uint32_t action);
+  [[nodiscard]] bool shared_after(StateIndex state, StateIndex user);
 
  private:
-  [[nodiscard]] bool has_user(StateIndex state, const std::vector<std::string>& resources) const;
+  using Patterns = std::vector<std::string>;
+  [[nodiscard]] const Patterns& used_by(StateIndex state) const;
+  [[nodiscard]] StateIndex alike(StateIndex user) const;
+  [[nodiscard]] bool has_user(StateIndex state, const Patterns& resources) const;
 
   const Program& program_;
-  std::vector<std::vector<std::string>> varying_;  ///< by action: patterns of the resources that it uses
-  using Known = std::map<std::pair<StateIndex, std::uint32_t>, bool>;
+  std::vector<Patterns> by_action_;              ///< of the resources that it uses
+  std::map<StateIndex, Patterns> by_container_;  ///< likewise
+  std::vector<StateIndex> first_user_;           ///< by action: the first state that has it
+  using Known = std::map<std::pair<StateIndex, StateIndex>, bool>;
   Known known_;
   Known known_after_;
 };

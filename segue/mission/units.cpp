@@ -101,6 +101,23 @@ bool Units::take(std::span<const UnitUse> uses) {
   return true;
 }
 
+void Units::lend(const std::string& resource, std::uint32_t count, const std::string& name) {
+  stocks_[resource].lent += count;
+  stocks_[name] = {count};
+}
+
+void Units::take_back(const std::string& resource, std::uint32_t count, const std::string& name) {
+  stocks_[resource].lent -= count;
+  stocks_.erase(name);
+}
+
+bool Units::wait_for_container(std::span<const UnitUse> uses) const {
+  return std::ranges::any_of(uses, [&](const UnitUse& use) {
+    const Stock there = stock(use.resource);
+    return there.lent > 0 && there.total - there.held < taken(uses, use.resource);
+  });
+}
+
 void Units::give_back(std::span<const UnitUse> uses, bool done) {
   for (const UnitUse& use : uses) {
     Stock& there = stocks_[use.resource];
@@ -132,8 +149,8 @@ Result<Units::Counts> initial_units(const Mission& mission, const UnitCounts& gi
     const auto names = [&wanted = name](const ResourceUse& use) {
       return matches_glob(resource_pattern(use.resource), wanted);
     };
-    const bool used = std::ranges::any_of(
-        mission.actions, [&](const Action& action) { return std::ranges::any_of(action.resources, names); });
+    const auto uses = [&](const auto& user) { return std::ranges::any_of(user.resources, names); };
+    const bool used = std::ranges::any_of(mission.actions, uses) || std::ranges::any_of(mission.states, uses);
     if (!used && !counts.contains(name))
       return fail(ErrorCode::NotFound, "no action uses a resource " + quote(name));
     counts[name] = count;
@@ -168,6 +185,11 @@ std::vector<std::string> varying_resources(const Mission& mission) {
                            use.operation == ResourceOperation::Consume ||
                            use.operation == ResourceOperation::Delete;
       if (changes) patterns.push_back(resource_pattern(use.resource));
+    }
+  }
+  for (const State& state : mission.states) {
+    for (const ResourceUse& use : state.resources) {
+      if (use.operation == ResourceOperation::Block) patterns.push_back(resource_pattern(use.resource));
     }
   }
   std::ranges::sort(patterns);

@@ -54,6 +54,13 @@ class Units {
   /// Takes them for an execution that begins, unless others hold some of them (false), or there is a
   /// shortage.
   bool take(std::span<const UnitUse> uses);
+  /// A container that has taken units of the resource lends them to what is in it: they exist as units of
+  /// `name`.
+  void lend(const std::string& resource, std::uint32_t count, const std::string& name);
+  /// They do not exist any more.
+  void take_back(const std::string& resource, std::uint32_t count, const std::string& name);
+  /// Whether containers hold units that these uses must wait for: not only what runs now.
+  [[nodiscard]] bool wait_for_container(std::span<const UnitUse> uses) const;
   /// The execution that took them has ended. `done`: as expected, so that it has created and deleted what it
   /// declares; what it consumed is gone in either case.
   void give_back(std::span<const UnitUse> uses, bool done);
@@ -65,6 +72,7 @@ class Units {
     std::int64_t total = 1;
     std::int64_t held = 0;
     std::int64_t leaving = 0;                 ///< held by executions that delete them
+    std::int64_t lent = 0;                    ///< held by containers
     std::multiset<std::int64_t> relied_on{};  ///< by running executions to which they must exist
   };
   [[nodiscard]] Stock stock(std::string_view resource) const;
@@ -82,8 +90,8 @@ std::vector<UnitUse> unit_uses(const Action& action, std::vector<std::string> na
 /// The name of a resource with "*" in place of each input: "cup_{n}" as "cup_*".
 std::string resource_pattern(std::string_view resource);
 
-/// Patterns of the resources of which some action creates, consumes or deletes units. Those who use one take
-/// their units in program order, also side by side.
+/// Patterns of the resources of which some action creates, consumes or deletes units, or which a container
+/// blocks. Those who use one take their units in program order, also side by side.
 std::vector<std::string> varying_resources(const Mission& mission);
 
 }  // namespace segue::mission

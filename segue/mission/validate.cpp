@@ -88,25 +88,16 @@ namespace {
 class ActionCheck {
  public:
   ActionCheck(const Mission& mission, const Action& action, Diagnostics& diagnostics)
-      : mission_(mission),
-        action_(action),
-        diagnostics_(diagnostics),
-        what_("action " + quote(action.name.str())) {}
+      : ActionCheck(mission, action, diagnostics, "action " + quote(action.name.str())) {}
+  /// `action` may be what a container declares; `what` names it.
+  ActionCheck(const Mission& mission, const Action& action, Diagnostics& diagnostics, std::string what)
+      : mission_(mission), action_(action), diagnostics_(diagnostics), what_(std::move(what)) {}
 
   void run() {
+    check_names();
     for (const auto* ports : {&action_.inputs, &action_.outputs}) {
       for (const Port& port : *ports)
         check_value(port, port.value, what_, port.where, mission_, diagnostics_);
-    }
-    for (const auto* facts : {&action_.preconditions, &action_.effects}) {
-      for (const Fact& fact : *facts)
-        check_placeholders(to_string(fact), fact.where);
-    }
-    for (const ResourceUse& use : action_.resources) {
-      check_placeholders(use.resource, use.where);
-      for (const auto& [key, parameter] : use.parameters.as_map()) {
-        if (const auto name = parameter_input(parameter)) check_placeholders("{" + *name + "}", use.where);
-      }
     }
     if (action_.strict && action_.action_class() != ActionClass::Irreversible && action_.effects.empty()) {
       diagnostics_.warning("ignored-strict",
@@ -119,6 +110,20 @@ class ActionCheck {
     if (const auto* decision = std::get_if<Decision>(&action_.run)) {
       for (const DecisionRule& rule : decision->rules)
         check_outcome(rule.outcome);
+    }
+  }
+
+  /// The inputs that its facts and resources name.
+  void check_names() {
+    for (const auto* facts : {&action_.preconditions, &action_.effects}) {
+      for (const Fact& fact : *facts)
+        check_placeholders(to_string(fact), fact.where);
+    }
+    for (const ResourceUse& use : action_.resources) {
+      check_placeholders(use.resource, use.where);
+      for (const auto& [key, parameter] : use.parameters.as_map()) {
+        if (const auto name = parameter_input(parameter)) check_placeholders("{" + *name + "}", use.where);
+      }
     }
   }
 
@@ -179,6 +184,10 @@ void check_actions(const Mission& mission, Diagnostics& diagnostics) {
   }
   for (const Action& action : mission.actions)
     ActionCheck(mission, action, diagnostics).run();
+  for (StateIndex i = 0; i < mission.states.size(); ++i) {
+    if (const auto declared = declared_by(mission.states[i]))
+      ActionCheck(mission, *declared, diagnostics, state_text(mission, i)).check_names();
+  }
 }
 
 }  // namespace detail

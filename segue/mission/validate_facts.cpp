@@ -39,21 +39,27 @@ class FactCheck {
     check_world();
     for (const Action& action : mission_.actions) {
       const std::string what = "action " + quote(action.name.str());
-      check_shape(action.preconditions, what);
+      check_preconditions(action.preconditions, what);
       check_shape(action.effects, what);
-      check_pairs(action.preconditions, what, "precondition", true);
       check_pairs(action.effects, what, "effect", false);
-      for (const Fact& fact : action.preconditions) {
-        if (can_become(fact)) continue;
-        diagnostics_.warning("never-true",
-                             what + ": its precondition " + fact_text(fact) + " never holds: " + why(fact),
-                             fact.where);
-      }
     }
+    for (StateIndex i = 0; i < mission_.states.size(); ++i)
+      check_preconditions(mission_.states[i].preconditions, state_text(mission_, i));
   }
 
  private:
   using ByPredicate = std::unordered_map<std::string_view, std::vector<const Fact*>>;
+
+  void check_preconditions(const std::vector<Fact>& facts, const std::string& what) {
+    check_shape(facts, what);
+    check_pairs(facts, what, "precondition", true);
+    for (const Fact& fact : facts) {
+      if (can_become(fact)) continue;
+      diagnostics_.warning("never-true",
+                           what + ": its precondition " + fact_text(fact) + " never holds: " + why(fact),
+                           fact.where);
+    }
+  }
 
   static std::string fact_text(const Fact& fact) {
     return quote((fact.positive ? "" : "!") + to_string(fact));

@@ -127,8 +127,7 @@ std::int64_t taken_with(const Action& action, const ResourceUse& use, int there)
 
 /// Checks the use of a resource whose name is known; `declared` is null if it is not declared.
 void check_use(const Action& action, const ResourceUse& use, const Resource* declared, const Mission& mission,
-               Diagnostics& diagnostics) {
-  const std::string what = "action " + quote(action.name.str()) + ": ";
+               const std::string& what, Diagnostics& diagnostics) {
   const int there = declared == nullptr ? 1 : declared->count;
   const bool needs =
       use.operation != ResourceOperation::Create && use.operation != ResourceOperation::Release;
@@ -192,6 +191,18 @@ void check_kept(const Mission& mission, Diagnostics& diagnostics) {
   }
 }
 
+/// A container only holds and requires units.
+void check_container(const ResourceUse& use, const std::string& what, Diagnostics& diagnostics) {
+  const bool fits =
+      !use.keep && (use.operation == ResourceOperation::Block || use.operation == ResourceOperation::Exists);
+  if (fits) return;
+  diagnostics.error("container-resource",
+                    what +
+                        "what has states can only block units and require that they exist; an action in it " +
+                        "can create, use up, keep and release them",
+                    use.where);
+}
+
 }  // namespace
 
 void check_resources(const Mission& mission, Diagnostics& diagnostics) {
@@ -200,12 +211,20 @@ void check_resources(const Mission& mission, Diagnostics& diagnostics) {
   std::unordered_map<std::string_view, const Resource*> resources;
   for (const Resource& resource : mission.resources)
     resources.try_emplace(resource.name, &resource);
-  for (const Action& action : mission.actions) {
-    for (const ResourceUse& use : action.resources) {
+  const auto check = [&](const Action& user, const std::string& what) {
+    for (const ResourceUse& use : user.resources) {
       if (!placeholders(use.resource).empty()) continue;
       const auto found = resources.find(use.resource);
-      check_use(action, use, found == resources.end() ? nullptr : found->second, mission, diagnostics);
+      check_use(user, use, found == resources.end() ? nullptr : found->second, mission, what, diagnostics);
     }
+  };
+  for (const Action& action : mission.actions)
+    check(action, "action " + quote(action.name.str()) + ": ");
+  for (StateIndex i = 0; i < mission.states.size(); ++i) {
+    const std::string what = state_text(mission, i) + ": ";
+    for (const ResourceUse& use : mission.states[i].resources)
+      check_container(use, what, diagnostics);
+    if (const auto declared = declared_by(mission.states[i])) check(*declared, what);
   }
 }
 

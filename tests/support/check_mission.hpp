@@ -148,6 +148,7 @@ class MissionCheck {
       const bool start = entry.kind == cdtn::LogKind::Start;
       const mission::Action* what = action(entry.node);
       if (what == nullptr || (!start && entry.kind != cdtn::LogKind::End)) continue;
+      if (!run_.plan()[entry.node].refused.empty()) continue;  // it never executes
       for (const mission::ResourceUse& use : what->resources) {
         if (use.operation != mission::ResourceOperation::Block) continue;
         int& units = used[use.resource] += start ? use.count : -use.count;
@@ -255,7 +256,9 @@ class MissionCheck {
     const std::string& failed = network.name_of(*failed_node);
     for (std::uint32_t i = index(*failed_node) + 1; i < run_.network_result().nodes.size(); ++i) {
       const cdtn::NodeId node{i};
-      if (run_.plan()[node].role == Role::Global || beside_or_after_race(run_.plan(), node, *failed_node))
+      const PlannedNode& planned = run_.plan()[node];
+      const bool executes = planned.role == Role::Action || planned.role == Role::OpaqueSubtree;
+      if (!executes || !planned.refused.empty() || beside_or_after_race(run_.plan(), node, *failed_node))
         continue;
       if (!cdtn::has_acted(network, run_.network_result(), node)) continue;
       const auto entry = std::ranges::find(known.pairs, network.name_of(node), &cdtn::NamedActsAhead::acts);

@@ -122,28 +122,47 @@ class RunCheck {
     return {};
   }
 
-  /// From the first start to the last end of its members no other node has units of a lock.
+  /// Whether some node creates or removes units.
+  bool changes(ResourceId resource) {
+    bool any = false;
+    for_each_claim([&](NodeId, const Claim& claim) {
+      const bool fixed =
+          claim.op == ResourceOp::Block || claim.op == ResourceOp::Exists || claim.op == ResourceOp::Release;
+      any = any || (claim.resource == resource && !fixed);
+    });
+    return any;
+  }
+
+  /// From the first start to the last end of its members nobody else has units of a lock.
   std::string groups() {
-    std::map<std::uint32_t, std::pair<TimePoint, TimePoint>> held;
+    struct Held {
+      TimePoint first;
+      TimePoint last;
+    };
+    std::map<std::uint32_t, Held> held;
     for_each_claim([&](NodeId node, const Claim& claim) {
-      if (claim.group == kNone) return;
+      if (claim.group == kNone || changes(claim.resource)) return;
       const NodeResult& result = concurrent_.nodes[index(node)];
-      const auto [place, first] = held.emplace(claim.group, std::pair(result.started, result.ended));
-      if (!first) place->second.second = std::max(place->second.second, result.ended);
-      if (!first) place->second.first = std::min(place->second.first, result.started);
+      Held& times = held.emplace(claim.group, Held{result.started, result.ended}).first->second;
+      times = {std::min(times.first, result.started), std::max(times.last, result.ended)};
     });
     std::string text;
-    for_each_claim([&](NodeId node, const Claim& claim) {
-      const ResourceRecord& resource = network_.resources[claim.resource];
-      if (claim.op != ResourceOp::Block || claim.group != kNone || resource.varies) return;
-      const NodeResult& result = concurrent_.nodes[index(node)];
+    const auto check = [&](ResourceId resource, std::uint32_t count, const Held& own, std::uint32_t itself) {
       for (const auto& [group, times] : held) {
         const GroupLock& lock = network_.groups()[group];
-        const bool overlap = result.started < times.second && times.first < result.ended;
-        if (lock.resource == claim.resource && overlap && claim.count + lock.count > resource.count)
-          text = fmt::format("n{} got what a group has locked", index(node));
+        const bool overlap = own.first < times.last && times.first < own.last;
+        if (group != itself && lock.resource == resource && overlap &&
+            count + lock.count > network_.resources[resource].count)
+          text = fmt::format("a group's lock of {} was not kept", network_.resources.name(resource));
       }
+    };
+    for_each_claim([&](NodeId node, const Claim& claim) {
+      const NodeResult& result = concurrent_.nodes[index(node)];
+      if (claim.op == ResourceOp::Block && claim.group == kNone)
+        check(claim.resource, claim.count, {result.started, result.ended}, kNone);
     });
+    for (const auto& [group, times] : held)
+      check(network_.groups()[group].resource, network_.groups()[group].count, times, group);
     return text;
   }
 

@@ -244,7 +244,7 @@ class ConcurrentRun {
     ran.globals = run_->globals().snapshot();
     const cdtn::ResourceTable& resources = plan().network().resources;
     for (std::uint32_t i = 0; i < resources.size(); ++i)
-      if (network_result().units[i] != 1)
+      if (network_result().units[i] != 1 && !plan().network().resources[cdtn::ResourceId{i}].lent)
         ran.units[resources.name(cdtn::ResourceId{i})] = network_result().units[i];
     for_each_action([&](cdtn::NodeId node, const std::string& outcome) {
       ran.happened[std::string(plan()[node].path)].push_back(outcome);

@@ -126,8 +126,8 @@ class RandomMission {
     const std::uint64_t kind = depth < 2 ? under(100) : 100;
     Child result;
     if (kind < 24) {
-      result.text = kind < 10   ? hierarchy(depth + 1, indent, where)
-                    : kind < 18 ? barrier(depth + 1, indent)
+      result.text = kind < 10   ? declarations(indent, where) + hierarchy(depth + 1, indent, where)
+                    : kind < 18 ? declarations(indent, where) + barrier(depth + 1, indent)
                     : kind < 21 ? preemptive(depth + 1, indent)
                                 : library(depth + 1, indent, where);
       result.on = fmt::format("done: {}, other: {}", target(i + 1, size), target(i + 1 + under(2), size));
@@ -147,6 +147,22 @@ class RandomMission {
     if (chance(25)) result.on += ", aborted: " + target(i + 1 + under(2), size);
     if (chance(2)) result.on += ", preempted: " + target(i + 1 + under(2), size);
     return result;
+  }
+
+  /// What a container needs. Its actions use the same resources.
+  std::string declarations(const std::string& indent, const Where& where) {
+    std::string text;
+    if (chance(8)) {
+      const std::string fact = where.is_concurrent() ? where.fact : chance(30) ? "g({in})" : "f0";
+      text += fmt::format("{}preconditions: [\"{}{}\"]\n", indent, chance(60) ? "!" : "", fact);
+    }
+    std::vector<std::string> uses;
+    if (chance(20)) uses.push_back(fmt::format("{{block: r{}}}", under(2)));
+    if (chance(12)) uses.push_back(fmt::format("{{block: pool, count: {}}}", 1 + under(2)));
+    if (chance(4)) uses.push_back("{block: \"thing_{in}\"}");
+    if (chance(4)) uses.push_back(chance(50) ? "{block: tool}" : "{exists: cup}");
+    if (!uses.empty()) text += fmt::format("{}resources: [{}]\n", indent, fmt::join(uses, ", "));
+    return text;
   }
 
   std::string hierarchy(int depth, const std::string& indent, const Where& where) {
@@ -202,8 +218,8 @@ class RandomMission {
       leaves.push_back(leaf);
       states += fmt::format("{}  s{}:\n", indent, i);
       states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, chance(40), where))
-                : kind < 20 ? hierarchy(depth + 1, inner, where)
-                            : barrier(depth + 1, inner);
+                : kind < 20 ? declarations(inner, where) + hierarchy(depth + 1, inner, where)
+                            : declarations(inner, where) + barrier(depth + 1, inner);
       if (chance(60)) lines += fmt::format("{}  - inputs.in -> s{}.{}\n", indent, i, leaf ? "x" : "in");
       if (chance(60)) lines += fmt::format("{}  - s{}.{} -> outputs.out\n", indent, i, leaf ? "y" : "out");
     }
@@ -232,9 +248,10 @@ class RandomMission {
       const bool leaf = kind >= 35;
       const std::string_view end = chance(70) ? "done" : "other";
       states += fmt::format("{}  s{}:\n", indent, i);
-      states += leaf        ? fmt::format("{}action: {}\n", inner, action(false, false, where))
-                : kind < 25 ? hierarchy(depth + 1, inner, where)
-                            : preemptive(depth + 1, inner);
+      states += leaf ? fmt::format("{}action: {}\n", inner, action(false, false, where))
+                : kind < 25
+                    ? (chance(10) ? declarations(inner, where) : "") + hierarchy(depth + 1, inner, where)
+                    : preemptive(depth + 1, inner);
       states += leaf ? fmt::format("{}on: {{ok: return {}", inner, end)
                      : fmt::format("{}on: {{done: return {}, other: return other", inner, end);
       states += chance(20) ? ", aborted: return other}\n" : "}\n";

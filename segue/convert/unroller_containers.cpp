@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What containers declare for everything in them. A node begins the container: it checks the preconditions
+// and takes the units that the container blocks, by a group lock. What is in the container are members of
+// that lock, which ends with the last of them. More members may be planned then: they take the units again,
+// before anybody else, since those who come later in program order are planned after the container.
+#include <segue/convert/fault.hpp>
+#include <segue/convert/unroller.hpp>
+
+namespace segue::convert {
+
+using cdtn::NodeId;
+using cdtn::NodeSpec;
+
+/// A container that declares nothing needs no node.
+void Unroller::begin_container(ContainerExecution& activation) {
+  const StateEntry& entry = activation.entry;
+  if (node(entry.state).required == nullptr || planted(ConversionFault::ForgetsSurroundings)) return;
+  if (scope_ == PlanScope::Outline && !naming_values(entry)) return;
+  NodeSpec& spec = new_spec();
+  PlannedNode planned;
+  planned.role = Role::Begin;
+  planned.state = entry.state;
+  planned.shown_as = shown_as(entry);
+  planned.loops = entry.loops;
+  planned.when = entry.when;
+  spec.branches = spec.handles_abort = entry.aborts_handled;
+  spec.strict = entry.strict;
+  if (const auto needs = needs_of(entry)) {
+    Touch touch;
+    look_up(*needs, touch);
+    spec.preconditions = std::move(touch.preconditions);
+    spec.claims = std::move(touch.claims);
+    activation.around = mission::inside(*needs, entry.path, entry.around);
+    block(activation, spec, *needs);
+  } else {
+    planned.refused = needs.error().message;
+  }
+  const NodeId id = append(spec, std::move(planned), entry.path);
+  if (!entry.aborts_handled) return;
+  std::vector<cdtn::OutcomeId> outcomes{cdtn::kSuccess, cdtn::kAborted};
+  if (scope_ == PlanScope::EveryEnd) outcomes.push_back(cdtn::kPreempted);
+  const auto branch = paths_.add(id, entry.when, std::move(outcomes), cdtn::kSuccess);
+  activation.inside = {branch, cdtn::kSuccess};
+  if (scope_ == PlanScope::EveryEnd)
+    activation.exits.push_back({mission::kPreempted, {{branch, cdtn::kPreempted}, false, {}}});
+  const BranchEdge refused{branch, cdtn::kAborted};
+  const auto error = plan_.network_.names.intern(kErrorOutput);
+  activation.exits.push_back({mission::kAborted, {refused, true, {{id, error, refused, {}}}}});
+}
+
+/// The claims of `spec` that block become the first members of locks; what is in the container becomes
+/// members of these, and takes units of the resources that the container lends.
+void Unroller::block(ContainerExecution& activation, NodeSpec& spec, const mission::Needs& needs) {
+  if (planted(ConversionFault::ForgetsResources)) return;
+  std::vector<cdtn::Claim> memberships;
+  if (activation.memberships != nullptr) memberships = *activation.memberships;
+  spec.claims.insert(spec.claims.end(), memberships.begin(), memberships.end());
+  for (std::size_t i = 0; i < needs.uses.size(); ++i) {
+    if (needs.uses[i].operation != mission::ResourceOperation::Block) continue;
+    cdtn::Claim& claim = spec.claims[i];
+    claim.group = plan_.network_.add_group(claim.resource, claim.count);
+    memberships.push_back({claim.resource, cdtn::ResourceOp::Exists, 1, claim.group});
+  }
+  for (const mission::Surroundings::Held& held : activation.around->held)
+    lend(held);
+  if (!memberships.empty())
+    activation.memberships = std::make_shared<const std::vector<cdtn::Claim>>(std::move(memberships));
+}
+
+/// The units exist as long as the plan; who takes them holds those of which they are part.
+void Unroller::lend(const mission::Surroundings::Held& held) {
+  cdtn::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
+  lent.count = held.count;
+  lent.lent = true;
+}
+
+}  // namespace segue::convert

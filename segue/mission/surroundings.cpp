@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/surroundings.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::mission {
+
+namespace {
+
+Result<void> add_required(std::vector<GroundFact>& preconditions, const SurroundingsPtr& around,
+                          std::string_view path) {
+  for (const GroundFact& fact : around->required) {
+    const auto own = std::ranges::find(preconditions, fact.text, &GroundFact::text);
+    if (own == preconditions.end()) {
+      preconditions.push_back(fact);
+    } else if (own->holds != fact.holds) {
+      return fail(ErrorCode::InvalidArgument, std::string(path) + ": its preconditions " + fact.text +
+                                                  " and !" + fact.text + " contradict each other");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Needs> needs(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
+                    std::string_view path, const SurroundingsPtr& around) {
+  auto touched = footprint(mission, action, inputs, path);
+  if (!touched) return touched.error();
+  Needs own;
+  own.preconditions = std::move(touched->preconditions);
+  own.effects = std::move(touched->effects);
+  own.resources = touched->resources;
+  own.uses = unit_uses(action, std::move(touched->resources));
+  if (around == nullptr) return own;
+  if (auto added = add_required(own.preconditions, around, path); !added) return added.error();
+  for (UnitUse& use : own.uses) {
+    const auto held = std::ranges::find(around->held, use.resource, &Surroundings::Held::resource);
+    if (held == around->held.end()) continue;
+    if (use.operation != ResourceOperation::Block && use.operation != ResourceOperation::Exists) {
+      return fail(ErrorCode::InvalidArgument, std::string(path) +
+                                                  ": it cannot create, use up, keep or release units of " +
+                                                  quote(use.resource) + ", which a state around it blocks");
+    }
+    use.resource = held->lent;
+  }
+  return own;
+}
+
+SurroundingsPtr inside(const Needs& container, std::string_view path, const SurroundingsPtr& around) {
+  auto made = std::make_shared<Surroundings>();
+  made->required = container.preconditions;
+  for (std::size_t i = 0; i < container.uses.size(); ++i) {
+    const UnitUse& use = container.uses[i];
+    if (use.operation != ResourceOperation::Block) continue;
+    const std::string& resource = container.resources[i];
+    const auto known = std::ranges::find(made->held, resource, &Surroundings::Held::resource);
+    if (known != made->held.end())
+      known->count += use.count;
+    else
+      made->held.push_back(
+          {resource, resource + " (held by " + std::string(path) + ")", use.resource, use.count});
+  }
+  if (around != nullptr) made->held.insert(made->held.end(), around->held.begin(), around->held.end());
+  return made;
+}
+
+}  // namespace segue::mission
