@@ -68,6 +68,7 @@ void ConcurrentEngine::Implementation::adopt() {
   const auto first = static_cast<std::uint32_t>(states_.size());
   const std::uint32_t size = network_.size();
   states_.resize(size);
+  results_.resize(size);
   reports_.resize(size);
   reads_.resize(network_.access_count());
   writes_.resize(network_.access_count());
@@ -82,6 +83,7 @@ void ConcurrentEngine::Implementation::adopt() {
 
 void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   State& state = at(node);
+  state.kind = network_[node].kind;
   for (const Dependency& dependency : order_.before(node))
     count(state, dependency);
   if (state.commit_gate == 0 || (!irreversible(node) && state.start_gate == 0)) work_.push_back(node);
@@ -142,7 +144,8 @@ bool ConcurrentEngine::Implementation::expand() {
   return network_.size() > first;
 }
 
-/// Checks the nodes that something happened to, by rank.
+/// Checks the nodes that something happened to, by rank. Without priorities that is program order, in which
+/// most nodes come anyway.
 void ConcurrentEngine::Implementation::work_off() {
   for (;;) {
     take_granted();
@@ -150,7 +153,10 @@ void ConcurrentEngine::Implementation::work_off() {
     preempt_for_waiting();
     if (work_.empty()) return;
     batch_.swap(work_);
-    if (batch_.size() > 1) std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });
+    if (!options_.priorities.empty())
+      std::ranges::sort(batch_, {}, [this](NodeId node) { return rank(node); });
+    else if (!std::ranges::is_sorted(batch_))
+      std::ranges::sort(batch_);
     for (const NodeId node : batch_)
       check(node);
     batch_.clear();
@@ -219,7 +225,7 @@ void ConcurrentEngine::Implementation::wake() {
 }
 
 void ConcurrentEngine::Implementation::heed_stop() {
-  if (!stop_asked_.exchange(false)) return;
+  if (!stop_asked_ || !stop_asked_.exchange(false)) return;  // an exchange for each end would be slow
   stopped_ = true;
   truncate(NodeId{0});
 }
@@ -253,20 +259,20 @@ RunResult ConcurrentEngine::Implementation::result() {
   result.world = world_;
   for (std::uint32_t i = 0; i < network_.resources.size(); ++i)
     result.units.push_back(pool_.total(ResourceId{i}));
-  result.nodes.resize(states_.size());
+  result.nodes = std::move(results_);
   result.outputs.resize(states_.size());
   TimePoint last{};
   for (std::uint32_t i = 0; i < states_.size(); ++i) {
     const State& state = states_[i];
     NodeResult& node = result.nodes[i];
-    node = {NodeStatus::NotReached, state.outcome, state.attempt,
-            state.started,          state.ended,   state.committed};
+    node.outcome = state.outcome;
+    node.attempts = state.attempt;
     if (state.phase == Phase::Skipped) node.status = NodeStatus::Skipped;
     if (state.phase != Phase::Done) continue;
     node.status = state.outcome == kPreempted ? NodeStatus::Preempted
                   : state.failed              ? NodeStatus::Failed
                                               : NodeStatus::Done;
-    last = std::max(last, state.committed);
+    last = std::max(last, node.committed);
     if (reports_[i]) result.outputs[i] = reports_[i]->outputs;
   }
   result.makespan = last.time_since_epoch();
@@ -279,8 +285,9 @@ RunResult ConcurrentEngine::Implementation::result() {
 }
 
 std::size_t ConcurrentEngine::Implementation::bytes() const {
-  return states_.capacity() * sizeof(State) + reports_.capacity() * sizeof(ReportPtr) + reads_.capacity() +
-         writes_.capacity() + versions_.capacity() * sizeof(std::uint32_t);
+  return states_.capacity() * sizeof(State) + results_.capacity() * sizeof(NodeResult) +
+         reports_.capacity() * sizeof(ReportPtr) + reads_.capacity() + writes_.capacity() +
+         versions_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace segue::cdtn

@@ -28,7 +28,7 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   const NodeId node = end.node;
   State& state = at(node);
   state.active = false;
-  state.ended = end.when;
+  result_of(node).ended = end.when;
   at(running_.back()).run_place = state.run_place;
   running_[state.run_place] = running_.back();
   running_.pop_back();
@@ -87,7 +87,7 @@ void ConcurrentEngine::Implementation::learn_units(const Report& report) {
 
 void ConcurrentEngine::Implementation::discard(NodeId node) {
   const State& state = at(node);
-  wasted_.push_back({node, state.started, state.ended});
+  wasted_.push_back({node, result_of(node).started, result_of(node).ended});
   if (state.speculative) ++statistics_.wasted;
   log(node, LogKind::Discard);
   if (const ReportPtr& report = reports_[index(node)]) report->pending.reset();
@@ -116,7 +116,7 @@ void ConcurrentEngine::Implementation::try_commit(NodeId node) {
   if (at(node).lost) return commit_lost(node);
   if (network_[node].reads_world && prefix_ != index(node)) return;  // advance_prefix calls again
   if (has_effects(network_, node)) {
-    if (const auto risk = risk_before(node)) return wait_for_turn(node, *risk);
+    if (const auto risk = risk_before(node)) return turns_.wait(node, *risk);
   }
   const ReportPtr& report = reports_[index(node)];
   const PendingChanges* pending = report ? report->pending.get() : nullptr;
@@ -144,7 +144,7 @@ void ConcurrentEngine::Implementation::commit_lost(NodeId node) {
 bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
   for (std::uint32_t i = prefix_; i < index(node); ++i) {
     if (states_[i].passed || environment_.in_parallel(NodeId{i}, node)) continue;
-    wait_for_turn(node, NodeId{i});
+    turns_.wait(node, NodeId{i});
     return false;
   }
   return true;
@@ -180,7 +180,7 @@ void ConcurrentEngine::Implementation::commit(NodeId node, std::optional<Error> 
   }
   state.outcome = outcome.outcome;
   state.phase = Phase::Done;
-  state.committed = events_.now();
+  result_of(node).committed = events_.now();
   if (state.version == 0) state.version = 1;
   log(node, LogKind::Commit);
   apply_effects(node, outcome);
@@ -237,8 +237,7 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
   if (!planted(EngineFault::PassesAtStart) || state.attempt == 0) notify(node);
   state.announced = state.began = true;
   settle(node);
-  if (const auto waiting = turns_.extract(index(node)))
-    work_.insert(work_.end(), waiting.mapped().begin(), waiting.mapped().end());
+  turns_.passed(node, work_);
   if (index(node) == prefix_ || index(node) == safe_) advance_prefix();
   if (expansion_ == nullptr || state.phase != Phase::Done) return;
   const ReportPtr& report = reports_[index(node)];

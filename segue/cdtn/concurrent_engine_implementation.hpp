@@ -8,6 +8,7 @@
 #include <segue/cdtn/pause.hpp>
 #include <segue/cdtn/preemption.hpp>
 #include <segue/cdtn/resource_pool.hpp>
+#include <segue/cdtn/turns.hpp>
 
 #include <atomic>
 #include <map>
@@ -56,11 +57,10 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool needs_worker(NodeId node) const;
   [[nodiscard]] Rank rank(NodeId node) const;
   [[nodiscard]] bool gates_start(const Dependency& dependency) const;
-  [[nodiscard]] bool irreversible(NodeId node) const {
-    return network_[node].kind == ActionClass::Irreversible;
-  }
+  [[nodiscard]] bool irreversible(NodeId node) const { return at(node).kind == ActionClass::Irreversible; }
   State& at(NodeId node) { return states_[index(node)]; }
   [[nodiscard]] const State& at(NodeId node) const { return states_[index(node)]; }
+  NodeResult& result_of(NodeId node) { return results_[index(node)]; }
   RunResult result();
   void log(NodeId node, LogKind kind);
   // Starting (concurrent_engine_start.cpp).
@@ -70,7 +70,6 @@ class ConcurrentEngine::Implementation {
   [[nodiscard]] bool certain(NodeId node) const;
   [[nodiscard]] bool takes_in_order(NodeId node) const;
   [[nodiscard]] std::optional<NodeId> risk_before(NodeId node) const;
-  void wait_for_turn(NodeId node, NodeId until);
   [[nodiscard]] ReportPtr refusal(NodeId node, const std::string& why);
   void refuse(NodeId node, const Error& error);
   bool admit(NodeId node);
@@ -159,6 +158,7 @@ class ConcurrentEngine::Implementation {
   ResourcePool pool_;
   VersionedWorld world_;
   std::vector<State> states_;
+  std::vector<NodeResult> results_;  ///< the times; the rest is added at the end
   std::vector<ReportPtr> reports_;
   std::vector<std::uint8_t> reads_;      ///< by access: 0 not read, else 2 + value
   std::vector<std::uint8_t> writes_;     ///< by access: 0 not yet, 1 nothing, else 2 + value
@@ -177,10 +177,10 @@ class ConcurrentEngine::Implementation {
   std::vector<std::uint64_t> preempted_units_;   ///< by resource: held by cancelled runs that have not ended
   std::uint32_t preempted_workers_ = 0;          ///< likewise
   std::uint32_t passed_count_ = 0;
-  std::uint32_t prefix_ = 0;                                      ///< all nodes before have passed
-  std::uint32_t safe_ = 0;                                        ///< no node before can fail any more
-  std::unordered_map<std::uint32_t, std::vector<NodeId>> turns_;  ///< by node: who waits until it has passed
-  std::uint32_t limit_ = kNone;                                   ///< first node that is not reached any more
+  std::uint32_t prefix_ = 0;  ///< all nodes before have passed
+  std::uint32_t safe_ = 0;    ///< no node before can fail any more
+  Turns turns_;
+  std::uint32_t limit_ = kNone;  ///< first node that is not reached any more
   std::optional<Error> error_;
   std::optional<NodeId> failed_;
   bool stopped_ = false;

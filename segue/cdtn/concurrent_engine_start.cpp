@@ -112,15 +112,9 @@ std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node)
   return std::nullopt;
 }
 
-/// It is checked again once the other node has passed.
-void ConcurrentEngine::Implementation::wait_for_turn(NodeId node, NodeId until) {
-  std::vector<NodeId>& waiting = turns_[index(until)];
-  if (waiting.empty() || waiting.back() != node) waiting.push_back(node);
-}
-
 void ConcurrentEngine::Implementation::try_start(NodeId node) {
   if (irreversible(node) || takes_in_order(node)) {
-    if (const auto risk = risk_before(node)) return wait_for_turn(node, *risk);
+    if (const auto risk = risk_before(node)) return turns_.wait(node, *risk);
   }
   if (const Access* access = false_precondition(node)) {
     // Before its gate opens the precondition may still become true: facts_changed or the gate calls again.
@@ -140,7 +134,7 @@ ReportPtr ConcurrentEngine::Implementation::refusal(NodeId node, const std::stri
 /// A node that cannot start ends as if it had aborted at once.
 void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   State& state = at(node);
-  state.started = state.ended = events_.now();
+  result_of(node).started = result_of(node).ended = events_.now();
   ReportPtr report = refusal(node, error.message);
   if (!irreversible(node) && report->pending && !report->pending->empty()) {
     note_what_is_read(node);
@@ -255,7 +249,9 @@ const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) 
   return nullptr;
 }
 
+/// Whoever cannot run again is never compared with it.
 void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
+  if (irreversible(node)) return;
   const auto accesses = network_.accesses(node);
   const bool pure = network_[node].kind == ActionClass::Pure;
   for (std::size_t i = 0; i < accesses.size(); ++i) {
@@ -283,7 +279,7 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   state.active = true;
   state.cancelled = false;
   state.speculative = !certain(node);
-  state.started = events_.now();
+  result_of(node).started = events_.now();
   state.run_place = static_cast<std::uint32_t>(running_.size());
   running_.push_back(node);
   if (needs_worker(node)) ++at_work_;

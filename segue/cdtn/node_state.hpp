@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/base/clock.hpp>
+#include <segue/base/action_class.hpp>
 #include <segue/cdtn/ids.hpp>
 
 #include <cstdint>
@@ -30,10 +30,10 @@ enum class NodePhase : std::uint8_t { Waiting, Copying, Queued, Ready, Running, 
 ///   zero.
 /// - `active` holds from the start of a run to the end that the environment reports, `cancelled` or not; only
 ///   then its units and its worker are free again.
+///
+/// Every event touches the states of the nodes after it, so they are small; the times of a node are kept in
+/// its NodeResult.
 struct NodeState {
-  TimePoint started;
-  TimePoint ended;
-  TimePoint committed;
   std::uint32_t commit_gate = 0;
   std::uint32_t start_gate = 0;
   std::uint32_t attempt = 0;
@@ -41,6 +41,7 @@ struct NodeState {
   std::uint32_t run_place = 0;  ///< in the engine's running_
   OutcomeId outcome = kSuccess;
   NodePhase phase = NodePhase::Waiting;
+  ActionClass kind = ActionClass::Irreversible;  ///< as in its NodeRecord
   bool passed : 1 = false;
   bool announced : 1 = false;    ///< consumers know that there are outputs
   bool began : 1 = false;        ///< later users of its resources know that it has started
