@@ -146,6 +146,7 @@ class Converter {
       state.outputs = ports(raw.outputs, shown.outputs);
       state.outcomes = outcomes(shown);
       state.variables = ports(raw.variables, shown.variables);
+      if (parent != kNoState) declare(state, raw, diagnostics_);
     }
     const StateIndex index = mission_.add(parent, std::move(state));
     if (is_container(raw.kind)) add_inside(raw, index);

@@ -16,6 +16,7 @@ using type::Value;
 /// RAFCON's editor knows only texts and maps in semantic data: a text is taken as the YAML that it is. A map
 /// without entries is how the editor leaves an entry without a value.
 Value from_texts(const Value& given) {
+  if (given.is_string() && given.as_string().starts_with('!')) return given;  // a fact; no tag of YAML
   if (given.is_string()) return type::parse_yaml(given.as_string()).value_or(given);
   if (!given.is_map()) return given;
   type::ValueMap result;
@@ -52,6 +53,13 @@ void with_declarations(const RafconState& state, Diagnostics& diagnostics, Read&
 void declare(Action& action, const RafconState& state, Diagnostics& diagnostics) {
   with_declarations(state, diagnostics,
                     [&](Fields& fields, const Source& source) { read_declarations(action, fields, source); });
+}
+
+void declare(State& container, const RafconState& state, Diagnostics& diagnostics) {
+  with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
+    container.strict = fields.boolean("strict", container.strict);
+    read_needs(container.preconditions, container.resources, fields, source);
+  });
 }
 
 void declare(Mission& mission, const RafconState& root, Diagnostics& diagnostics) {

@@ -157,6 +157,24 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(OwnMachine, declaresWhatAContainerNeeds) {
+  const auto folder =
+      std::filesystem::path(::testing::TempDir()) / ("segue_contains_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(kOurs / "race", folder, std::filesystem::copy_options::recursive);
+  ASSERT_TRUE(write_file(folder / "both_BOTHAA" / "semantic_data.json", R"j({"segue": {
+      "preconditions": "!dark", "resources": "[{block: arm}]", "strict": "true"}})j"));
+  const auto machine = import_rafcon(folder, {}, diagnostics_);
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const auto both =
+      std::ranges::find_if(machine->mission.states, [](const State& each) { return each.strict; });
+  ASSERT_NE(both, machine->mission.states.end());
+  EXPECT_TRUE(is_container(both->kind));
+  EXPECT_EQ(both->preconditions.size(), 1U);
+  EXPECT_EQ(both->resources.at(0).resource, "arm");
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(OwnMachine, ofTheOldFormatIsRead) {
   const auto machine = import("side_by_side");
   ASSERT_TRUE(machine) << to_string(diagnostics_);
