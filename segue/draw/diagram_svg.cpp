@@ -18,8 +18,9 @@ namespace {
 constexpr double kBox = 170;    ///< width of a box
 constexpr double kCurve = 70;   ///< width between two layers in which lines bend
 constexpr double kLabel = 120;  ///< width of the labels of lines
-constexpr double kLeast = 36;   ///< least height of a box
-constexpr double kLane = 14;    ///< height of a line
+constexpr double kLayer = kBox + kCurve + kLabel;
+constexpr double kLeast = 36;  ///< least height of a box
+constexpr double kLane = 14;   ///< height of a line
 constexpr double kMargin = 16;
 constexpr double kTop = 78;
 
@@ -43,11 +44,13 @@ class Drawing {
         dependencies_.push_back(&dependency);
       }
     }
-    layout_ = lay_out(boxes_, lines_, kLeast, kLane);
+    std::vector<LayoutLine> lines = lines_;
+    const Layout one_row = lay_out(boxes_, lines, kLeast, kLane);
+    layout_ = lay_out(boxes_, lines_, kLeast, kLane, layers_for_page(one_row, kLayer));
   }
 
   std::string draw() {
-    const double width = std::max(left_of(std::max(layout_.layers, 1U) - 1) + kBox + kMargin, 760.0);
+    const double width = std::max(left_of(std::max(layout_.columns(), 1U) - 1) + kBox + kMargin, 760.0);
     const double height = kTop + layout_.bottom + kMargin;
     svg::begin(out_, std::ceil(width), std::ceil(height), 11, diagram_.name);
     text(kMargin, 20, "start", diagram_.name, "font-size='15' font-weight='bold'");
@@ -61,7 +64,10 @@ class Drawing {
   }
 
  private:
-  static double left_of(std::uint32_t layer) { return kMargin + layer * (kBox + kCurve + kLabel); }
+  /// Lines that arrive in the first column of a further row need room for their labels.
+  [[nodiscard]] double left_of(std::uint32_t column) const {
+    return kMargin + (layout_.layers > layout_.per_row ? kLabel : 0) + column * kLayer;
+  }
 
   void text(double x, double y, std::string_view anchor, std::string_view content, std::string_view style) {
     svg::text(out_, x, y, anchor, content, style);
@@ -132,7 +138,7 @@ class Drawing {
 
   void line(const LayoutLine& line, const Diagram::Dependency& dependency) {
     const std::string_view colour = colour_of(dependency.causes.front().kind);
-    const double end = left_of(layout_.layer[line.to]);
+    const double end = left_of(layout_.column(line.to));
     const double y = kTop + line.arrives;
     svg::begin_group(out_, tooltip_of(diagram_, dependency, line.to));
     std::string prefix;
@@ -149,7 +155,7 @@ class Drawing {
   }
 
   void curve(const LayoutLine& line, double end, std::string_view colour, bool firm) {
-    double x = left_of(layout_.layer[line.from]) + kBox;
+    double x = left_of(layout_.column(line.from)) + kBox;
     double y = kTop + line.leaves;
     std::string path = fmt::format("M{:.1f} {:.1f}", x, y);
     const auto bend_to = [&](double to) {
@@ -159,7 +165,7 @@ class Drawing {
     };
     for (const double via : line.via) {
       bend_to(kTop + via);
-      x += kBox + kCurve + kLabel;
+      x += kLayer;
       fmt::format_to(std::back_inserter(path), "H{:.1f}", x);
     }
     bend_to(kTop + line.arrives);
@@ -169,7 +175,7 @@ class Drawing {
   void box(std::uint32_t number) {
     const Diagram::Node& node = diagram_.nodes[number];
     const RoleStyle style = style_of(node.role);
-    const double x = left_of(layout_.layer[number]);
+    const double x = left_of(layout_.column(number));
     const double y = kTop + layout_.top[number];
     const double height = layout_.height[number];
     svg::begin_group(out_, fmt::format("{} {}\n{}", number, node.name, tooltip_of(node)));

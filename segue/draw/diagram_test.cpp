@@ -267,6 +267,28 @@ TEST(Diagram, LargePlansAreCutInPicturesAndSaySo) {
   EXPECT_THAT(to_dot(diagram), HasSubstr("the first 1000 of 20000 nodes"));
 }
 
+TEST(Diagram, OfALongPlanIsAboutAsWideAsAPage) {
+  for (const int nodes : {26, 200}) {
+    TaskNetwork network;
+    NodeSpec spec;
+    spec.name = "step";
+    spec.effects = {{*network.facts.intern("p()"), true}};
+    for (int i = 0; i < nodes; ++i) {
+      spec.effects[0].value = i % 2 == 0;
+      network.append(spec);
+    }
+    double width = 0;
+    double height = 0;
+    const std::string drawing = to_svg(diagram_of(network));
+    ASSERT_EQ(
+        std::sscanf(drawing.c_str(), "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%lf\" height=\"%lf\"",
+                    &width, &height),
+        2);
+    EXPECT_GT(width / height, 0.9) << nodes;
+    EXPECT_LT(width / height, 2.2) << nodes;
+  }
+}
+
 TEST(Layout, PutsBoxesBehindThoseThatTheyComeAfterAndApart) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     std::mt19937_64 random(seed);
@@ -276,11 +298,15 @@ TEST(Layout, PutsBoxesBehindThoseThatTheyComeAfterAndApart) {
       for (std::uint64_t k = random() % 4; k > 0; --k)
         lines.push_back({static_cast<std::uint32_t>(random() % to), to});
     }
-    const Layout layout = lay_out(boxes, lines, 30, 10);
+    const std::uint32_t per_row = seed % 2 == 0 ? kOneRow : 1 + static_cast<std::uint32_t>(random() % 5);
+    const Layout layout = lay_out(boxes, lines, 30, 10, per_row);
+    EXPECT_LE(layout.columns(), per_row);
     for (const LayoutLine& line : lines) {
       EXPECT_LT(layout.layer[line.from], layout.layer[line.to]);
       EXPECT_GE(line.arrives, layout.top[line.to]);
       EXPECT_LE(line.arrives, layout.top[line.to] + layout.height[line.to]);
+      const bool same_row = layout.layer[line.from] / per_row == layout.layer[line.to] / per_row;
+      EXPECT_TRUE(same_row || line.cut);
       if (!line.cut) {
         EXPECT_EQ(line.via.size(), layout.layer[line.to] - layout.layer[line.from] - 1);
       }
@@ -288,7 +314,7 @@ TEST(Layout, PutsBoxesBehindThoseThatTheyComeAfterAndApart) {
     for (std::uint32_t a = 0; a < boxes; ++a) {
       EXPECT_GE(layout.top[a], 0);
       for (std::uint32_t b = 0; b < a; ++b) {
-        const bool apart = layout.layer[a] != layout.layer[b] ||
+        const bool apart = layout.column(a) != layout.column(b) ||
                            layout.top[a] + layout.height[a] <= layout.top[b] + 0.001 ||
                            layout.top[b] + layout.height[b] <= layout.top[a] + 0.001;
         EXPECT_TRUE(apart) << "seed " << seed;

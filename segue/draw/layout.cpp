@@ -2,12 +2,16 @@
 #include <segue/draw/layout.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace segue::draw {
 
 namespace {
 
 constexpr double kGap = 14;
+constexpr double kRowGap = 40;
+constexpr double kPage = 1.42;  ///< width to height, of a page that lies
+constexpr double kWidest = 2.5;
 constexpr int kSweeps = 8;
 
 /// A box, or the point where a line passes through a layer.
@@ -21,8 +25,9 @@ struct Item {
 
 class LayoutMaker {
  public:
-  LayoutMaker(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane)
-      : boxes_(boxes), lines_(lines), lane_(lane), items_(boxes), inner_(lines.size()) {
+  LayoutMaker(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane,
+              std::uint32_t per_row)
+      : boxes_(boxes), lines_(lines), lane_(lane), per_row_(per_row), items_(boxes), inner_(lines.size()) {
     for (Item& item : items_)
       item.height = least;
   }
@@ -59,7 +64,7 @@ class LayoutMaker {
       LayoutLine& line = lines_[i];
       const std::uint32_t first = items_[line.from].layer;
       const std::uint32_t last = items_[line.to].layer;
-      line.cut = last - first > kLongestLine;
+      line.cut = last - first > kLongestLine || row_of(first) != row_of(last);
       if (line.cut) continue;
       std::uint32_t at = line.from;
       for (std::uint32_t layer = first + 1; layer < last; ++layer) {
@@ -78,6 +83,8 @@ class LayoutMaker {
     for (const auto& layer : layers_)
       stack(layer);
   }
+  [[nodiscard]] std::size_t row_of(std::uint32_t layer) const { return layer / per_row_; }
+
   void link(std::uint32_t from, std::uint32_t to) {
     items_[from].after.push_back(to);
     items_[to].before.push_back(from);
@@ -172,24 +179,47 @@ class LayoutMaker {
     }
   }
 
+  /// By row: what its heights are moved by, so that each row is below the one before. The last one is where
+  /// another row would begin.
+  [[nodiscard]] std::vector<double> row_offsets() const {
+    struct Extent {
+      double top = 0;
+      double bottom = 0;
+    };
+    std::vector<Extent> rows(layers_.empty() ? 0
+                                             : row_of(static_cast<std::uint32_t>(layers_.size()) - 1) + 1);
+    for (const Item& item : items_) {
+      Extent& row = rows[row_of(item.layer)];
+      row.top = std::min(row.top, item.middle - item.height / 2);
+      row.bottom = std::max(row.bottom, item.middle + item.height / 2);
+    }
+    std::vector<double> offsets;
+    double y = 0;
+    for (const Extent& row : rows) {
+      offsets.push_back(y - row.top);
+      y += row.bottom - row.top + kRowGap;
+    }
+    offsets.push_back(y);
+    return offsets;
+  }
+
   Layout result() {
     Layout layout;
     layout.layers = static_cast<std::uint32_t>(layers_.size());
-    double highest = 0;
-    for (const Item& item : items_)
-      highest = std::min(highest, item.middle - item.height / 2);
-    for (std::size_t i = 0; i < boxes_; ++i) {
+    layout.per_row = per_row_;
+    const std::vector<double> offsets = row_offsets();
+    const auto offset = [&](std::uint32_t box) { return offsets[row_of(items_[box].layer)]; };
+    for (std::uint32_t i = 0; i < boxes_; ++i) {
       layout.layer.push_back(items_[i].layer);
       layout.height.push_back(items_[i].height);
-      layout.top.push_back(items_[i].middle - items_[i].height / 2 - highest);
+      layout.top.push_back(items_[i].middle - items_[i].height / 2 + offset(i));
     }
-    for (const Item& item : items_)
-      layout.bottom = std::max(layout.bottom, item.middle + item.height / 2 - highest);
+    layout.bottom = std::max(0.0, offsets.back() - kRowGap);
     for (LayoutLine& line : lines_) {
-      line.leaves -= highest;
-      line.arrives -= highest;
+      line.leaves += offset(line.from);
+      line.arrives += offset(line.to);
       for (double& y : line.via)
-        y -= highest;
+        y += offset(line.to);
     }
     return layout;
   }
@@ -197,6 +227,7 @@ class LayoutMaker {
   const std::size_t boxes_;
   std::vector<LayoutLine>& lines_;
   const double lane_;
+  const std::uint32_t per_row_;
   std::vector<Item> items_;                        ///< boxes first
   std::vector<std::vector<std::uint32_t>> inner_;  ///< by line
   std::vector<std::vector<std::uint32_t>> layers_;
@@ -204,8 +235,16 @@ class LayoutMaker {
 
 }  // namespace
 
-Layout lay_out(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane) {
-  return LayoutMaker(boxes, lines, least, lane).make();
+Layout lay_out(std::size_t boxes, std::vector<LayoutLine>& lines, double least, double lane,
+               std::uint32_t per_row) {
+  return LayoutMaker(boxes, lines, least, lane, per_row).make();
+}
+
+std::uint32_t layers_for_page(const Layout& one_row, double width) {
+  const double height = one_row.bottom + kRowGap;
+  if (one_row.layers * width <= kWidest * height) return kOneRow;
+  const double layers = std::sqrt(kPage * height * one_row.layers / width);
+  return static_cast<std::uint32_t>(std::max(3.0, std::ceil(layers)));
 }
 
 }  // namespace segue::draw
