@@ -35,6 +35,8 @@ using process::Launch;
 constexpr std::string_view kLogSource = "segue-deployment";
 /// How often the process checks whether its log has to be rotated.
 constexpr Duration kHousekeeping = std::chrono::seconds(1);
+constexpr Duration kOutputLag =
+    std::chrono::milliseconds(10);  ///< so it is woken at most a hundred times a second
 /// How long tasks have to stop and be cleaned up when the process is asked to end.
 constexpr Duration kShutDownTime = std::chrono::seconds(5);
 
@@ -141,8 +143,9 @@ int serve(const Assignment& assignment, const Workshop& workshop, process::Inher
   deploy::LocalDeployment deployment(info_of(launch, (*memory)->incarnation()), tasks, *memory);
   auto server = control::Server::serve(process.take_listener(), &deployment);
   if (!server) return give_up(process::kNoMemory, server.error());
-  while (!process.wait_for_end(kHousekeeping))
-    process::rotate_output(assignment.log, assignment.log_size, assignment.log_files);
+  process::OutputLog output(assignment.log, assignment.log_size, assignment.log_files);
+  while (!process.wait_for_end(kHousekeeping, output.changes()) && !process.wait_for_end(kOutputLag))
+    output.rotate();
   if (!deployment.shut_down(RealClock::instance().now() + kShutDownTime)) {
     log(LogLevel::Error, kLogSource, "a hook of a task has not returned; ended without it");
     process.leave();

@@ -5,7 +5,9 @@
 #include <segue/process/inherited_process.hpp>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
+#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -53,6 +55,7 @@ InheritedProcess::InheritedProcess() : listener_(take(kListener)), lock_(take(kL
   ::fcntl(kAssignment, F_SETFD, FD_CLOEXEC);
   const sigset_t signals = end_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signals_ = Descriptor(::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGHUP, SIG_IGN);
   // A write beyond the limit of file sizes shall fail instead of ending the robot.
@@ -72,11 +75,13 @@ void InheritedProcess::begin(const std::filesystem::path& socket, std::string_vi
   ::close(kAssignment);
 }
 
-bool InheritedProcess::wait_for_end(Duration most) {
-  const sigset_t signals = end_signals();
+bool InheritedProcess::wait_for_end(Duration most, int readable) {
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(most);
   const timespec limit{seconds.count(), (most - seconds).count()};
-  return ::sigtimedwait(&signals, nullptr, &limit) > 0;
+  std::array<pollfd, 2> waited{pollfd{signals_.get(), POLLIN, 0}, pollfd{readable, POLLIN, 0}};
+  if (::ppoll(waited.data(), waited.size(), &limit, nullptr) <= 0) return false;
+  signalfd_siginfo asked{};
+  return ::read(signals_.get(), &asked, sizeof asked) == sizeof asked;
 }
 
 void InheritedProcess::leave() {

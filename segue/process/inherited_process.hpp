@@ -22,14 +22,16 @@ class InheritedProcess {
   void begin(const std::filesystem::path& socket, std::string_view software);
   /// The listening socket; may be called once.
   Descriptor take_listener() { return std::move(listener_); }
-  /// Waits for at most `most`; true where the process has been asked to end.
-  bool wait_for_end(Duration most);
+  /// Waits for at most `most`, or until the descriptor is readable (-1: none); true where the process has
+  /// been asked to end.
+  bool wait_for_end(Duration most, int readable = -1);
   /// Removes socket and lock, so that nobody finds this process any more.
   void leave();
 
  private:
   Descriptor listener_;
   Descriptor lock_;
+  Descriptor signals_;  ///< that ask it to end
   std::filesystem::path socket_;
 };
 

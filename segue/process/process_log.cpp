@@ -4,10 +4,12 @@
 #include <segue/process/process_log.hpp>
 
 #include <fcntl.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <vector>
 
@@ -65,15 +67,36 @@ Result<Descriptor> open_log(const fs::path& log) {
   return file;
 }
 
-void rotate_output(const fs::path& log, std::size_t size, int files) {
+OutputLog::OutputLog(fs::path log, std::size_t size, int files)
+    : log_(std::move(log)), size_(size), files_(files), changes_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
+  watch();
+}
+
+/// For one change: a process that prints much is not woken for each line.
+void OutputLog::watch() {
+  if (changes_.valid()) ::inotify_add_watch(changes_.get(), log_.c_str(), IN_MODIFY | IN_ONESHOT);
+}
+
+void OutputLog::rotate() {
+  std::array<char, 4096> events{};
+  while (changes_.valid() && ::read(changes_.get(), events.data(), events.size()) > 0) {
+  }
+  if (is_too_large()) begin_new_file();
+  watch();
+}
+
+bool OutputLog::is_too_large() const {
   struct stat status {};
-  if (::fstat(STDOUT_FILENO, &status) != 0 || !S_ISREG(status.st_mode)) return;
-  if (static_cast<std::size_t>(status.st_size) <= size || !same_file(STDOUT_FILENO, log)) return;
-  for (int number = std::min(files, kMostOlder) - 1; number > 0; --number)
-    ::rename(older(log, number).c_str(), older(log, number + 1).c_str());
-  const int done = files > 0 ? ::rename(log.c_str(), older(log, 1).c_str()) : ::unlink(log.c_str());
+  return ::fstat(STDOUT_FILENO, &status) == 0 && S_ISREG(status.st_mode) &&
+         static_cast<std::size_t>(status.st_size) > size_ && same_file(STDOUT_FILENO, log_);
+}
+
+void OutputLog::begin_new_file() const {
+  for (int number = std::min(files_, kMostOlder) - 1; number > 0; --number)
+    ::rename(older(log_, number).c_str(), older(log_, number + 1).c_str());
+  const int done = files_ > 0 ? ::rename(log_.c_str(), older(log_, 1).c_str()) : ::unlink(log_.c_str());
   if (done != 0) return;
-  const auto fresh = open_log(log);
+  const auto fresh = open_log(log_);
   if (!fresh) return;
   ::dup2(fresh->get(), STDOUT_FILENO);
   ::dup2(fresh->get(), STDERR_FILENO);

@@ -15,10 +15,28 @@ namespace segue::process {
 /// Opens a log for appending and creates it with mode 0600 if need be. Fails for symbolic links.
 Result<Descriptor> open_log(const std::filesystem::path& log);
 
-/// To be called in the process whose standard output and error are `log`: if the file has grown beyond `size`
-/// bytes, it is renamed to `log`.1, that one to .2 and so on up to `files`, and the output goes on in a new
-/// file. Where renaming fails, the output stays where it is. Not thread safe.
-void rotate_output(const std::filesystem::path& log, std::size_t size, int files);
+/// The log of the process whose standard output and error it is: once the file has grown beyond `size` bytes,
+/// it is renamed to `log`.1, that one to .2 and so on up to `files`, and the output goes on in a new file.
+/// Not thread safe.
+class OutputLog {
+ public:
+  OutputLog(std::filesystem::path log, std::size_t size, int files);
+  /// Becomes readable when there is output, so that a log is not seen to be too large only now and then; -1
+  /// where the system cannot tell.
+  [[nodiscard]] int changes() const { return changes_.get(); }
+  /// Where renaming fails, the output stays where it is. After this, `changes` waits for further output.
+  void rotate();
+
+ private:
+  void watch();
+  [[nodiscard]] bool is_too_large() const;
+  void begin_new_file() const;
+
+  const std::filesystem::path log_;
+  const std::size_t size_;
+  const int files_;
+  Descriptor changes_;
+};
 
 /// The last `lines` lines of a log, from its older files too, but never more than `most` bytes. NotFound
 /// where there is no log.

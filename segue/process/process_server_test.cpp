@@ -398,6 +398,7 @@ TEST_F(ProcessServerTest, aProcessInheritsNothingButWhatItNeeds) {
   for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process.pid) + "/fd")) {
     std::error_code ignored;
     const std::string target = fs::read_symlink(entry.path(), ignored);
+    if (target.starts_with("anon_inode:")) continue;  // it has opened these itself
     targets.insert(target.starts_with("socket:") ? "socket" : target);
   }
   ::close(leak);
@@ -467,8 +468,11 @@ TEST_F(ProcessServerTest, aZygoteMakesProcessesThatAreLikeOthers) {
   EXPECT_STREQ(command.c_str(), "segue-deployment");
   EXPECT_STREQ(command.c_str() + sizeof "segue-deployment", "rover/drivers");
   std::set<std::string> numbers;
-  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process.pid) + "/fd"))
-    numbers.insert(entry.path().filename());
+  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(process.pid) + "/fd")) {
+    std::error_code ignored;
+    const bool own = fs::read_symlink(entry.path(), ignored).native().starts_with("anon_inode:");
+    if (!own) numbers.insert(entry.path().filename());
+  }
   EXPECT_EQ(numbers, (std::set<std::string>{"0", "1", "2", "4", "5"}));
   const auto reason = processes->stop("rover", key("drivers"), soon());
   ASSERT_TRUE(reason.has_value());
@@ -584,6 +588,18 @@ TEST_F(ProcessServerTest, outputIsRotated) {
   ASSERT_TRUE(tail.has_value());
   EXPECT_EQ(std::ranges::count(*tail, '\n'), 4);
   EXPECT_TRUE(tail->ends_with("going\n"));
+}
+
+TEST_F(ProcessServerTest, outputIsRotatedWhenThereIsTooMuchNotOnlyNowAndThen) {
+  ProcessServerOptions chosen = options();
+  chosen.log_size = 1000;
+  chosen.log_files = 1;
+  const auto processes = server(chosen);
+  const auto process = started(*processes, launch("drivers", "print once"));  // looks once an hour
+  const fs::path older = fs::path(process.log) += ".1";
+  EXPECT_TRUE(eventually([&] { return fs::exists(older) && fs::exists(process.log); }));
+  ASSERT_TRUE(processes->stop("rover", key("drivers"), soon()).has_value());
+  EXPECT_TRUE(text_of(process.log).ends_with("going\n"));
 }
 
 TEST_F(ProcessServerTest, aProgramThatCannotRunIsRefusedAndLeavesNothing) {

@@ -78,10 +78,14 @@ int run() {
   if (what == "end slowly") end_slowly(process);
   if (what == "child") start_stubborn_child();
   if (what == "chatter") chatter();
+  process::OutputLog output(assignment->log, assignment->log_size, assignment->log_files);
   std::printf("ready\n");
+  const Duration most =
+      what == "print once" ? Duration(std::chrono::hours(1)) : std::chrono::milliseconds(20);
+  if (what == "print once") chatter();
   for (;;) {
-    const bool asked_to_end = process.wait_for_end(std::chrono::milliseconds(20));
-    process::rotate_output(assignment->log, assignment->log_size, assignment->log_files);
+    const bool asked_to_end = process.wait_for_end(most, output.changes());
+    output.rotate();
     if (what == "chatter always") chatter();
     if (asked_to_end && what != "stay") break;
   }
