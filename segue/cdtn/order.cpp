@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace segue::cdtn {
 
@@ -67,7 +68,7 @@ std::size_t Order::bytes() const {
 
 void OrderBuilder::prepare() {
   states_.resize(network_.facts.size());
-  last_claim_.resize(network_.resources.size(), NodeId{kNone});
+  last_claims_.resize(network_.resources.size());
   waited_for_.resize(network_.size(), kNone);
 }
 
@@ -177,13 +178,18 @@ void OrderBuilder::add_resources(NodeId node, bool blocks_in_order) {
         network_[node].kind == ActionClass::Irreversible && claim.op != ResourceOp::Exists;
     if (!resource.varies && !resource.grouped && !(blocks_in_order && irreversible && !resource.commutes))
       continue;
+    LastClaims& last = last_claims_[index(claim.resource)];
     if (claim.group != kNone && claim.op == ResourceOp::Exists) {  // the first member holds them already
       order_.add(NodeId{network_.groups()[claim.group].first}, Reason::Resource, index(claim.resource));
+      last.members.push_back(node);
       continue;
     }
-    NodeId& last = last_claim_[index(claim.resource)];
-    if (index(last) != kNone && last != node) order_.add(last, Reason::Resource, index(claim.resource));
-    last = node;
+    if (index(last.node) != kNone && last.node != node)
+      order_.add(last.node, Reason::Resource, index(claim.resource));
+    for (const NodeId member : std::exchange(last.members, {})) {
+      if (member != node) order_.add(member, Reason::Resource, index(claim.resource));
+    }
+    last.node = node;
   }
 }
 

@@ -108,6 +108,12 @@ class OrderBuilder {
     NodeId node{};
     std::uint32_t next = kNone;
   };
+  /// Whose starts the next user of a resource waits for: the last one that took units, and members of a group
+  /// lock that have only relied on it since.
+  struct LastClaims {
+    NodeId node{kNone};
+    std::vector<NodeId> members{};
+  };
   void add(NodeId from, Reason reason, std::uint32_t subject);
   void add_access(NodeId node, const Access& access);
   void add_place(NodeId node);
@@ -125,7 +131,7 @@ class OrderBuilder {
   std::vector<Dependency>* further_;
   std::vector<FactState> states_;  ///< by fact
   std::vector<Toucher> touchers_;
-  std::vector<NodeId> last_claim_;         ///< by resource
+  std::vector<LastClaims> last_claims_;    ///< by resource
   std::vector<std::uint32_t> waited_for_;  ///< by node: the last node with a dependency on it
   NodeId place_{kNone};                    ///< the last opaque node
   std::uint32_t place_touchers_ = kNone;

@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <regex>
 
 #include <unistd.h>
 
@@ -40,6 +41,7 @@ std::shared_ptr<const mission::Program> program_of(const std::string& text) {
 
 RunOptions options_of(std::uint64_t seed) {
   RunOptions options;
+  options.clock = cdtn::ClockKind::Virtual;
   options.strict = seed % 2 == 0;
   options.speculate = seed % 16 != 5;
   options.workers = seed % 5 == 1 ? static_cast<std::uint32_t>(seed / 5 % 3 + 1) : 0;
@@ -205,6 +207,34 @@ Trial attempt(std::uint64_t seed) {
 }
 
 #ifndef SEGUE_CONVERT_FAULTS
+
+/// The mission with milliseconds in place of seconds.
+std::string quick(const std::string& text) {
+  static const std::regex kSeconds("duration: ([0-9]+)s");
+  return std::regex_replace(text, kSeconds, "duration: $1ms");
+}
+
+/// Here times are what the computer grants, so who wins a race does not matter.
+TEST(MissionEquivalence, RunsInRealTimeDoWhatTheSequentialOneDoes) {
+  const std::uint64_t first = setting("SEGUE_MISSION_SEED", 1);
+  const std::uint64_t cases = setting("SEGUE_MISSION_CASES", 10'000) / 100;
+  std::size_t compared = 0;
+  answer_second = std::chrono::milliseconds(1);
+  for (std::uint64_t seed = first; compared < cases; ++seed) {
+    const std::string text = quick(RandomMission(seed).text());
+    if (text.find("kind: preemptive") != std::string::npos) continue;
+    ++compared;
+    const auto program = program_of(text);
+    const Ran written = run_as_written(program);
+    RunOptions options = options_of(seed);
+    options.clock = cdtn::ClockKind::Real;
+    const ConcurrentRun run(program, options);
+    const std::string difference = MissionCheck(written, run, options.strict).difference();
+    if (!difference.empty() && setting("SEGUE_MISSION_SHOW", 0) != 0) show(written, run);
+    ASSERT_EQ(difference, "") << text << "SEGUE_MISSION_SEED=" << seed;
+  }
+  answer_second = std::chrono::seconds(1);
+}
 
 TEST(MissionEquivalence, ConcurrentRunsDoWhatTheSequentialOneDoes) {
   const std::uint64_t first = setting("SEGUE_MISSION_SEED", 1);

@@ -38,6 +38,9 @@ class ChangeCount final : public mission::WorldData {
   std::uint64_t count = 0;
 };
 
+/// How long a second of an answer takes.
+inline Duration answer_second = std::chrono::seconds(1);
+
 /// Ends as its state and inputs determine, with any outcome, an abort, an exception or an invalid result,
 /// after up to four seconds. If shared, it also reads and writes a global variable for each resource that it
 /// holds exclusively, or common ones if it may touch anything, so that its result depends on the order of
@@ -62,9 +65,9 @@ class Answers final : public mission::ActionRunner {
     if ((number >> 48) % 60 == 0) ending.outcome = 77;
     if (kind_ != Kind::Later) {
       const bool whole = (number >> 52) % 4 == 0;  // some end at the same time
-      call.end_after(whole ? std::chrono::seconds((number >> 24) % 5)
-                           : Duration(std::chrono::milliseconds((number >> 24) % 4999)),
-                     ending);
+      call.end_after(
+          whole ? answer_second * ((number >> 24) % 5) : answer_second * ((number >> 24) % 4999) / 1000,
+          ending);
       return std::nullopt;
     }
     std::vector<type::Value> outputs(call.outputs().begin(), call.outputs().end());
@@ -219,13 +222,12 @@ inline Ran run_as_written(const std::shared_ptr<const mission::Program>& program
   return ran;
 }
 
-/// A concurrent run in virtual time, with its final state. It is stopped once `stop_at` callbacks have begun,
+/// A concurrent run with its final state. It is stopped once `stop_at` callbacks have begun,
 /// and where a planted fault makes a loop endless.
 class ConcurrentRun {
  public:
   ConcurrentRun(const std::shared_ptr<const mission::Program>& program, RunOptions options,
                 std::uint64_t stop_at = 0) {
-    options.clock = cdtn::ClockKind::Virtual;
     options.log = true;
     options.world_data.emplace("changes", std::make_shared<ChangeCount>());
     const auto at_start = [this, stop_at](const mission::ActionCall& call) {
