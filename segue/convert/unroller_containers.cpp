@@ -2,8 +2,8 @@
 //
 // What containers declare for everything in them. A node begins the container: it checks the preconditions
 // and takes the units that the container blocks, by a group lock. What is in the container are members of
-// that lock, which ends with the last of them. More members may be planned then: they take the units again,
-// before anybody else, since those who come later in program order are planned after the container.
+// that lock, which ends with the last of them. More members may be planned then, and take the units again:
+// whoever uses them later in program order begins after all members.
 #include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
 
