@@ -69,10 +69,11 @@ bool EngineCore::take_units(Activation& leaf) {
 /// A container goes on with what it blocks, which it lends to the states in it; the rest had to be there only
 /// when it began.
 void EngineCore::keep_blocked(Activation& container) {
-  const auto others = std::ranges::stable_partition(
-      container.units.uses, [](const UnitUse& use) { return use.operation == ResourceOperation::Block; });
-  units.give_back(others, false);
-  container.units.uses.erase(others.begin(), others.end());
+  auto& uses = container.units.uses;
+  const auto blocks = [](const UnitUse& use) { return use.operation == ResourceOperation::Block; };
+  const auto others = std::stable_partition(uses.begin(), uses.end(), blocks);
+  units.give_back(std::span(uses).subspan(static_cast<std::size_t>(others - uses.begin())), false);
+  uses.erase(others, uses.end());
   for (const Surroundings::Held& held : lent_by(container))
     units.lend(held.taken, held.count, held.lent);
 }
