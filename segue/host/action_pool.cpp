@@ -155,13 +155,15 @@ TimePoint ActionPool::Implementation::Batch::on_due(TimePoint time) {
   if (stuck) {
     slow_ = true;
   }
+  // Asked before the report: what ends later is then reported by its worker, what has ended is by this.
+  const bool workers_report = slow_ && all_begun();
   if (slow_) {
     pool_->report([self = shared_from_this()] { self->outcomes_.report(); });
   }
   if (stuck && !all_begun()) {
     pool_->call_worker(shared_from_this());
   }
-  return slow_ && all_begun() ? end() : std::min(time + pool_->patience, end());
+  return workers_report ? end() : std::min(time + pool_->patience, end());
 }
 
 void ActionPool::Implementation::Batch::give_up() {

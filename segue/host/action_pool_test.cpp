@@ -315,6 +315,32 @@ TEST(BatchOutcomes, drops_what_is_known_already_and_what_was_never_asked) {
   EXPECT_EQ(reported.calls(), 2U);
 }
 
+/// The first action ends while the watch looks at its batch for the first time.
+TEST(ActionPool, ReportsWhatEndsWhileTheWatchLooksAtTheBatch) {
+  constexpr auto kPatience = 100us;
+  constexpr int kTries = 1500;
+  concurrent::ThreadPool threads("test", kActionThreads);
+  for (int i = 0; i < kTries; ++i) {
+    const Duration brief = kPatience + i % 150 * 2us;
+    Worker worker;
+    Reports reported;
+    ActionPool pool(
+        threads,
+        [work = worker.work(), brief](const model::Action& action, TimePoint deadline) {
+          const TimePoint end = monotonic_now() + brief;
+          while (action.task()->str() == "brief" && monotonic_now() < end)
+            std::this_thread::yield();
+          return work(action, deadline);
+        },
+        kPatience);
+    pool.begin(stops({"brief", "slow"}), soon(), reported.listener());
+    const bool told = reported.wait_for(1);
+    worker.release();
+    ASSERT_TRUE(told) << "while the slow one is still at it; took " << brief.count() << " ns";
+    ASSERT_TRUE(reported.wait_for(2));
+  }
+}
+
 TEST(ActionPool, TellsHowLongEachActionTookByItself) {
   constexpr auto kLong = 5ms;
   concurrent::ThreadPool threads("test", kActionThreads);
