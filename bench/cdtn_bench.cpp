@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cost of the engine per node: random layered graphs of trivial nodes, each after three of the previous
 // layer. For comparison, in the same run, executors without worlds, resources, conditions or failures: arrays
-// and counters in one thread, a plain thread pool, and oneTBB's flow graph if it is installed.
+// and counters in one thread, a plain thread pool, and oneTBB's flow graph, if it is installed, in one thread
+// like the engine and in two.
 #include <segue/cdtn/concurrent_engine.hpp>
 #include <segue/cdtn/order.hpp>
 #include <segue/cdtn/simulation.hpp>
@@ -103,7 +104,8 @@ void derive(benchmark::State& state, Kind kind) {
   per_node(state);
 }
 
-/// Virtual time; nodes take no time.
+/// Virtual time; nodes take no time. Includes making the engine, which runs once, but not the network and its
+/// order, which can be run again.
 void run_engine(benchmark::State& state, Kind kind) {
   const TaskNetwork network = make_network(Graph(static_cast<std::uint32_t>(state.range(0))), kind);
   const Order order = derive_order(network);
@@ -118,6 +120,19 @@ void run_engine(benchmark::State& state, Kind kind) {
   per_node(state);
   state.counters["bytes_per_node"] =
       static_cast<double>(network.bytes() + order.bytes() + bytes) / static_cast<double>(network.size());
+}
+
+/// Likewise, with making the network and its order.
+void run_once(benchmark::State& state, Kind kind) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  for (auto _ : state) {
+    const TaskNetwork network = make_network(graph, kind);
+    const Order order = derive_order(network);
+    SimulatedEnvironment environment(network);
+    const RunResult result = ConcurrentEngine(network, order, environment).run();
+    if (!result.done()) state.SkipWithError(to_string(*result.error).c_str());
+  }
+  per_node(state);
 }
 
 enum class Lack { Resource, Data, Condition, Fact };
@@ -271,34 +286,52 @@ void run_pool(benchmark::State& state) {
 }
 
 #ifdef SEGUE_BENCH_TBB
-void run_tbb(benchmark::State& state) {
-  namespace flow = oneapi::tbb::flow;
-  using Step = flow::continue_node<flow::continue_msg>;
-  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
-  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, 2);
-  flow::graph whole;
-  std::deque<Step> nodes;
-  std::atomic<std::size_t> done{0};
-  for (std::size_t i = 0; i < graph.before.size(); ++i)
-    nodes.emplace_back(whole,
-                       [&](const flow::continue_msg&) { done.fetch_add(1, std::memory_order_relaxed); });
-  for (std::size_t i = 0; i < graph.before.size(); ++i) {
-    for (const std::uint32_t from : graph.before[i])
-      flow::make_edge(nodes[from], nodes[i]);
+/// A flow graph and how many of its nodes have run.
+struct FlowGraph {
+  using Step = oneapi::tbb::flow::continue_node<oneapi::tbb::flow::continue_msg>;
+  explicit FlowGraph(const Graph& graph) {
+    for (std::size_t i = 0; i < graph.before.size(); ++i)
+      nodes.emplace_back(whole, [this](const auto&) { done.fetch_add(1, std::memory_order_relaxed); });
+    for (std::size_t i = 0; i < graph.before.size(); ++i) {
+      for (const std::uint32_t from : graph.before[i])
+        oneapi::tbb::flow::make_edge(nodes[from], nodes[i]);
+    }
   }
-  for (auto _ : state) {
+  void run(const Graph& graph) {
     for (std::size_t i = 0; i < graph.before.size(); ++i) {
       if (graph.before[i].empty()) nodes[i].try_put({});
     }
     whole.wait_for_all();
   }
+  oneapi::tbb::flow::graph whole;
+  std::deque<Step> nodes;
+  std::atomic<std::size_t> done{0};
+};
+
+/// One graph that is run again and again, as run_engine runs one network with one order.
+void run_tbb(benchmark::State& state, int threads) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads));
+  FlowGraph flow(graph);
+  for (auto _ : state)
+    flow.run(graph);
   per_node(state);
 }
-BENCHMARK(run_tbb)->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// A graph that is made and run once, as run_once makes and runs a network.
+void run_tbb_once(benchmark::State& state, int threads) {
+  const Graph graph(static_cast<std::uint32_t>(state.range(0)));
+  const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads));
+  for (auto _ : state)
+    FlowGraph(graph).run(graph);
+  per_node(state);
+}
 #endif
 
 void sizes(benchmark::internal::Benchmark* bench) {
-  bench->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond);
+  bench->RangeMultiplier(10)->Range(1000, 1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
 void crowds(benchmark::internal::Benchmark* bench) {
@@ -306,9 +339,17 @@ void crowds(benchmark::internal::Benchmark* bench) {
 }
 
 BENCHMARK(run_counters)->Apply(sizes);
-BENCHMARK(run_pool)->Apply(sizes)->UseRealTime();
+BENCHMARK(run_pool)->Apply(sizes);
 BENCHMARK_CAPTURE(run_engine, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(run_engine, facts, Kind::Facts)->Apply(sizes);
+BENCHMARK_CAPTURE(run_once, data, Kind::Data)->Apply(sizes);
+BENCHMARK_CAPTURE(run_once, facts, Kind::Facts)->Apply(sizes);
+#ifdef SEGUE_BENCH_TBB
+BENCHMARK_CAPTURE(run_tbb, one_thread, 1)->Apply(sizes);
+BENCHMARK_CAPTURE(run_tbb, two_threads, 2)->Apply(sizes);
+BENCHMARK_CAPTURE(run_tbb_once, one_thread, 1)->Apply(sizes);
+BENCHMARK_CAPTURE(run_tbb_once, two_threads, 2)->Apply(sizes);
+#endif
 BENCHMARK_CAPTURE(append_nodes, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, data, Kind::Data)->Apply(sizes);
 BENCHMARK_CAPTURE(derive, facts, Kind::Facts)->Apply(sizes);
