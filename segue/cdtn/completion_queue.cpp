@@ -21,7 +21,7 @@ TimePoint CompletionQueue::elapsed() const {
 }
 
 void CompletionQueue::finish_at(TimePoint when, NodeId node, std::uint32_t attempt, ReportPtr report) {
-  awaited_.erase({index(node), attempt});  // whatever else was announced, this is its end
+  if (!awaited_.empty()) awaited_.erase({index(node), attempt});  // whatever was announced, this is its end
   if (const TimePoint present = now(); when <= present) {
     due_.push_back({clock_ == ClockKind::Real ? when : present, node, attempt, std::move(report)});
     return;
@@ -66,15 +66,11 @@ bool CompletionQueue::stands_still() const {
 
 std::optional<CompletionQueue::End> CompletionQueue::take_due() {
   if (clock_ == ClockKind::Real) now_ = std::max(now_, elapsed());
-  if (due_.empty()) {
+  if (!due()) {
     const std::lock_guard lock(mutex_);
     fetch_posted();
   }
-  if (!due_.empty()) {
-    End end = std::move(due_.front());
-    due_.pop_front();
-    return end;
-  }
+  if (due()) return take_first_due();
   if (later_.empty() || (later_.front().when > now_ && stands_still())) return std::nullopt;
   Scheduled first = take_later();
   now_ = std::max(now_, first.when);

@@ -4,7 +4,6 @@
 #include <segue/cdtn/environment.hpp>
 
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -46,7 +45,8 @@ class CompletionQueue final : public Completions {
   template <class Counts>
   std::optional<End> next_now(Counts&& counts) {
     drop_unless(counts);
-    if (due_.empty() && (later_.empty() || later_.front().when > now_)) return std::nullopt;
+    if (due()) return take_first_due();
+    if (later_.empty() || later_.front().when > now_) return std::nullopt;
     return take_due();
   }
 
@@ -78,10 +78,19 @@ class CompletionQueue final : public Completions {
   };
   template <class Counts>
   void drop_unless(Counts& counts) {
-    while (!due_.empty() && !counts(due_.front()))
-      due_.pop_front();
+    while (due() && !counts(due_[taken_]))
+      take_first_due();
     while (!later_.empty() && !counts(later_.front()))
       take_later();
+  }
+  [[nodiscard]] bool due() const { return taken_ < due_.size(); }
+  End take_first_due() {
+    End first = std::move(due_[taken_++]);
+    if (!due()) {
+      due_.clear();
+      taken_ = 0;
+    }
+    return first;
   }
   Scheduled take_later();
   std::optional<End> take_due();
@@ -93,7 +102,8 @@ class CompletionQueue final : public Completions {
   TimePoint began_ = RealClock::instance().now();  ///< written by the engine's thread, with the mutex
   TimePoint now_{};                                ///< on a real clock, that of the last look at it
   std::uint64_t number_ = 0;
-  std::deque<End> due_;
+  std::vector<End> due_;                                       ///< in the order in which they are taken
+  std::size_t taken_ = 0;                                      ///< of due_; all are taken before time goes on
   std::vector<Scheduled> later_;                               ///< a heap
   std::set<std::pair<std::uint32_t, std::uint32_t>> awaited_;  ///< node and attempt; only in virtual time
   std::mutex mutex_;  ///< protects began_ and posted_, through which other threads hand over ends

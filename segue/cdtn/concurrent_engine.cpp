@@ -83,7 +83,12 @@ void ConcurrentEngine::Implementation::adopt() {
 
 void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   State& state = at(node);
-  state.kind = network_[node].kind;
+  const NodeRecord& record = network_[node];
+  state.kind = record.kind;
+  state.strict = options_.strict || record.strict;
+  state.claims = !network_.claims(node).empty();
+  state.reads_world = record.reads_world && !irreversible(node);
+  state.reads_beside = record.reads_beside && !irreversible(node);
   for (const Dependency& dependency : order_.before(node))
     count(state, dependency);
   if (state.commit_gate == 0 || (!irreversible(node) && state.start_gate == 0)) work_.push_back(node);
@@ -184,7 +189,7 @@ bool ConcurrentEngine::Implementation::take_ends() {
     if (index(end->node) == kNone)
       pause_.take(stopped_);
     else
-      end_run(std::move(*end));
+      end_run(*end);
     end = events_.next_now(counts);
   }
   return true;

@@ -24,7 +24,7 @@ bool succeeded(const TaskNetwork& network, NodeId node, const ReportPtr& report)
 
 }  // namespace
 
-void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
+void ConcurrentEngine::Implementation::end_run(CompletionQueue::End& end) {
   const NodeId node = end.node;
   State& state = at(node);
   state.active = false;
@@ -37,16 +37,15 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End end) {
   environment_.ended(node, end.attempt);
   note_speculative(node, false);
   if (state.cancelled) note_preempted(node, false);
-  if (const auto claims = network_.claims(node);
-      !claims.empty() && !(state.cancelled && planted(EngineFault::KeepsPreemptedUnits)))
-    pool_.release(claims, succeeded(network_, node, end.report));
+  if (state.claims && !(state.cancelled && planted(EngineFault::KeepsPreemptedUnits)))
+    pool_.release(network_.claims(node), succeeded(network_, node, end.report));
   if (end.report) {
     learn_effects(*end.report);
     learn_units(*end.report);
   }
   if (irreversible(node)) {
     reports_[index(node)] = std::move(end.report);
-    return commit(node);
+    return commit(node, judged(node));
   }
   const bool ends_lost = state.lost && state.phase == Phase::Running;
   if (!state.cancelled || ends_lost || planted(EngineFault::CountsPreempted)) {
@@ -154,24 +153,24 @@ bool ConcurrentEngine::Implementation::turn_has_come(NodeId node) {
 /// cannot be that of the program any more, whoever handles aborts.
 void ConcurrentEngine::Implementation::commit_with_changes(NodeId node) {
   const ReportPtr& report = reports_[index(node)];
-  if (!report || !report->pending) return commit(node);
+  if (!report || !report->pending) return commit(node, judged(node));
   const auto changes = std::exchange(report->pending, nullptr);
   const auto applied = changes->apply();
-  if (applied) return commit(node);
-  Error conflict = applied.error();
-  conflict.subject = network_.label(node);
-  commit(node, std::move(conflict));
+  if (applied) return commit(node, judged(node));
+  NodeOutcome outcome;
+  outcome.outcome = kAborted;
+  outcome.failure = std::make_unique<Error>(applied.error());
+  outcome.failure->subject = network_.label(node);
+  commit(node, std::move(outcome));
+}
+
+NodeOutcome ConcurrentEngine::Implementation::judged(NodeId node) const {
+  return judge(network_, node, reports_[index(node)].get());
 }
 
 /// The effects and the outcome of the node count from now on.
-void ConcurrentEngine::Implementation::commit(NodeId node, std::optional<Error> conflict) {
+void ConcurrentEngine::Implementation::commit(NodeId node, NodeOutcome outcome) {
   State& state = at(node);
-  NodeOutcome outcome = judge(network_, node, reports_[index(node)].get());
-  if (conflict) {
-    outcome = NodeOutcome();
-    outcome.outcome = kAborted;
-    outcome.failure = std::move(conflict);
-  }
   if (outcome.failure) take_lost();  // a race may have been decided in this very step
   if (state.phase == Phase::Skipped) return;
   if (state.lost && outcome.failure) {
@@ -250,17 +249,15 @@ void ConcurrentEngine::Implementation::settle(NodeId node) {
   leave_groups(node);
   return_copies_of_producers(node);
   if (!at(node).has_copy) return;
-  const auto taken = [&](std::uint32_t i) { return order_[i].reason() == Reason::Data; };
-  std::uint32_t i = order_.first_out(node);
-  while (i != kNone && !taken(i))
-    i = order_[i].next_out;
-  if (i == kNone) return_copy(node);
+  for (const Dependency& dependency : order_.after(node)) {
+    if (dependency.reason() == Reason::Data) return;
+  }
+  return_copy(node);
 }
 
 void ConcurrentEngine::Implementation::notify(NodeId node) {
   const State& state = at(node);
-  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
-    const Dependency& dependency = order_[i];
+  for (const Dependency& dependency : order_.after(node)) {
     if (dependency.reason() == Reason::Resource && state.began) continue;
     arrive(dependency);
   }
@@ -304,22 +301,22 @@ void ConcurrentEngine::Implementation::assumptions_changed(NodeId node) {
 void ConcurrentEngine::Implementation::announce_outputs(NodeId node) {
   if (at(node).announced) return;
   at(node).announced = true;
-  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
-    const Dependency& dependency = order_[i];
+  for (const Dependency& dependency : order_.after(node)) {
     if (dependency.reason() != Reason::Data || irreversible(dependency.to)) continue;
     if (--at(dependency.to).start_gate == 0) work_.push_back(dependency.to);
   }
 }
 
 void ConcurrentEngine::Implementation::announce_start(NodeId node) {
-  if (at(node).began || network_.claims(node).empty()) return;
+  if (at(node).began || !at(node).claims) return;
   at(node).began = true;
-  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
-    if (order_[i].reason() == Reason::Resource) arrive(order_[i]);
+  for (const Dependency& dependency : order_.after(node)) {
+    if (dependency.reason() == Reason::Resource) arrive(dependency);
   }
 }
 
 void ConcurrentEngine::Implementation::leave_groups(NodeId node) {
+  if (!at(node).claims) return;
   for (const Claim& claim : network_.claims(node)) {
     if (claim.group != kNone) pool_.leave_group(claim.group);
   }
@@ -330,7 +327,9 @@ void ConcurrentEngine::Implementation::advance_prefix() {
   while (prefix_ < size && states_[prefix_].passed)
     ++prefix_;
   environment_.passed_before(NodeId{prefix_});
-  if (prefix_ < size) work_.push_back(NodeId{prefix_});  // nothing before it can hold it up now
+  // Nothing before it can hold it up now. What runs and cannot run again is not held up.
+  if (prefix_ < size && !(irreversible(NodeId{prefix_}) && at(NodeId{prefix_}).phase == Phase::Running))
+    work_.push_back(NodeId{prefix_});
   while (safe_ < size && (states_[safe_].passed || network_[NodeId{safe_}].cannot_fail))
     ++safe_;
 }

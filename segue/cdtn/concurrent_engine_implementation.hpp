@@ -11,7 +11,6 @@
 #include <segue/cdtn/turns.hpp>
 
 #include <atomic>
-#include <map>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -65,6 +64,7 @@ class ConcurrentEngine::Implementation {
   void log(NodeId node, LogKind kind);
   // Starting (concurrent_engine_start.cpp).
   void check(NodeId node);
+  [[nodiscard]] bool waits_again(NodeId node);
   void try_start(NodeId node);
   [[nodiscard]] bool settled(NodeId node) const;
   [[nodiscard]] bool certain(NodeId node) const;
@@ -99,13 +99,14 @@ class ConcurrentEngine::Implementation {
                                                  std::vector<NodeId>& holders);
 
   // Ending (concurrent_engine_finish.cpp, concurrent_engine_undo.cpp).
-  void end_run(CompletionQueue::End end);
+  void end_run(CompletionQueue::End& end);
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
   [[nodiscard]] bool turn_has_come(NodeId node);
   void commit_lost(NodeId node);
   void commit_with_changes(NodeId node);
-  void commit(NodeId node, std::optional<Error> conflict = {});
+  [[nodiscard]] NodeOutcome judged(NodeId node) const;
+  void commit(NodeId node, NodeOutcome outcome);
   void fail_node(NodeId node, Error error);
   void settle(NodeId node);
   void apply_effects(NodeId node, const NodeOutcome& outcome);

@@ -8,13 +8,12 @@ namespace segue::cdtn {
 /// The engine as a starting node sees it.
 class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
  public:
-  RunContext(Implementation& engine, NodeId node) : engine_(engine), node_(node) {}
-  [[nodiscard]] NodeId node() const override { return node_; }
-  [[nodiscard]] std::uint32_t attempt() const override { return engine_.at(node_).attempt; }
+  RunContext(Implementation& engine, NodeId node)
+      : NodeContext(node, engine.at(node).attempt), engine_(engine) {}
   [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
-    const auto inputs = engine_.network_.inputs(node_);
+    const auto inputs = engine_.network_.inputs(node());
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-      if (inputs[i].input != name || engine_.input_version(node_, i) == 0) continue;
+      if (inputs[i].input != name || engine_.input_version(node(), i) == 0) continue;
       const ReportPtr& report = engine_.reports_[index(inputs[i].producer)];
       if (!report || !report->outputs) return nullptr;
       return report->outputs->find(engine_.network_.names.name(inputs[i].output));
@@ -22,17 +21,17 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
     return nullptr;
   }
   [[nodiscard]] bool holds(FactId fact) const override {
-    for (const Access& access : engine_.network_.accesses(node_)) {
+    for (const Access& access : engine_.network_.accesses(node())) {
       if (access.fact != fact) continue;
-      return engine_.network_[node_].kind == ActionClass::Pure ? engine_.projected(access)
-                                                               : engine_.world_.holds(fact);
+      return engine_.network_[node()].kind == ActionClass::Pure ? engine_.projected(access)
+                                                                : engine_.world_.holds(fact);
     }
     return false;
   }
   [[nodiscard]] VersionedWorld world() override {
-    engine_.at(node_).asked_world = true;
-    return engine_.network_[node_].kind == ActionClass::Pure ? engine_.projected_world(node_)
-                                                             : engine_.world_;
+    engine_.at(node()).asked_world = true;
+    return engine_.network_[node()].kind == ActionClass::Pure ? engine_.projected_world(node())
+                                                              : engine_.world_;
   }
   [[nodiscard]] std::uint32_t units(ResourceId resource) const override {
     return engine_.pool_.total(resource);
@@ -40,7 +39,6 @@ class ConcurrentEngine::Implementation::RunContext final : public NodeContext {
 
  private:
   Implementation& engine_;
-  NodeId node_;
 };
 
 /// Something that the node waits for may have happened: takes it as far as it can go now.
@@ -51,60 +49,77 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
     if (state.commit_gate == 0 && state.start_gate == 0) pass(node);
     return;
   }
+  if ((state.phase != Phase::Waiting && !waits_again(node)) || state.active) return;
+  if (irreversible(node)) {
+    if (state.commit_gate == 0) try_start(node);
+    return;
+  }
+  const bool in_order = takes_in_order(node);  // what does cannot be repeated
+  if (state.reads_beside && in_order && !turn_has_come(node)) return;
+  if (state.start_gate == 0 && (settled(node) || (options_.speculate && !in_order))) try_start(node);
+}
+
+/// Likewise, of a node that has got further than to wait for its gates; true if it waits for them again.
+bool ConcurrentEngine::Implementation::waits_again(NodeId node) {
+  State& state = at(node);
   const bool open = state.commit_gate == 0;
-  if (state.phase == Phase::Parked && (open || planted(EngineFault::CommitsSpeculation)))
-    return try_commit(node);
-  if (state.phase == Phase::Copying && open) {
-    copying_.erase(rank(node));
-    state.phase = Phase::Waiting;
+  switch (state.phase) {
+    case Phase::Parked:
+      if (open || planted(EngineFault::CommitsSpeculation)) try_commit(node);
+      return false;
+    case Phase::Running:
+      if ((open && !world_is_valid(node)) ||
+          (state.reads_beside && index(node) == prefix_ && environment_.outdated(node)))
+        invalidate(node);
+      return false;
+    case Phase::Ready:
+      if (certain(node) && ready_speculative_.erase(rank(node)) > 0) ready_.insert(rank(node));
+      return false;
+    case Phase::Copying:
+      if (!open) return false;
+      copying_.erase(rank(node));
+      break;
+    case Phase::Queued:
+      if (false_precondition(node) == nullptr) {
+        if (!refuse_for_shortage(node) && certain(node)) preempt_for_units(node);
+        return false;
+      }
+      abandon(node);  // the world has changed since it was queued
+      break;
+    default:
+      return false;
   }
-  if (state.phase == Phase::Running && open && !world_is_valid(node)) return invalidate(node);
-  if (state.phase == Phase::Queued && false_precondition(node) != nullptr) {
-    abandon(node);  // the world has changed since it was queued
-    state.phase = Phase::Waiting;
-  }
-  if (state.phase == Phase::Queued && refuse_for_shortage(node)) return;
-  if (state.phase == Phase::Queued && certain(node)) return preempt_for_units(node);
-  if (state.phase == Phase::Ready && certain(node) && ready_speculative_.erase(rank(node)) > 0)
-    ready_.insert(rank(node));
-  const bool beside = network_[node].reads_beside && !irreversible(node);
-  if (state.phase == Phase::Running && beside && index(node) == prefix_ && environment_.outdated(node))
-    return invalidate(node);
-  if (state.phase != Phase::Waiting || state.active) return;
-  // What takes its units in order cannot be repeated.
-  if (beside && takes_in_order(node) && !turn_has_come(node)) return;
-  const bool may_speculate = options_.speculate && !takes_in_order(node);
-  if (irreversible(node) ? open : state.start_gate == 0 && (settled(node) || may_speculate)) try_start(node);
+  state.phase = Phase::Waiting;
+  return true;
 }
 
 /// Whether everything that the node depends on has happened.
 bool ConcurrentEngine::Implementation::settled(NodeId node) const {
-  return at(node).commit_gate == 0 &&
-         (irreversible(node) || !network_[node].reads_world || prefix_ == index(node));
+  const State& state = at(node);
+  return state.commit_gate == 0 && (!state.reads_world || prefix_ == index(node));
 }
 
 /// Whether a run that begins now is certain to count: only a failure of an earlier node could prevent it, for
 /// a strict one not even that. What is beside the network may change until all nodes before have passed; who
 /// takes units in program order has waited for them.
 bool ConcurrentEngine::Implementation::certain(NodeId node) const {
-  const bool beside = network_[node].reads_beside && !irreversible(node) && prefix_ != index(node);
+  const bool beside = at(node).reads_beside && prefix_ != index(node);
   return settled(node) && (!beside || takes_in_order(node)) && !risk_before(node);
 }
 
 /// Whether its units are taken in program order, so it must not run speculatively: a repeated run would take
 /// its units after later nodes have taken theirs.
 bool ConcurrentEngine::Implementation::takes_in_order(NodeId node) const {
-  return std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
-    const ResourceRecord& resource = network_.resources[claim.resource];
-    return resource.varies || resource.grouped;
-  });
+  return at(node).claims && std::ranges::any_of(network_.claims(node), [this](const Claim& claim) {
+           const ResourceRecord& resource = network_.resources[claim.resource];
+           return resource.varies || resource.grouped;
+         });
 }
 
 /// The first node before a strict one that can still fail, those in parallel aside: no effect of the strict
 /// node may happen before.
 std::optional<NodeId> ConcurrentEngine::Implementation::risk_before(NodeId node) const {
-  const bool strict = options_.strict || network_[node].strict;
-  if (!strict || planted(EngineFault::StrictIsNot)) return std::nullopt;
+  if (!at(node).strict || planted(EngineFault::StrictIsNot)) return std::nullopt;
   for (std::uint32_t i = safe_; i < index(node); ++i) {
     const bool safe = states_[i].passed || network_[NodeId{i}].cannot_fail;
     if (!safe && !environment_.in_parallel(NodeId{i}, node)) return NodeId{i};
@@ -144,7 +159,7 @@ void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   ++state.version;  // outputs of an earlier speculative run may have been used
   outputs_changed(node);
   announce_start(node);
-  commit(node);
+  commit(node, judged(node));
 }
 
 /// Reserves a copy of the world for a speculative run; false if none is free. Runs with an open gate need
@@ -266,7 +281,7 @@ void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
 
 void ConcurrentEngine::Implementation::launch(NodeId node) {
   State& state = at(node);
-  if (network_[node].kind == ActionClass::Pure &&
+  if (state.kind == ActionClass::Pure &&
       false_precondition(node) != nullptr) {  // the projection has changed since it was claimed
     note_speculative(node, false);
     pool_.release(network_.claims(node), false);
@@ -288,7 +303,7 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   if (state.speculative) ++statistics_.speculative;
   if (state.attempt > 1) ++statistics_.repeated;
   note_what_is_read(node);
-  if (network_[node].reads_world) guesses_.erase(index(node));  // those of the last run
+  if (state.reads_world) guesses_.erase(index(node));  // those of the last run
   log(node, LogKind::Start);
   announce_start(node);
   RunContext context(*this, node);
@@ -309,9 +324,9 @@ void ConcurrentEngine::Implementation::return_copies_of_producers(NodeId node) {
   for (const DataInput& input : network_.inputs(node)) {
     if (!at(input.producer).has_copy) continue;
     bool needed = false;
-    for (std::uint32_t i = order_.first_out(input.producer); i != kNone && !needed; i = order_[i].next_out) {
-      const Phase phase = at(order_[i].to).phase;
-      needed = order_[i].reason() == Reason::Data && phase != Phase::Done && phase != Phase::Skipped;
+    for (const Dependency& dependency : order_.after(input.producer)) {
+      const Phase phase = at(dependency.to).phase;
+      needed |= dependency.reason() == Reason::Data && phase != Phase::Done && phase != Phase::Skipped;
     }
     if (!needed) return_copy(input.producer);
   }

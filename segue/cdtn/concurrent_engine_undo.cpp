@@ -29,9 +29,9 @@ void ConcurrentEngine::Implementation::skip_one(NodeId node) {
   outputs_changed(node);
   announce_outputs(node);
   return_copies_of_producers(node);
-  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
-    if (order_[i].reason() == Reason::Condition && index(order_[i].to) < states_.size())
-      to_skip_.push_back(order_[i].to);
+  for (const Dependency& dependency : order_.after(node)) {
+    if (dependency.reason() == Reason::Condition && index(dependency.to) < states_.size())
+      to_skip_.push_back(dependency.to);
   }
   if (state.commit_gate == 0) work_.push_back(node);
 }
@@ -80,8 +80,7 @@ void ConcurrentEngine::Implementation::invalidate(NodeId node) {
   State& state = at(node);
   if (state.phase == Phase::Running) return cancel_run(node);
   if (state.phase != Phase::Parked) return;
-  if (planted(EngineFault::AppliesEffectsTwice))
-    apply_effects(node, judge(network_, node, reports_[index(node)].get()));
+  if (planted(EngineFault::AppliesEffectsTwice)) apply_effects(node, judged(node));
   discard(node);
   state.phase = Phase::Waiting;
   work_.push_back(node);
@@ -104,8 +103,7 @@ void ConcurrentEngine::Implementation::truncate(NodeId node) {
 /// Invalidates consumers that have used outputs which changed.
 void ConcurrentEngine::Implementation::outputs_changed(NodeId node) {
   if (planted(EngineFault::KeepsStaleInputs)) return;
-  for (std::uint32_t i = order_.first_out(node); i != kNone; i = order_[i].next_out) {
-    const Dependency& dependency = order_[i];
+  for (const Dependency& dependency : order_.after(node)) {
     if (dependency.reason() != Reason::Data || index(dependency.to) >= states_.size()) continue;
     const Phase phase = at(dependency.to).phase;
     const bool used = phase == Phase::Running || phase == Phase::Parked;

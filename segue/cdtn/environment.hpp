@@ -32,6 +32,11 @@ struct NamedUnits {
 
 /// How a run of a node ended.
 struct Report {
+  Report();
+  Report(const Report&) = delete;
+  Report& operator=(const Report&) = delete;
+  ~Report();
+
   OutcomeId outcome = kSuccess;
   /// The effects that were observed. Nullopt: the declared effects if the outcome is the expected one, else
   /// none.
@@ -54,10 +59,11 @@ using ReportPtr = std::unique_ptr<Report>;
 /// Everything that a node may access when it starts. Valid only during Environment::start.
 class NodeContext {
  public:
+  NodeContext(NodeId node, std::uint32_t attempt) : node_(node), attempt_(attempt) {}
   virtual ~NodeContext() = default;
-  [[nodiscard]] virtual NodeId node() const = 0;
+  [[nodiscard]] NodeId node() const { return node_; }
   /// The number of this run of the node, from 1: a pure node runs again if a prediction was wrong.
-  [[nodiscard]] virtual std::uint32_t attempt() const = 0;
+  [[nodiscard]] std::uint32_t attempt() const { return attempt_; }
   /// The value of an input (of TaskNetwork::names); null where its producer gave none or was skipped.
   [[nodiscard]] virtual const type::Value* input(std::uint32_t name) const = 0;
   /// The value of a fact that the node declares to rely on: in reality, or as projected for a pure node.
@@ -68,6 +74,10 @@ class NodeContext {
   /// How many units of the resource there are. For an opaque node: others neither hold nor change them while
   /// it runs, but for groups.
   [[nodiscard]] virtual std::uint32_t units(ResourceId resource) const = 0;
+
+ private:
+  NodeId node_;
+  std::uint32_t attempt_;
 };
 
 /// Receives the ends of nodes. Every start has one end; further ones are ignored.

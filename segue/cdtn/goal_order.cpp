@@ -124,6 +124,7 @@ void GoalOrder::derive() {
     builder_.add_resources(node, false);
     builder_.end_node();
   }
+  builder_.end();
 }
 
 Order derive_order(const TaskNetwork& network, OrderRule rule, std::vector<Dependency>* further) {

@@ -16,20 +16,17 @@ class ImpliedFinder {
       : network_(network), order_(order), passed_(kImpliedWithin), conditions_(kImpliedWithin) {}
 
   std::vector<bool> find() {
-    std::vector<bool> implied(order_.dependency_count());
+    std::vector<bool> implied;
+    implied.reserve(order_.dependency_count());
     for (std::uint32_t i = 0; i < order_.size(); ++i) {
-      const auto before = order_.before(NodeId{i});
       look_back(i);
-      for (const Dependency& dependency : before)
-        implied[place(dependency)] = is_implied(dependency);
+      for (const Dependency& dependency : order_.before(NodeId{i}))
+        implied.push_back(is_implied(dependency));
     }
     return implied;
   }
 
  private:
-  [[nodiscard]] std::size_t place(const Dependency& dependency) const {
-    return static_cast<std::size_t>(&dependency - &order_[0]);
-  }
   static std::uint32_t distance(const Dependency& dependency) {
     return index(dependency.to) - index(dependency.from);
   }

@@ -65,15 +65,20 @@ NodeOutcome judge(const TaskNetwork& network, NodeId node, const Report* report)
   NodeOutcome result;
   result.outcome = report == nullptr ? kSuccess : report->outcome;
   const bool expected = result.outcome == network[node].expected;
-  result.failure = check_outcome(network, node, report);
+  if (report == nullptr && expected) {
+    result.as_declared = true;
+    return result;
+  }
+  auto failure = check_outcome(network, node, report);
   if (report != nullptr && report->effects) {
     result.effects = *report->effects;
-    if (!result.failure) result.failure = check_effects(network, node, expected, result.effects);
+    if (!failure) failure = check_effects(network, node, expected, result.effects);
   } else {
     result.as_declared = expected;
   }
-  if (result.failure &&
-      network[node].kind != ActionClass::Irreversible) {  // it changes nothing but the plan's own state
+  if (!failure) return result;
+  result.failure = std::make_unique<Error>(std::move(*failure));
+  if (network[node].kind != ActionClass::Irreversible) {  // it changes nothing but the plan's own state
     result.as_declared = false;
     result.effects.clear();
   }

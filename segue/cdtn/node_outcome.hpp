@@ -4,7 +4,7 @@
 #include <segue/cdtn/environment.hpp>
 #include <segue/cdtn/task_network.hpp>
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,9 +13,9 @@ namespace segue::cdtn {
 /// The meaning of a node's end, in sequential and concurrent runs alike.
 struct NodeOutcome {
   OutcomeId outcome = kSuccess;
-  bool as_declared = false;      ///< the declared effects happened
-  std::vector<Literal> effects;  ///< otherwise, the observed ones
-  std::optional<Error> failure;  ///< set if the mission cannot go on
+  bool as_declared = false;        ///< the declared effects happened
+  std::vector<Literal> effects;    ///< otherwise, the observed ones
+  std::unique_ptr<Error> failure;  ///< set if the mission cannot go on
 };
 
 /// Compares a report with the node's declaration. An effect that was not declared is a failure, unless the

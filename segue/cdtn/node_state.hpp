@@ -52,6 +52,11 @@ struct NodeState {
   bool failed : 1 = false;
   bool asked_world : 1 = false;
   bool lost : 1 = false;  ///< a race: however it ends, that is no failure
+  // What its record says, as far as most steps ask for it:
+  bool strict : 1 = false;        ///< also where all are
+  bool claims : 1 = false;        ///< some units
+  bool reads_world : 1 = false;   ///< and may do so again
+  bool reads_beside : 1 = false;  ///< likewise
 };
 
 }  // namespace segue::cdtn

@@ -29,7 +29,7 @@ std::string subject_text(const TaskNetwork& network, const Dependency& dependenc
 }
 
 void Order::open_node() {
-  first_out_.push_back(kNone);
+  first_block_.push_back(kNone);
 }
 
 namespace {
@@ -46,24 +46,57 @@ Dependency dependency(NodeId from, NodeId to, Reason reason, std::uint32_t subje
 }  // namespace
 
 void Order::add(NodeId from, Reason reason, std::uint32_t subject) {
-  Dependency& added = dependencies_.emplace_back(dependency(from, NodeId{size() - 1}, reason, subject));
-  added.next_out = first_out_[index(from)];
-  first_out_[index(from)] = static_cast<std::uint32_t>(dependencies_.size()) - 1;
+  dependencies_.push_back(dependency(from, NodeId{size() - 1}, reason, subject));
 }
 
 void Order::close_node() {
   begin_.push_back(static_cast<std::uint32_t>(dependencies_.size()));
 }
 
+/// The block has no end yet: it is where the next dependency of the node goes.
+void Order::open_block(NodeId node, std::uint32_t place) {
+  std::uint32_t& first = first_block_[index(node)];
+  blocks_.push_back({place, place, first});
+  first = static_cast<std::uint32_t>(blocks_.size()) - 1;
+}
+
+/// Linear, but for dependencies on nodes of earlier calls, which are sorted.
+void Order::link() {
+  const std::uint32_t first = std::exchange(linked_nodes_, size());
+  const std::span<const Dependency> added = std::span(dependencies_).subspan(linked_.size());
+  std::vector<Dependency> on_earlier;
+  std::vector<std::uint32_t> counts(size() - first);  // by new node
+  for (const Dependency& each : added) {
+    if (index(each.from) < first)
+      on_earlier.push_back(each);
+    else
+      ++counts[index(each.from) - first];
+  }
+  std::ranges::stable_sort(on_earlier, {}, &Dependency::from);
+  auto place = static_cast<std::uint32_t>(linked_.size());
+  linked_.insert(linked_.end(), on_earlier.begin(), on_earlier.end());
+  for (const Dependency& each : on_earlier) {
+    if (blocks_.empty() || linked_[blocks_.back().begin].from != each.from) open_block(each.from, place);
+    blocks_.back().end = ++place;
+  }
+  linked_.resize(dependencies_.size());
+  for (std::uint32_t i = 0; i < counts.size(); place += counts[i++]) {
+    if (counts[i] > 0) open_block(NodeId{first + i}, place);
+  }
+  for (const Dependency& each : added) {
+    if (index(each.from) >= first) linked_[blocks_[first_block_[index(each.from)]].end++] = each;
+  }
+}
+
 void Order::reserve(std::size_t nodes, std::size_t dependencies) {
   dependencies_.reserve(dependencies);
   begin_.reserve(nodes + 1);
-  first_out_.reserve(nodes);
+  first_block_.reserve(nodes);
 }
 
 std::size_t Order::bytes() const {
-  return dependencies_.size() * sizeof(Dependency) +
-         (begin_.size() + first_out_.size()) * sizeof(std::uint32_t);
+  return (dependencies_.size() + linked_.size()) * sizeof(Dependency) + blocks_.size() * sizeof(Block) +
+         (begin_.size() + first_block_.size()) * sizeof(std::uint32_t);
 }
 
 void OrderBuilder::prepare() {
@@ -82,6 +115,7 @@ void OrderBuilder::extend() {
     add_resources(node, true);
     end_node();
   }
+  end();
 }
 
 /// Adds the dependencies that both rules share.

@@ -4,7 +4,9 @@
 #include <segue/cdtn/ids.hpp>
 #include <segue/cdtn/task_network.hpp>
 
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <ranges>
 #include <span>
 #include <string>
@@ -26,38 +28,92 @@ std::string_view to_string(Reason reason);
 struct Dependency {
   NodeId from{};
   NodeId to{};
-  std::uint32_t next_out = kNone;  ///< the next dependency on `from`
   std::uint32_t subject : 29 = 0;
   std::uint32_t reason_bits : 3 = 0;
   [[nodiscard]] Reason reason() const { return static_cast<Reason>(reason_bits); }
 };
 
-/// The dependencies between nodes, with their reasons, in flat arrays: those of a node are adjacent, those on
-/// a node form a linked list. It only grows.
+/// The dependencies between nodes, with their reasons, in flat arrays: those of a node are adjacent, and
+/// again those on a node, as far as they were added together. So whoever goes through the nodes in program
+/// order goes through memory in its order, too. It only grows.
 class Order {
  public:
   [[nodiscard]] std::span<const Dependency> before(NodeId node) const {
     return {dependencies_.data() + begin_[index(node)], dependencies_.data() + begin_[index(node) + 1]};
   }
-  /// The first dependency on `node`, to be followed by `next_out`; kNone where there is none.
-  [[nodiscard]] std::uint32_t first_out(NodeId node) const { return first_out_[index(node)]; }
-  [[nodiscard]] const Dependency& operator[](std::uint32_t place) const { return dependencies_[place]; }
+  /// The dependencies on `node`. Valid until the order grows.
+  class After;
+  [[nodiscard]] After after(NodeId node) const;
   /// How many nodes it covers.
-  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(first_out_.size()); }
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(first_block_.size()); }
   [[nodiscard]] std::size_t dependency_count() const { return dependencies_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
-  /// For builders, in program order: a node, then what it depends on.
+  /// For builders, in program order: a node, then what it depends on; and in the end, once for all nodes that
+  /// were added, link(), since which after() knows of them.
   void open_node();
   void add(NodeId from, Reason reason, std::uint32_t subject);
   void close_node();
+  void link();
   void reserve(std::size_t nodes, std::size_t dependencies);
 
  private:
+  /// Dependencies on one node, in linked_: those of one call of link().
+  struct Block {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    std::uint32_t next = kNone;  ///< of the same node
+  };
+  void open_block(NodeId node, std::uint32_t place);
+
   std::vector<Dependency> dependencies_;
   std::vector<std::uint32_t> begin_{0};
-  std::vector<std::uint32_t> first_out_;
+  std::vector<Dependency> linked_;  ///< again, by `from`
+  std::vector<Block> blocks_;
+  std::vector<std::uint32_t> first_block_;  ///< by node; kNone: nothing depends on it
+  std::uint32_t linked_nodes_ = 0;
 };
+
+class Order::After {
+ public:
+  class Iterator {
+   public:
+    using value_type = Dependency;
+    using difference_type = std::ptrdiff_t;
+    Iterator(const Order& order, std::uint32_t block) : order_(&order) { enter(block); }
+    const Dependency& operator*() const { return *at_; }
+    Iterator& operator++() {
+      if (++at_ == end_) enter(next_);
+      return *this;
+    }
+    void operator++(int) { ++*this; }
+    friend bool operator==(const Iterator& a, std::default_sentinel_t) { return a.at_ == nullptr; }
+
+   private:
+    void enter(std::uint32_t block) {
+      at_ = nullptr;
+      if (block == kNone) return;
+      const Block& entered = order_->blocks_[block];
+      at_ = order_->linked_.data() + entered.begin;
+      end_ = order_->linked_.data() + entered.end;
+      next_ = entered.next;
+    }
+    const Order* order_;
+    const Dependency* at_ = nullptr;
+    const Dependency* end_ = nullptr;
+    std::uint32_t next_ = kNone;
+  };
+  After(const Order& order, NodeId node) : begin_(order, order.first_block_[index(node)]) {}
+  [[nodiscard]] Iterator begin() const { return begin_; }
+  [[nodiscard]] static std::default_sentinel_t end() { return {}; }
+
+ private:
+  Iterator begin_;
+};
+
+inline Order::After Order::after(NodeId node) const {
+  return {*this, node};
+}
 
 /// Epoch: every linear extension reads the same values and ends in the same world as the sequential
 /// execution; found in one walk, linear in the accesses. Goal: only preconditions and the network's goal are
@@ -125,6 +181,7 @@ class OrderBuilder {
   void prepare();
   void begin_node(NodeId node);
   void end_node() { order_.close_node(); }
+  void end() { order_.link(); }
 
   const TaskNetwork& network_;
   Order& order_;

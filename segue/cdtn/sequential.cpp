@@ -195,11 +195,9 @@ class SequentialRun {
 
 class SequentialRun::RunContext final : public NodeContext {
  public:
-  RunContext(const SequentialRun& run, NodeId node) : run_(run), node_(node) {}
-  [[nodiscard]] NodeId node() const override { return node_; }
-  [[nodiscard]] std::uint32_t attempt() const override { return 1; }
+  RunContext(const SequentialRun& run, NodeId node) : NodeContext(node, 1), run_(run) {}
   [[nodiscard]] const type::Value* input(std::uint32_t name) const override {
-    const auto inputs = run_.network_.inputs(node_);
+    const auto inputs = run_.network_.inputs(node());
     for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
       if (input->input != name) continue;
       if (run_.result_.nodes[index(input->producer)].status == NodeStatus::Skipped) continue;
@@ -220,7 +218,6 @@ class SequentialRun::RunContext final : public NodeContext {
 
  private:
   const SequentialRun& run_;
-  NodeId node_;
   bool asked_world_ = false;
 };
 

@@ -56,11 +56,12 @@ class DiagramMaker {
     const auto count = std::min<std::size_t>(most, network_.size());
     diagram.nodes.reserve(count);
     auto also = further_.begin();
+    std::size_t place = 0;  // of a dependency in the order
     for (std::uint32_t i = 0; i < count; ++i) {
       const cdtn::NodeId node{i};
       reasons_.clear();
       for (const cdtn::Dependency& dependency : order_.before(node))
-        reasons_.push_back({&dependency, implied_[place(dependency)]});
+        reasons_.push_back({&dependency, implied_[place++]});
       for (; also != further_.end() && also->to == node; ++also)
         reasons_.push_back({&*also, true});
       diagram.nodes.push_back(described(node));
@@ -70,10 +71,6 @@ class DiagramMaker {
   }
 
  private:
-  [[nodiscard]] std::size_t place(const cdtn::Dependency& dependency) const {
-    return static_cast<std::size_t>(&dependency - &order_[0]);
-  }
-
   [[nodiscard]] Diagram::Node described(cdtn::NodeId node) const {
     const cdtn::NodeRecord& entry = network_[node];
     Diagram::Node made{network_.label(node)};

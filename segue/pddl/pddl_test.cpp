@@ -52,8 +52,8 @@ std::string wrong_linearisation(const TaskNetwork& network, const Order& order, 
       for (const Access& access : network.accesses(node)) {
         if (access.writes) world.set({access.fact, access.value});
       }
-      for (std::uint32_t i = order.first_out(node); i != kNone; i = order[i].next_out) {
-        if (--open[index(order[i].to)] == 0) ready.push_back(order[i].to);
+      for (const Dependency& dependency : order.after(node)) {
+        if (--open[index(dependency.to)] == 0) ready.push_back(dependency.to);
       }
     }
     for (const Literal& literal : network.goal) {
