@@ -181,17 +181,12 @@ bool ConcurrentEngine::Implementation::take_ends() {
     return index(end.node) < states_.size() && at(end.node).active && at(end.node).attempt == end.attempt;
   };
   const bool holds = hold();
-  auto end =
+  auto first =
       events_.next(holds || !running_.empty(), holds ? TimePoint::max() : patience_.deadline(), counts);
-  if (!end) return give_up_lost() || events_.give_up_awaited();
-  while (end) {
-    heed_stop();
-    if (index(end->node) == kNone)
-      pause_.take(stopped_);
-    else
-      end_run(*end);
-    end = events_.next_now(counts);
-  }
+  if (!first) return give_up_lost() || events_.give_up_awaited();
+  take_end(*first);
+  while (auto end = events_.next_now(counts))
+    take_end(*end);
   return true;
 }
 

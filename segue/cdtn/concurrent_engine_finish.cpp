@@ -24,8 +24,10 @@ bool succeeded(const TaskNetwork& network, NodeId node, const ReportPtr& report)
 
 }  // namespace
 
-void ConcurrentEngine::Implementation::end_run(CompletionQueue::End& end) {
+void ConcurrentEngine::Implementation::take_end(CompletionQueue::End& end) {
+  heed_stop();
   const NodeId node = end.node;
+  if (index(node) == kNone) return pause_.take(stopped_);  // posted by wake()
   State& state = at(node);
   state.active = false;
   result_of(node).ended = end.when;
@@ -35,7 +37,7 @@ void ConcurrentEngine::Implementation::end_run(CompletionQueue::End& end) {
   if (needs_worker(node)) --at_work_;
   log(node, LogKind::End);
   environment_.ended(node, end.attempt);
-  note_speculative(node, false);
+  if (state.claims) note_speculative(node, false);
   if (state.cancelled) note_preempted(node, false);
   if (state.claims && !(state.cancelled && planted(EngineFault::KeepsPreemptedUnits)))
     pool_.release(network_.claims(node), succeeded(network_, node, end.report));
@@ -246,7 +248,7 @@ void ConcurrentEngine::Implementation::pass(NodeId node) {
 
 /// Releases what the node no longer needs.
 void ConcurrentEngine::Implementation::settle(NodeId node) {
-  leave_groups(node);
+  if (at(node).claims) leave_groups(node);
   return_copies_of_producers(node);
   if (!at(node).has_copy) return;
   for (const Dependency& dependency : order_.after(node)) {
@@ -308,7 +310,7 @@ void ConcurrentEngine::Implementation::announce_outputs(NodeId node) {
 }
 
 void ConcurrentEngine::Implementation::announce_start(NodeId node) {
-  if (at(node).began || !at(node).claims) return;
+  if (at(node).began) return;
   at(node).began = true;
   for (const Dependency& dependency : order_.after(node)) {
     if (dependency.reason() == Reason::Resource) arrive(dependency);
@@ -316,7 +318,6 @@ void ConcurrentEngine::Implementation::announce_start(NodeId node) {
 }
 
 void ConcurrentEngine::Implementation::leave_groups(NodeId node) {
-  if (!at(node).claims) return;
   for (const Claim& claim : network_.claims(node)) {
     if (claim.group != kNone) pool_.leave_group(claim.group);
   }

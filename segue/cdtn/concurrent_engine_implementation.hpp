@@ -47,6 +47,7 @@ class ConcurrentEngine::Implementation {
   bool expand();
   void loop();
   bool take_ends();
+  void take_end(CompletionQueue::End& end);
   void work_off();
   void wake();
   void heed_stop();
@@ -99,7 +100,6 @@ class ConcurrentEngine::Implementation {
                                                  std::vector<NodeId>& holders);
 
   // Ending (concurrent_engine_finish.cpp, concurrent_engine_undo.cpp).
-  void end_run(CompletionQueue::End& end);
   void park(NodeId node, ReportPtr report);
   void try_commit(NodeId node);
   [[nodiscard]] bool turn_has_come(NodeId node);

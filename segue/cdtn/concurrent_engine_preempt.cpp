@@ -12,7 +12,7 @@ namespace segue::cdtn {
 
 /// Records the units of a speculative run, from its start until it ends or is cancelled.
 void ConcurrentEngine::Implementation::note_speculative(NodeId node, bool speculative) {
-  if (!at(node).claims || (speculative && certain(node))) return;
+  if (speculative && certain(node)) return;
   for (const Claim& claim : network_.claims(node)) {
     SpeculativeHolders& holders = speculative_[index(claim.resource)];
     if (speculative && holders.ranks.insert(rank(node)).second)

@@ -158,7 +158,7 @@ void ConcurrentEngine::Implementation::refuse(NodeId node, const Error& error) {
   reports_[index(node)] = std::move(report);
   ++state.version;  // outputs of an earlier speculative run may have been used
   outputs_changed(node);
-  announce_start(node);
+  if (state.claims) announce_start(node);
   commit(node, judged(node));
 }
 
@@ -204,7 +204,7 @@ bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
 }
 
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
-  note_speculative(node, true);
+  if (at(node).claims) note_speculative(node, true);
   if ((options_.workers == 0 && !pause_.paused()) || !environment_.is_step(node)) return launch(node);
   at(node).phase = Phase::Ready;
   (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
@@ -264,9 +264,8 @@ const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) 
   return nullptr;
 }
 
-/// Whoever cannot run again is never compared with it.
+/// To be compared when the node commits, which may run again then.
 void ConcurrentEngine::Implementation::note_what_is_read(NodeId node) {
-  if (irreversible(node)) return;
   const auto accesses = network_.accesses(node);
   const bool pure = network_[node].kind == ActionClass::Pure;
   for (std::size_t i = 0; i < accesses.size(); ++i) {
@@ -302,10 +301,10 @@ void ConcurrentEngine::Implementation::launch(NodeId node) {
   ++statistics_.starts;
   if (state.speculative) ++statistics_.speculative;
   if (state.attempt > 1) ++statistics_.repeated;
-  note_what_is_read(node);
+  if (!irreversible(node)) note_what_is_read(node);
   if (state.reads_world) guesses_.erase(index(node));  // those of the last run
   log(node, LogKind::Start);
-  announce_start(node);
+  if (state.claims) announce_start(node);
   RunContext context(*this, node);
   environment_.start(context, events_);
   if (planted(EngineFault::PassesAtStart)) notify(node);

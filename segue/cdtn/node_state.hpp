@@ -41,7 +41,12 @@ struct NodeState {
   std::uint32_t run_place = 0;  ///< in the engine's running_
   OutcomeId outcome = kSuccess;
   NodePhase phase = NodePhase::Waiting;
-  ActionClass kind = ActionClass::Irreversible;  ///< as in its NodeRecord
+  ActionClass kind = ActionClass::Irreversible;
+  // As in its record, as `kind`:
+  bool strict = false;        ///< also where all are
+  bool claims = false;        ///< some units
+  bool reads_world = false;   ///< and may do so again
+  bool reads_beside = false;  ///< likewise
   bool passed : 1 = false;
   bool announced : 1 = false;    ///< consumers know that there are outputs
   bool began : 1 = false;        ///< later users of its resources know that it has started
@@ -52,11 +57,6 @@ struct NodeState {
   bool failed : 1 = false;
   bool asked_world : 1 = false;
   bool lost : 1 = false;  ///< a race: however it ends, that is no failure
-  // What its record says, as far as most steps ask for it:
-  bool strict : 1 = false;        ///< also where all are
-  bool claims : 1 = false;        ///< some units
-  bool reads_world : 1 = false;   ///< and may do so again
-  bool reads_beside : 1 = false;  ///< likewise
 };
 
 }  // namespace segue::cdtn
