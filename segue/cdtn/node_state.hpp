@@ -58,5 +58,6 @@ struct NodeState {
   bool asked_world : 1 = false;
   bool lost : 1 = false;  ///< a race: however it ends, that is no failure
 };
+static_assert(sizeof(NodeState) <= 32, "half a cache line");
 
 }  // namespace segue::cdtn
