@@ -200,12 +200,12 @@ bool ConcurrentEngine::Implementation::refuse_for_shortage(NodeId node) {
 
 /// What is no step takes no time, so it needs no worker.
 bool ConcurrentEngine::Implementation::needs_worker(NodeId node) const {
-  return options_.workers != 0 && environment_.is_step(node);
+  return options_.workers != 0 && !network_[node].structural;
 }
 
 void ConcurrentEngine::Implementation::dispatch(NodeId node) {
   if (at(node).claims) note_speculative(node, true);
-  if ((options_.workers == 0 && !pause_.paused()) || !environment_.is_step(node)) return launch(node);
+  if ((options_.workers == 0 && !pause_.paused()) || network_[node].structural) return launch(node);
   at(node).phase = Phase::Ready;
   (certain(node) ? ready_ : ready_speculative_).insert(rank(node));
 }
@@ -227,12 +227,12 @@ void ConcurrentEngine::Implementation::take_granted() {
 /// Takes out the first node that may begin now: first of those that are certain to count.
 std::optional<NodeId> ConcurrentEngine::Implementation::next_ready() {
   for (auto* from : {&ready_, &ready_speculative_}) {
-    const auto free = [&](const Rank& each) { return !pause_.blocks() || !environment_.is_step(each.node); };
+    const auto free = [&](const Rank& each) { return !pause_.blocks() || network_[each.node].structural; };
     const auto first = std::ranges::find_if(*from, free);
     if (first == from->end()) continue;
     const NodeId node = first->node;
     from->erase(first);
-    pause_.begins(environment_.is_step(node));
+    pause_.begins(!network_[node].structural);
     return node;
   }
   return std::nullopt;

@@ -127,11 +127,6 @@ class Environment {
     (void)b;
     return false;
   }
-  /// Whether a pause holds the node, and a step begins it. Others begin all the same.
-  [[nodiscard]] virtual bool is_step(NodeId node) const {
-    (void)node;
-    return true;
-  }
   /// All nodes before this one have passed.
   virtual void passed_before(NodeId node) { (void)node; }
   /// How long the engine waits for the end of a cancelled run, on a real clock.

@@ -21,6 +21,7 @@ NodeSpec spec_of(const TaskNetwork& network, NodeId node, const std::vector<std:
   spec.reads_beside = entry.reads_beside;
   spec.cannot_fail = entry.cannot_fail;
   spec.strict = entry.strict;
+  spec.structural = entry.structural;
   for (const Access& access : network.accesses(node)) {
     if (access.reads) spec.preconditions.push_back({access.fact, access.needed});
     if (access.writes) spec.effects.push_back({access.fact, access.value});

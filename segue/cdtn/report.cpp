@@ -18,6 +18,17 @@ std::string_view outcome_of(const RunResult& result) {
   return result.done() ? "done" : result.stopped ? "stopped" : "failed";
 }
 
+std::vector<NodeId> listed_nodes(const TaskNetwork& network, const RunResult& result, ListedNodes which) {
+  std::vector<NodeId> listed;
+  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
+    const NodeResult& own = result.nodes[i];
+    const bool failed = own.status == NodeStatus::Failed;
+    const bool wanted = which == ListedNodes::All || own.attempts > 0;
+    if (failed || (wanted && !network[NodeId{i}].structural)) listed.push_back(NodeId{i});
+  }
+  return listed;
+}
+
 namespace {
 
 double in_seconds(TimePoint time) {
@@ -67,7 +78,7 @@ Value to_value(const Wait& wait, const std::string& node) {
 }
 
 Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
-               const RunSummary& summary) {
+               std::span<const NodeId> listed, const RunSummary& summary) {
   ValueMap root;
   root.set("name", network.name);
   root.set("outcome", outcome_of(result));
@@ -77,8 +88,8 @@ Value to_value(const TaskNetwork& network, const Order& order, const RunResult& 
   root.set("critical_path_s", in_seconds(summary.critical_path));
   const WaitFinder finder(network, order, result);
   Value::List nodes;
-  for (std::uint32_t i = 0; i < result.nodes.size(); ++i)
-    nodes.push_back(node_value(network, result, finder, NodeId{i}));
+  for (const NodeId node : listed)
+    nodes.push_back(node_value(network, result, finder, node));
   root.set("nodes", std::move(nodes));
   Value::List world;
   for (const std::string& fact : result.world.texts(network.facts))

@@ -7,8 +7,10 @@
 #include <segue/cdtn/waits.hpp>
 #include <segue/type/value.hpp>
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::cdtn {
 
@@ -24,11 +26,17 @@ struct RunSummary {
   double engine_us_per_node = 0;
 };
 
+/// Which nodes lists and drawings of a run show: all, or those that began. How many others there are of a
+/// plan that is made while it runs depends on how far planning was ahead when it ended.
+enum class ListedNodes : std::uint8_t { All, Begun };
+/// In program order. Of structural nodes only those that failed.
+std::vector<NodeId> listed_nodes(const TaskNetwork& network, const RunResult& result, ListedNodes which);
+
 /// A wait as JSON; `node` is the name of the node whose end it was, or empty.
 type::Value to_value(const Wait& wait, const std::string& node);
 
-/// The document that `segue mission run --format json` prints.
+/// The document that `segue mission run --format json` prints, with the nodes of `listed`.
 type::Value to_value(const TaskNetwork& network, const Order& order, const RunResult& result,
-                     const RunSummary& summary);
+                     std::span<const NodeId> listed, const RunSummary& summary);
 
 }  // namespace segue::cdtn

@@ -40,6 +40,7 @@ NodeId TaskNetwork::append(const NodeSpec& spec, std::uint32_t called) {
   entry.reads_beside = spec.reads_beside;
   entry.cannot_fail = spec.cannot_fail;
   entry.strict = spec.strict;
+  entry.structural = spec.structural;
   append_accesses(spec, node);
   append_claims(spec);
   if (entry.reads_world && entry.kind != ActionClass::Pure) entry.opaque = true;

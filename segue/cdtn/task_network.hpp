@@ -48,6 +48,7 @@ struct NodeSpec {
   bool reads_beside = false;  ///< may read or change what is beside the network (Report::pending)
   bool cannot_fail = false;   ///< neither by itself nor because of a precondition or resource
   bool strict = false;        ///< it acts once no node before it can fail any more
+  bool structural = false;    ///< only part of the plan's form: takes no time and no worker, and is no step
   std::vector<Literal> preconditions;
   std::vector<Literal> effects;  ///< of contradicting ones, the positive one counts
   std::vector<Claim> claims;
@@ -87,6 +88,7 @@ struct NodeRecord {
   bool reads_beside : 1 = false;
   bool cannot_fail : 1 = false;
   bool strict : 1 = false;
+  bool structural : 1 = false;
 };
 
 /// Nodes in program order, in flat arrays, with the facts and resources that they use. Nodes are only

@@ -95,7 +95,27 @@ void WaitFinder::add_turn(std::vector<Wait>& waits, NodeId node, TimePoint ready
     waits.push_back({Wait::Kind::Turn, last->node, {}, ready, last->ended});
 }
 
+/// One that failed is shown as others are.
+bool WaitFinder::is_structural(NodeId node) const {
+  return index(node) != kNone && network_[node].structural &&
+         result_.nodes[index(node)].status != NodeStatus::Failed;
+}
+
 std::vector<Wait> WaitFinder::of(NodeId node) const {
+  std::vector<Wait> waits = direct(node);
+  for (Wait& wait : waits) {
+    while (is_structural(wait.node)) {
+      const auto before = direct(wait.node);
+      wait.node = before.empty() ? NodeId{kNone} : before.back().node;
+      if (before.empty() || (wait.kind == Wait::Kind::Data && before.back().kind == wait.kind)) continue;
+      wait.kind = before.back().kind;
+      wait.subject = before.back().subject;
+    }
+  }
+  return waits;
+}
+
+std::vector<Wait> WaitFinder::direct(NodeId node) const {
   const NodeResult& own = result_.nodes[index(node)];
   std::vector<Wait> waits;
   if (own.attempts == 0) return waits;
@@ -130,14 +150,14 @@ bool WaitFinder::was_speculative(NodeId node) const {
   });
 }
 
-std::vector<NodeId> critical_chain(const RunResult& result, const WaitFinder& waits) {
+std::vector<NodeId> WaitFinder::critical_chain() const {
   std::vector<NodeId> chain;
-  const auto last = std::ranges::max_element(result.nodes, {}, &NodeResult::committed);
-  if (last == result.nodes.end() || last->committed == TimePoint{}) return chain;
-  NodeId node = NodeId(static_cast<std::uint32_t>(last - result.nodes.begin()));
-  while (index(node) != kNone && chain.size() <= result.nodes.size()) {
-    chain.push_back(node);
-    const auto own = waits.of(node);
+  const auto last = std::ranges::max_element(result_.nodes, {}, &NodeResult::committed);
+  if (last == result_.nodes.end() || last->committed == TimePoint{}) return chain;
+  NodeId node = NodeId(static_cast<std::uint32_t>(last - result_.nodes.begin()));
+  for (std::size_t steps = 0; index(node) != kNone && steps <= result_.nodes.size(); ++steps) {
+    if (!is_structural(node)) chain.push_back(node);
+    const auto own = of(node);
     node = own.empty() ? NodeId{kNone} : own.back().node;
   }
   std::ranges::reverse(chain);

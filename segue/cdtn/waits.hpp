@@ -26,7 +26,8 @@ std::string_view to_string(Wait::Kind kind);
 /// "world at(base) of drive"; `node` is the name of the node whose end it was, or empty.
 std::string to_string(const Wait& wait, const std::string& node);
 
-/// Finds out after a run what its nodes waited for. All three arguments must outlive this.
+/// Finds out after a run what its nodes waited for. Whoever waited for a structural node is said to have
+/// waited for what that one had waited for, unless it failed. All three arguments must outlive this.
 class WaitFinder {
  public:
   WaitFinder(const TaskNetwork& network, const Order& order, const RunResult& result);
@@ -35,6 +36,9 @@ class WaitFinder {
   [[nodiscard]] std::vector<Wait> of(NodeId node) const;
   /// Whether the run that counts began before everything it depends on was certain.
   [[nodiscard]] bool was_speculative(NodeId node) const;
+  /// The chain of nodes that determined the makespan: from the last node back, each to the one it waited for
+  /// last.
+  [[nodiscard]] std::vector<NodeId> critical_chain() const;
 
  private:
   struct Use {
@@ -42,6 +46,8 @@ class WaitFinder {
     NodeId node{};
   };
   void add_use(NodeId node, TimePoint ended);
+  [[nodiscard]] std::vector<Wait> direct(NodeId node) const;
+  [[nodiscard]] bool is_structural(NodeId node) const;
   [[nodiscard]] static const Use* last_before(const std::vector<Use>& uses, NodeId node, TimePoint started);
   [[nodiscard]] TimePoint met(const Dependency& dependency) const;
   void add_resource(std::vector<Wait>& waits, NodeId node, TimePoint ready) const;
@@ -53,9 +59,5 @@ class WaitFinder {
   std::vector<Use> ends_;               ///< of all, by time
   std::vector<std::vector<Use>> uses_;  ///< by resource, by time
 };
-
-/// The chain of nodes that determined the makespan: from the last node back, each to the one it waited for
-/// last.
-std::vector<NodeId> critical_chain(const RunResult& result, const WaitFinder& waits);
 
 }  // namespace segue::cdtn

@@ -207,10 +207,6 @@ bool ActionEnvironment::in_parallel(NodeId a, NodeId b) const {
   return mission::in_parallel(plan_[a].branch.get(), plan_[b].branch.get());
 }
 
-bool ActionEnvironment::is_step(NodeId node) const {
-  return plan_[node].role == Role::Action || plan_[node].role == Role::OpaqueSubtree;
-}
-
 void ActionEnvironment::passed_before(NodeId node) {
   globals.settle_before(place_number(node));
 }
@@ -286,6 +282,7 @@ std::shared_ptr<ActionEnvironment::Reporter> ActionEnvironment::counting_reporte
 
 /// An action that does not begin leaves its default outputs, like one that aborts.
 ReportPtr ActionEnvironment::refuse(NodeContext& context, std::string why) {
+  if (journal_ != nullptr) journal_->refused(context.node());
   const auto reports = counting_reporter(context);
   return reports->report({kAborted, std::move(why)}, default_outputs(context.node(), reports->globals));
 }
@@ -455,8 +452,8 @@ void ActionEnvironment::cancel(NodeId node, std::uint32_t attempt, Completions& 
   const Outcome outcome = planted(ConversionFault::CountsCancelled) ? 0 : kPreempted;
   const auto found = running_.find(index(node));
   if (found == running_.end()) {
-    auto report =
-        is_step(node) ? reporter(node)->report({outcome, {}}, {}) : std::make_unique<cdtn::Report>();
+    auto report = plan_.network()[node].structural ? std::make_unique<cdtn::Report>()
+                                                   : reporter(node)->report({outcome, {}}, {});
     if (outcome == kPreempted) report->outcome = cdtn::kPreempted;
     return completions.finish_at(completions.now(), node, attempt, std::move(report));
   }

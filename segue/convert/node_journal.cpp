@@ -55,8 +55,7 @@ Value NodeJournal::record_of(const mission::Globals& used, const SubtreeChanges&
 }
 
 bool NodeJournal::records(NodeId node) const {
-  const Role role = plan_[node].role;
-  return role == Role::Action || role == Role::OpaqueSubtree;
+  return !plan_.network()[node].structural;
 }
 
 mission::Execution NodeJournal::execution(NodeId node) const {
@@ -77,6 +76,10 @@ std::optional<RunJournal::End> NodeJournal::replayed(NodeId node) {
   const bool is_action = plan_[node].role == Role::Action;
   return journal_->assumed_end(execution(node),
                                is_action ? program.mission().actions[program.node(state).action] : kSubtree);
+}
+
+void NodeJournal::refused(NodeId node) {
+  if (records(node)) awaited_.erase(execution(node));
 }
 
 void NodeJournal::began(NodeId node) {

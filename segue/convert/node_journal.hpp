@@ -35,6 +35,8 @@ class NodeJournal {
   /// How the node, which begins now, ended in the earlier run, or is taken to have ended; nothing if it is to
   /// be executed.
   [[nodiscard]] std::optional<mission::RunJournal::End> replayed(cdtn::NodeId node);
+  /// The node does not begin, and aborts, as it did in the earlier run if that had come so far.
+  void refused(cdtn::NodeId node);
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
   void began(cdtn::NodeId node);
@@ -52,7 +54,7 @@ class NodeJournal {
 
   const MissionPlan& plan_;
   const std::shared_ptr<mission::RunJournal> journal_;
-  std::set<mission::Execution> awaited_;  ///< recorded, and not begun in this run
+  std::set<mission::Execution> awaited_;  ///< recorded, and neither begun nor refused in this run
 };
 
 }  // namespace segue::convert

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -196,6 +197,22 @@ TEST(Races, ConflictingStatesRunAsWritten) {
   EXPECT_EQ(conflicting.plan().subtree_reason(1).kind, OpaqueSubtreeReason::Kind::ConflictBeside);
 }
 
+/// To go on with a run of which the journal has what `record` writes.
+RunOptions resumed(const std::string& text, const std::function<void(mission::RunJournal&)>& record) {
+  const auto file =
+      std::filesystem::path(::testing::TempDir()) / ("segue_races_" + std::to_string(::getpid()));
+  std::filesystem::remove(file);
+  const auto mission = program(text)->mission();
+  mission::RunJournal::Start start;
+  start.concurrent = true;
+  record(*mission::RunJournal::create(file, mission, start).value());
+  RunOptions options;
+  options.journal =
+      mission::RunJournal::resume(file, mission, true, mission::RunJournal::UnderWay::Refuse).value();
+  std::filesystem::remove(file);
+  return options;
+}
+
 /// Both states have ended in the journal, since both did so before either could be preempted.
 TEST(Races, AResumedRunGoesTheWayThatTheEarlierOneWent) {
   const std::string text = R"x(
@@ -216,25 +233,43 @@ states:
   to_a: {action: go, inputs: {who: a}, on: {success: return success}}
   to_b: {action: go, inputs: {who: b}, on: {success: return success}}
 )x";
-  const auto file =
-      std::filesystem::path(::testing::TempDir()) / ("segue_races_" + std::to_string(::getpid()));
-  const auto mission = program(text)->mission();
   for (const std::string first : {"a", "b"}) {
-    std::filesystem::remove(file);
-    {
-      mission::RunJournal::Start start;
-      start.concurrent = true;
-      auto journal = mission::RunJournal::create(file, mission, start).value();
-      journal->ended({"both/a"}, {});
-      journal->ended({"both/b"}, {});
-      journal->first({"both/" + first});
-    }
-    RunOptions options;
-    options.journal =
-        mission::RunJournal::resume(file, mission, true, mission::RunJournal::UnderWay::Refuse).value();
-    EXPECT_THAT(RaceRun(text, options).executions().back(), HasSubstr("to_" + first));
+    const auto journal = resumed(text, [&](mission::RunJournal& earlier) {
+      earlier.ended({"both/a"}, {});
+      earlier.ended({"both/b"}, {});
+      earlier.first({"both/" + first});
+    });
+    EXPECT_THAT(RaceRun(text, journal).executions().back(), HasSubstr("to_" + first));
   }
-  std::filesystem::remove(file);
+}
+
+/// The resumed run meets again what aborted in the earlier one without having begun.
+TEST(Races, AResumedRunDoesNotWaitForWhatCannotBegin) {
+  const std::string text = R"x(
+mission: m
+actions:
+  quick: {effects: ["+a()"], run: {simulated: {duration: 1s}}}
+  stuck: {preconditions: ["never()"], effects: ["+b()"], run: {simulated: {duration: 1s}}}
+  slow: {effects: ["+c()"], run: {simulated: {duration: 9s}}}
+kind: preemptive
+outcomes: [by_quick, by_slow]
+states:
+  quick: {on: {success: return by_quick}}
+  other:
+    on: {success: return by_slow}
+    start: stuck
+    states:
+      stuck: {on: {success: slow, aborted: slow}}
+      slow: {on: {success: return success}}
+)x";
+  const auto journal = resumed(text, [&](mission::RunJournal& earlier) {
+    mission::RunJournal::End end;
+    end.outcome = mission::kAborted;
+    earlier.ended({"other/stuck"}, end);
+  });
+  const RaceRun run(text, journal);
+  EXPECT_EQ(run.result.outcome_name, "by_quick");
+  EXPECT_EQ(run.network_result().makespan, std::chrono::seconds(1));
 }
 
 TEST(Races, ALoopBesideAWatchEndsWithIt) {

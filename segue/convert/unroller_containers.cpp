@@ -18,6 +18,7 @@ void Unroller::begin_container(ContainerExecution& activation) {
   if (node(entry.state).required == nullptr || planted(ConversionFault::ForgetsSurroundings)) return;
   if (scope_ == PlanScope::Outline && !naming_values(entry)) return;
   NodeSpec& spec = new_spec();
+  spec.structural = true;
   PlannedNode planned;
   planned.role = Role::Begin;
   planned.state = entry.state;

@@ -55,6 +55,7 @@ Default Unroller::fallback(const mission::PortSource& supply, BranchEdge at) {
   NodeSpec& spec = new_spec();
   spec.opaque = true;
   spec.cannot_fail = true;
+  spec.structural = true;
   PlannedNode planned;
   planned.when = at;
   planned.role = Role::Global;
@@ -123,6 +124,7 @@ Symbol Unroller::copied(std::vector<Symbol> values, BranchEdge when) {
   NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
+  spec.structural = true;
   PlannedNode planned;
   planned.when = when;
   planned.role = Role::Copy;
@@ -149,6 +151,7 @@ BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;
+  spec.structural = true;
   spec.branches = true;
   const OutcomeId reached = plan_.network_.outcome("reached");
   const OutcomeId missed = plan_.network_.outcome("missed");

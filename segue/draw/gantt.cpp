@@ -40,10 +40,18 @@ Gantt::Node node_of(const cdtn::TaskNetwork& network, const cdtn::RunResult& res
   return node;
 }
 
+/// Where the nodes of the network are in the drawing; kNone: nowhere.
+std::vector<std::uint32_t> places_of(std::span<const cdtn::NodeId> listed, std::size_t count) {
+  std::vector<std::uint32_t> places(count, cdtn::kNone);
+  for (std::uint32_t i = 0; i < listed.size(); ++i)
+    places[index(listed[i])] = i;
+  return places;
+}
+
 }  // namespace
 
 Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-               const cdtn::RunSummary& summary) {
+               std::span<const cdtn::NodeId> listed, const cdtn::RunSummary& summary) {
   const cdtn::WaitFinder waits(network, order, result);
   Gantt gantt;
   gantt.name = network.name;
@@ -53,20 +61,29 @@ Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const
   gantt.statistics = result.statistics;
   for (std::uint32_t i = 0; i < network.resources.size(); ++i)
     gantt.resources.push_back({network.resources.name(cdtn::ResourceId{i})});
-  for (std::uint32_t i = 0; i < result.nodes.size(); ++i) {
-    const cdtn::NodeResult& own = result.nodes[i];
-    Gantt::Node node = node_of(network, result, waits, cdtn::NodeId{i});
-    for (const cdtn::Claim& claim : network.claims(cdtn::NodeId{i})) {
+  const auto places = places_of(listed, result.nodes.size());
+  const auto place = [&](cdtn::NodeId node) {
+    return index(node) < places.size() ? places[index(node)] : cdtn::kNone;
+  };
+  for (const cdtn::NodeId id : listed) {
+    const cdtn::NodeResult& own = result.nodes[index(id)];
+    Gantt::Node node = node_of(network, result, waits, id);
+    for (cdtn::Wait& wait : node.waits)
+      wait.node = cdtn::NodeId{place(wait.node)};
+    for (const cdtn::Claim& claim : network.claims(id)) {
       if (std::ranges::find(node.resources, index(claim.resource)) == node.resources.end())
         node.resources.push_back(index(claim.resource));
     }
-    if (own.attempts > 0 && !node.outcome.empty()) gantt.bars.push_back({i, own.started, own.ended});
+    if (own.attempts > 0 && !node.outcome.empty()) gantt.bars.push_back({place(id), own.started, own.ended});
     gantt.nodes.push_back(std::move(node));
   }
-  for (const cdtn::WastedRun& run : result.wasted)
-    gantt.bars.push_back({index(run.node), run.started, run.ended, 0, true});
-  for (const cdtn::NodeId node : critical_chain(result, waits))
-    gantt.nodes[index(node)].critical = true;
+  for (const cdtn::WastedRun& run : result.wasted) {
+    if (place(run.node) != cdtn::kNone)
+      gantt.bars.push_back({place(run.node), run.started, run.ended, 0, true});
+  }
+  for (const cdtn::NodeId node : waits.critical_chain()) {
+    if (place(node) != cdtn::kNone) gantt.nodes[place(node)].critical = true;
+  }
   gantt.arrange();
   return gantt;
 }

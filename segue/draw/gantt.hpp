@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,9 @@ struct Gantt {
   void arrange();
 };
 
+/// Of the nodes that are `listed`, in program order.
 Gantt gantt_of(const cdtn::TaskNetwork& network, const cdtn::Order& order, const cdtn::RunResult& result,
-               const cdtn::RunSummary& summary);
+               std::span<const cdtn::NodeId> listed, const cdtn::RunSummary& summary);
 
 /// An SVG drawing by node and by resource, with waits, speculative and discarded runs, and the critical
 /// chain. Times are in seconds.

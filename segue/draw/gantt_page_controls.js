@@ -270,7 +270,8 @@ function compare() {
 }
 
 find('name').textContent = run.name || 'run';
-find('outcome').textContent = `${run.outcome} in ${seconds(run.makespan)}, ${nodes.length} node${nodes.length === 1 ? '' : 's'}`;
+const onPath = nodes.filter(node => ['done', 'failed', 'preempted'].includes(STATUS[node.status])).length;
+find('outcome').textContent = `${run.outcome} in ${seconds(run.makespan)}, ${onPath} node${onPath === 1 ? '' : 's'}`;
 const used = nodes.filter(node => node.ahead).length;
 find('speculation').textContent = used + run.wasted > 0
   ? `speculative runs: ${used} used, ${run.wasted} discarded` + (run.repeated > 0 ? `, ${run.repeated} repeated` : '') : 'no speculative runs';

@@ -32,7 +32,9 @@ struct Ran {
     EXPECT_TRUE(flat) << to_string(diagnostics);
     return flat ? std::move(*flat) : FlatNetwork{};
   }
-  [[nodiscard]] Gantt gantt() const { return gantt_of(flat.network, order, result, {}); }
+  [[nodiscard]] Gantt gantt() const {
+    return gantt_of(flat.network, order, result, listed_nodes(flat.network, result, ListedNodes::All), {});
+  }
   [[nodiscard]] std::vector<Wait> waits(std::uint32_t node) const {
     return WaitFinder(flat.network, order, result).of(NodeId{node});
   }
@@ -52,7 +54,7 @@ TEST(Waits, TellWhoWaitedForWhat) {
   EXPECT_EQ(waits[0].kind, Wait::Kind::World);
   EXPECT_EQ(waits[0].subject, "p()");
   EXPECT_EQ(to_string(waits[0], "a<b"), "world p() of a<b");
-  EXPECT_THAT(critical_chain(ran.result, WaitFinder(ran.flat.network, ran.order, ran.result)),
+  EXPECT_THAT(WaitFinder(ran.flat.network, ran.order, ran.result).critical_chain(),
               ElementsAre(NodeId{0}, NodeId{1}));
   EXPECT_TRUE(choose_priorities(ran.flat.network, ran.order, ran.flat.trials, {}).empty())
       << "a tie is program order";
@@ -250,7 +252,7 @@ TEST(GanttPage, NoNameIsTakenForMarkupOrScript) {
 }
 
 TEST(GanttPage, AnEmptyRunIsAPageToo) {
-  const type::Value run = run_in(to_html(gantt_of(TaskNetwork(), Order(), RunResult{}, {})));
+  const type::Value run = run_in(to_html(gantt_of(TaskNetwork(), Order(), RunResult{}, {}, {})));
   EXPECT_TRUE(run.find("nodes")->as_list().empty());
 }
 

@@ -10,6 +10,7 @@
 #include <segue/convert/run.hpp>
 #include <segue/session/implementation.hpp>
 
+#include <algorithm>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -37,22 +38,25 @@ class NetworkRun : public FinishedRun {
   [[nodiscard]] std::vector<RunRow> rows(std::size_t most) const override {
     std::vector<RunRow> rows;
     const cdtn::WaitFinder finder(network(), order(), result());
-    for (std::uint32_t i = 0; i < result().nodes.size() && rows.size() < most; ++i)
-      rows.push_back(row(finder, cdtn::NodeId{i}));
+    for (const cdtn::NodeId node : listed()) {
+      if (rows.size() == most) break;
+      rows.push_back(row(finder, node));
+    }
     return rows;
   }
 
   [[nodiscard]] const cdtn::RunSummary& comparison() override { return comparison_; }
   [[nodiscard]] Value to_value() override {
-    return cdtn::to_value(network(), order(), result(), comparison_);
+    return cdtn::to_value(network(), order(), result(), listed(), comparison_);
   }
 
  protected:
   [[nodiscard]] virtual const cdtn::TaskNetwork& network() const = 0;
   [[nodiscard]] virtual const cdtn::Order& order() const = 0;
   [[nodiscard]] virtual const cdtn::RunResult& result() const = 0;
+  [[nodiscard]] virtual cdtn::ListedNodes which_are_listed() const = 0;
   [[nodiscard]] draw::Gantt make_gantt() const override {
-    return draw::gantt_of(network(), order(), result(), comparison_);
+    return draw::gantt_of(network(), order(), result(), listed(), comparison_);
   }
 
   /// After the run.
@@ -62,10 +66,16 @@ class NetworkRun : public FinishedRun {
     comparison_.engine_us_per_node = network().size() == 0 ? 0 : used_us / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;
-    overview_.actions = result().nodes.size();
+    overview_.actions = static_cast<std::size_t>(std::ranges::count_if(listed(), [this](cdtn::NodeId node) {
+      const auto status = result().nodes[cdtn::index(node)].status;
+      return status != cdtn::NodeStatus::Skipped && status != cdtn::NodeStatus::NotReached;
+    }));
   }
 
  private:
+  [[nodiscard]] std::vector<cdtn::NodeId> listed() const {
+    return cdtn::listed_nodes(network(), result(), which_are_listed());
+  }
   [[nodiscard]] RunRow row(const cdtn::WaitFinder& finder, cdtn::NodeId node) const {
     const cdtn::NodeResult& own = result().nodes[cdtn::index(node)];
     RunRow row{network().label(node),
@@ -144,6 +154,7 @@ class ConcurrentMissionRun final : public NetworkRun {
   [[nodiscard]] const cdtn::TaskNetwork& network() const override { return run_->plan().network(); }
   [[nodiscard]] const cdtn::Order& order() const override { return run_->order(); }
   [[nodiscard]] const cdtn::RunResult& result() const override { return run_->network_result(); }
+  [[nodiscard]] cdtn::ListedNodes which_are_listed() const override { return cdtn::ListedNodes::Begun; }
 
   std::unique_ptr<convert::Run> run_;
 };
@@ -239,6 +250,7 @@ class FlatNetworkRun final : public NetworkRun {
   [[nodiscard]] const cdtn::TaskNetwork& network() const override { return flat_->network; }
   [[nodiscard]] const cdtn::Order& order() const override { return order_; }
   [[nodiscard]] const cdtn::RunResult& result() const override { return result_; }
+  [[nodiscard]] cdtn::ListedNodes which_are_listed() const override { return cdtn::ListedNodes::All; }
 
   [[nodiscard]] Duration sequential_time(const RunRequest& request, const std::stop_token& stop) const {
     cdtn::SimulatedEnvironment environment(network(), flat_->trials, request.seed);

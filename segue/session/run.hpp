@@ -24,7 +24,7 @@ struct RunOverview {
   std::optional<Error> error;  ///< why it failed
   type::ValueMap outputs;      ///< of a mission
   Duration makespan{};         ///< from its begin to its end, on its own clock
-  std::size_t actions = 0;     ///< executions of actions; nodes of a task network
+  std::size_t actions = 0;     ///< executions of actions, or nodes, but for those that were off the path
 };
 
 /// An execution of an action, or a node of the task network, as a table shows it. Times are since the run
