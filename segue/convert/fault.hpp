@@ -20,6 +20,7 @@ enum class ConversionFault : std::uint8_t {
   MergesHalfBranches,        ///< two edges of a branch count as all of them
   JoinsAlways,               ///< a join always says that a way was taken
   NeverGoesBack,             ///< a loop that was expected to end is not resumed
+  StaysBehindBarrier,        ///< what was planned behind a barrier stays although a loop in it goes on
   ForgetsArrivals,           ///< of several ways to a state, one is lost
   ForgetsAbortedError,       ///< the state after an abort does not get the error
   ForgetsEffects,            ///< effects of actions are ignored

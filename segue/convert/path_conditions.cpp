@@ -42,6 +42,8 @@ BranchEdge PathConditions::add_join(NodeId node, BranchEdge around, std::vector<
       std::ranges::any_of(edges, [&](const BranchEdge& edge) { return expected(edge, around); });
   const std::uint32_t number =
       add(node, around, {reached, missed}, likely ? std::nullopt : std::optional(missed));
+  branches_[number].narrows =
+      !std::ranges::all_of(edges, [&](const BranchEdge& edge) { return implies(edge, around); });
   branches_[number].meaning = std::move(edges);
   return {number, reached};
 }
@@ -74,6 +76,16 @@ std::optional<BranchEdge> PathConditions::live_within(BranchEdge edge) {
   while (!edge.always() && branches_[edge.branch].decided)
     edge = branches_[edge.branch].around;
   return edge;
+}
+
+bool PathConditions::off_path(BranchEdge edge) {
+  for (BranchEdge at = edge; !at.always(); at = branches_[at.branch].around) {
+    Branch& join = branches_[at.branch];
+    if (!join.narrows || join.decided || at.outcome != join.outcomes.front()) continue;
+    join.dead = join.dead ||
+                std::ranges::none_of(join.meaning, [this](BranchEdge way) { return live(way).has_value(); });
+  }
+  return !live(edge);
 }
 
 bool PathConditions::implies(BranchEdge inner, BranchEdge outer) {
@@ -161,7 +173,7 @@ bool PathConditions::expand(std::vector<BranchEdge>& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     if (edges[i].always()) continue;
     const Branch& branch = branches_[edges[i].branch];
-    if (branch.meaning.empty() || edges[i].outcome != branch.outcomes.front()) continue;
+    if (branch.meaning.empty() || branch.narrows || edges[i].outcome != branch.outcomes.front()) continue;
     const std::vector<BranchEdge> meaning = branch.meaning;
     edges.erase(edges.begin() + static_cast<std::ptrdiff_t>(i));
     for (const BranchEdge edge : meaning) {

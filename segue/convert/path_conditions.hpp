@@ -27,7 +27,7 @@ class PathConditions {
   /// are not.
   std::uint32_t add(cdtn::NodeId node, BranchEdge around, std::vector<cdtn::OutcomeId> outcomes,
                     std::optional<cdtn::OutcomeId> expected);
-  /// Adds a join: `node` ends with `reached` if one of `edges`, all within `around`, is on the path.
+  /// Adds a join, which lies on `around`: `node` ends with `reached` if one of `edges` is on the path.
   BranchEdge add_join(cdtn::NodeId node, BranchEdge around, std::vector<BranchEdge> edges,
                       cdtn::OutcomeId reached, cdtn::OutcomeId missed);
   void decide(cdtn::NodeId node, cdtn::OutcomeId outcome);
@@ -35,6 +35,9 @@ class PathConditions {
   [[nodiscard]] cdtn::NodeId node(BranchEdge edge) const { return branches_[edge.branch].node; }
   /// The edge without decided branches; nothing if it is off the path.
   std::optional<BranchEdge> live(BranchEdge edge) { return edge.always() ? edge : live_within(edge); }
+  /// Whether the edge is off the path, also where a join on the way to it has not ended yet but must end as
+  /// missed.
+  bool off_path(BranchEdge edge);
   /// Whether the tree proves that `outer` is on the path whenever `inner` is.
   bool implies(BranchEdge inner, BranchEdge outer);
   /// Whether the tree proves that they cannot both be on the path.
@@ -58,6 +61,7 @@ class PathConditions {
     std::uint32_t depth = 0;
     std::vector<cdtn::OutcomeId> outcomes;
     std::vector<BranchEdge> meaning;  ///< joins: the edges
+    bool narrows = false;             ///< joins: an edge may be on the path although `around` is not
     std::optional<cdtn::OutcomeId> decided;
     std::optional<cdtn::OutcomeId> expected;
     bool dead = false;

@@ -21,55 +21,12 @@
 namespace segue::convert {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
-std::shared_ptr<const mission::Program> program(const std::string& text) {
-  Diagnostics diagnostics;
-  auto mission = mission::read_mission(text, "mission.yaml", diagnostics);
-  EXPECT_TRUE(mission) << to_string(diagnostics);
-  return mission::Program::compile(std::move(*mission)).value();
-}
-
-/// A run in virtual time.
-class RaceRun {
- public:
-  explicit RaceRun(const std::string& text, RunOptions options = {}, mission::Runners runners = {}) {
-    options.clock = cdtn::ClockKind::Virtual;
-    run_ = Run::create(program(text), runners, {}, options).value();
-    result = run_->run();
-  }
-
-  /// "path: outcome, BEGIN to END" in seconds, for each action that began, in program order.
-  [[nodiscard]] std::vector<std::string> executions() const {
-    std::vector<std::string> lines;
-    const auto& nodes = run_->network_result().nodes;
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-      const cdtn::NodeId node{i};
-      const cdtn::NodeStatus status = nodes[i].status;
-      const bool counts = status != cdtn::NodeStatus::Skipped && status != cdtn::NodeStatus::NotReached;
-      if (!counts || (plan()[node].role != Role::Action && plan()[node].role != Role::OpaqueSubtree))
-        continue;
-      const mission::Outcome outcome = plan().outcome(node, nodes[i].outcome);
-      lines.push_back(std::string(plan()[node].path) + ": " +
-                      plan().program().outcome_name(plan()[node].state, outcome) + ", " +
-                      seconds(nodes[i].started) + " to " + seconds(nodes[i].ended));
-    }
-    return lines;
-  }
-  [[nodiscard]] const MissionPlan& plan() const { return run_->plan(); }
-  [[nodiscard]] const cdtn::RunResult& network_result() const { return run_->network_result(); }
-
-  mission::MissionResult result;
-
- private:
-  static std::string seconds(TimePoint time) {
-    return std::to_string(time.time_since_epoch() / std::chrono::seconds(1));
-  }
-
-  std::unique_ptr<Run> run_;
-};
+using testing::program;
+using testing::VirtualRun;
 
 /// Two steps that do not depend on each other, beside a watch that ends after `watch` seconds.
 std::string watched(int watch, const std::string& more = "") {
@@ -102,7 +59,7 @@ states:
 }
 
 TEST(Races, AWatchDoesNotCostTheParallelism) {
-  const RaceRun run(watched(60));
+  const VirtualRun run(watched(60));
   EXPECT_EQ(run.result.outcome_name, "success");
   EXPECT_THAT(run.executions(),
               ElementsAre("both/watch: preempted, 0 to 5", "both/work/fetch: success, 0 to 5",
@@ -110,7 +67,7 @@ TEST(Races, AWatchDoesNotCostTheParallelism) {
 }
 
 TEST(Races, TheFirstThatEndsPreemptsWhatRunsAndTakesTheRestOffThePath) {
-  const RaceRun run(watched(2));
+  const VirtualRun run(watched(2));
   EXPECT_THAT(run.executions(), ElementsAre("both/watch: low, 0 to 2", "both/work/fetch: preempted, 0 to 2",
                                             "both/work/sweep: preempted, 0 to 2", "dock: success, 2 to 3"));
   EXPECT_THAT(run.network_result().world.texts(run.plan().network().facts), ElementsAre("low()"));
@@ -123,7 +80,7 @@ TEST(Races, StatesBeginOnlyWhenWhatComesBeforeHasEnded) {
   };
   replace("start: both\nstates:", "start: drive\nstates:\n  drive: {on: {success: both}}");
   replace("actions:", "actions:\n  drive: {effects: [\"+there()\"], run: {simulated: {duration: 3s}}}");
-  EXPECT_THAT(RaceRun(text).executions(),
+  EXPECT_THAT(VirtualRun(text).executions(),
               ElementsAre("drive: success, 0 to 3", "both/watch: preempted, 3 to 8",
                           "both/work/fetch: success, 3 to 8", "both/work/sweep: success, 3 to 7"));
 }
@@ -133,7 +90,7 @@ TEST(Races, AnAbortThatNobodyHandlesPreemptsTheOthersAndEndsTheMission) {
   const std::string ends = "{simulated: {duration: 2s}}";
   text.replace(text.find(ends), ends.size(),
                "{simulated: {duration: 2s, outcomes: [aborted], error: no sensor}}");
-  const RaceRun run(text);
+  const VirtualRun run(text);
   EXPECT_EQ(run.result.outcome_name, "aborted");
   EXPECT_EQ(run.result.error, "no sensor");
   EXPECT_THAT(run.executions(),
@@ -145,7 +102,7 @@ TEST(Races, AStrictWatchRunsBesideWhatMayFail) {
   RunOptions options;
   options.strict = true;
   EXPECT_THAT(
-      RaceRun(watched(2), options).executions(),
+      VirtualRun(watched(2), options).executions(),
       ElementsAre("both/watch: low, 0 to 2", "both/work/fetch: preempted, 0 to 2", "dock: success, 2 to 3"));
 }
 
@@ -182,17 +139,17 @@ TEST(Races, WhatGoesOnThoughPreemptedIsGivenUp) {
   // The watch ends in virtual time, which stands still until the deaf action is given up, so it waits as
   // well.
   text.replace(text.find("duration: 2s"), 12, "duration: 0s");
-  const RaceRun run(text, options, std::move(runners));
+  const VirtualRun run(text, options, std::move(runners));
   EXPECT_EQ(run.result.outcome_name, "success");
   EXPECT_THAT(ends_of_deaf, ElementsAre("aborted: it was preempted, but went on; given up"));
 }
 
 TEST(Races, ConflictingStatesRunAsWritten) {
-  const RaceRun run(watched(60, "  unused: {run: {simulated: {}}}\n"));
+  const VirtualRun run(watched(60, "  unused: {run: {simulated: {}}}\n"));
   EXPECT_EQ(run.plan().subtree_reason(1).kind, OpaqueSubtreeReason::Kind::None);
   std::string text = watched(60);
   text.replace(text.find("+swept()"), 8, "-low()");
-  const RaceRun conflicting(text);
+  const VirtualRun conflicting(text);
   EXPECT_THAT(conflicting.executions(), ElementsAre("both: done, 0 to 9"));
   EXPECT_EQ(conflicting.plan().subtree_reason(1).kind, OpaqueSubtreeReason::Kind::ConflictBeside);
 }
@@ -239,7 +196,7 @@ states:
       earlier.ended({"both/b"}, {});
       earlier.first({"both/" + first});
     });
-    EXPECT_THAT(RaceRun(text, journal).executions().back(), HasSubstr("to_" + first));
+    EXPECT_THAT(VirtualRun(text, journal).executions().back(), HasSubstr("to_" + first));
   }
 }
 
@@ -267,13 +224,13 @@ states:
     end.outcome = mission::kAborted;
     earlier.ended({"other/stuck"}, end);
   });
-  const RaceRun run(text, journal);
+  const VirtualRun run(text, journal);
   EXPECT_EQ(run.result.outcome_name, "by_quick");
   EXPECT_EQ(run.network_result().makespan, std::chrono::seconds(1));
 }
 
 TEST(Races, ALoopBesideAWatchEndsWithIt) {
-  const RaceRun run(R"x(
+  const VirtualRun run(R"x(
 mission: m
 actions:
   turn: {resources: [{block: base}], run: {simulated: {duration: 2s}}}

@@ -70,8 +70,9 @@ struct ContainerExecution {
   std::shared_ptr<const WeakOrder> order;      ///< Hierarchy
   std::vector<std::vector<Arrival>> arrivals;  ///< Hierarchy: by child
   std::vector<Exit> exits;
-  BranchEdge inside;                                              ///< on which its states are entered
-  mission::SurroundingsPtr around{};                              ///< what is declared around its states
+  BranchEdge inside;                  ///< on which its states are entered
+  BranchEdge joined;                  ///< Barrier: on which its decider is entered
+  mission::SurroundingsPtr around{};  ///< what is declared around its states
   std::shared_ptr<const std::vector<cdtn::Claim>> memberships{};  ///< of its states
 };
 
@@ -102,12 +103,20 @@ struct Frame {
   std::shared_ptr<Race> race{};                ///< Preemptive
 };
 
-/// One sequence of states: the mission, or a state of a barrier or of a race. Where it was planned beyond a
-/// loop that is expected to end, `alternatives` has the frames from which to resume that loop.
+/// Where a track goes on if a loop does not end as expected.
+struct Alternative {
+  std::vector<Frame> frames;
+  /// Of a barrier with such loops in its states: the edge on which what follows was planned, as if all of
+  /// them had ended. Nothing: the frames are in the loop itself.
+  std::optional<BranchEdge> behind{};
+};
+
+/// One sequence of states: the mission, or a state of a barrier or of a race. Where it was planned beyond
+/// loops that are expected to end, it has alternatives, outermost first.
 struct Track {
   std::vector<Frame> frames;
   std::shared_ptr<const mission::ParallelBranch> branch{};  ///< null: the mission
-  std::vector<std::vector<Frame>> alternatives{};
+  std::vector<Alternative> alternatives{};
   std::optional<StateEntry> pending{};  ///< comes next, once its facts and resources are known
   std::optional<StateEnd> end{};
   bool races = false;

@@ -62,8 +62,7 @@ bool Unroller::step_within(Track& track) {
   take_alternatives(track);
   if (track.pending) return enter_pending(track);
   if (track.frames.empty()) {
-    if (!track.alternatives.empty())
-      wait_for_loop(track.alternatives.back().back(), ", which is not expected");
+    wait_for_unexpected(track);
     return false;
   }
   const StateKind kind = node(track.frames.back().activation->entry.state).kind;
@@ -337,8 +336,8 @@ bool Unroller::step_barrier(Track& track) {
   }
   const bool settled = before_.size() == open_before;
   before_.resize(open_before);
-  if (!settled) return false;
-  join_barrier(track);
+  if (!settled) return plan_behind_barrier(track);
+  join_barrier(track, frame.activation->inside);
   return true;
 }
 
@@ -350,15 +349,18 @@ void Unroller::leave_off_path(Track& track) {
   finish(track, state, {});
 }
 
-void Unroller::join_barrier(Track& track) {
+/// Enters the decider of the barrier at the top of the track, on an edge on which all other states have
+/// ended.
+void Unroller::join_barrier(Track& track, BranchEdge when) {
   ContainerExecution& activation = *track.frames.back().activation;
   const mission::CompiledState& barrier = node(activation.entry.state);
   const std::vector<StateEnd> ends = ends_beside(track);
   std::size_t next = 0;
   for (const StateIndex child : barrier.children) {
-    if (child != barrier.decider) take_outputs(activation, child, activation.inside, ends[next++].outputs);
+    if (child != barrier.decider) take_outputs(activation, child, when, ends[next++].outputs);
   }
-  enter(track, entry_of(track.frames.back(), barrier.decider, activation.inside));
+  activation.joined = when;
+  enter(track, entry_of(track.frames.back(), barrier.decider, when));
 }
 
 /// The ends of the states of the barrier at the top of the track.
@@ -371,7 +373,7 @@ std::vector<StateEnd> Unroller::ends_beside(const Track& track) const {
 
 void Unroller::finish_decider(Track& track, StateIndex state, StateEnd end) {
   ContainerExecution& activation = *track.frames.back().activation;
-  take_outputs(activation, state, activation.inside, end.outputs);
+  take_outputs(activation, state, activation.joined, end.outputs);
   for (Exit& exit : end.exits) {
     const NextStep& step = node(state).next[static_cast<std::size_t>(exit.outcome + 2)];
     exit.arrival.errors = errors_of(state, exit, step);

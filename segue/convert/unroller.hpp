@@ -68,7 +68,7 @@ class Unroller {
   std::vector<Candidate> constant(std::string text, BranchEdge when);
   void finish_decider(Track& track, mission::StateIndex state, StateEnd end);
   void leave_off_path(Track& track);
-  void join_barrier(Track& track);
+  void join_barrier(Track& track, BranchEdge when);
   [[nodiscard]] std::vector<StateEnd> ends_beside(const Track& track) const;
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
@@ -80,7 +80,12 @@ class Unroller {
   bool end_of_outlined_loop(Frame& frame);
   void take_alternatives(Track& track);
   void plan_behind_loop(Track& track);
+  bool plan_behind_barrier(Track& track);
+  [[nodiscard]] std::optional<BranchEdge> all_ended(const Track& track);
+  [[nodiscard]] bool goes_on(Alternative& alternative);
+  [[nodiscard]] bool has_lapsed(Alternative& alternative);
   void wait_for_loop(const Frame& frame, std::string_view addition);
+  void wait_for_unexpected(const Track& track);
   [[nodiscard]] bool leads_on(Frame& frame, std::uint32_t from);
   const std::shared_ptr<const WeakOrder>& order_of(mission::StateIndex hierarchy);
   [[nodiscard]] static std::string loops_around(const Frame& frame);
@@ -109,6 +114,7 @@ class Unroller {
                                              const std::vector<StateEnd>& ends);
   StateEnd add_subtree(const StateEntry& entry);
   BranchEdge meet(const std::vector<Arrival>& arrivals);
+  BranchEdge add_join(BranchEdge around, std::vector<BranchEdge> edges);
   Symbol copied(Symbol value, BranchEdge when);
   Symbol copied(std::vector<Symbol> values, BranchEdge when);
   Symbol read(const ContainerExecution& activation, const std::vector<std::uint32_t>& slots, BranchEdge at);
@@ -133,6 +139,7 @@ class Unroller {
 
   // What containers declare (unroller_containers.cpp)
   void begin_container(ContainerExecution& activation);
+  void declare_begin(ContainerExecution& activation, cdtn::NodeSpec& spec, PlannedNode& planned);
   void block(ContainerExecution& activation, cdtn::NodeSpec& spec, const mission::Needs& needs);
   void lend(const mission::Surroundings::Held& held);
   [[nodiscard]] const mission::CompiledState& node(mission::StateIndex state) const {

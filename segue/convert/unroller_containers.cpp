@@ -16,7 +16,6 @@ using cdtn::NodeSpec;
 void Unroller::begin_container(ContainerExecution& activation) {
   const StateEntry& entry = activation.entry;
   if (node(entry.state).required == nullptr || planted(ConversionFault::ForgetsSurroundings)) return;
-  if (scope_ == PlanScope::Outline && !naming_values(entry)) return;
   NodeSpec& spec = new_spec();
   spec.structural = true;
   PlannedNode planned;
@@ -27,16 +26,8 @@ void Unroller::begin_container(ContainerExecution& activation) {
   planned.when = entry.when;
   spec.branches = spec.handles_abort = entry.aborts_handled;
   spec.strict = entry.strict;
-  if (const auto needs = needs_of(entry)) {
-    Touch touch;
-    look_up(*needs, touch);
-    spec.preconditions = std::move(touch.preconditions);
-    spec.claims = std::move(touch.claims);
-    activation.around = mission::inside(*needs, entry.path, entry.around);
-    block(activation, spec, *needs);
-  } else {
-    planned.refused = needs.error().message;
-  }
+  // An outline does not wait until it is known: the container may fail, and depends on nothing.
+  if (scope_ != PlanScope::Outline || naming_values(entry)) declare_begin(activation, spec, planned);
   const NodeId id = append(spec, std::move(planned), entry.path);
   if (!entry.aborts_handled) return;
   std::vector<cdtn::OutcomeId> outcomes{cdtn::kSuccess, cdtn::kAborted};
@@ -48,6 +39,22 @@ void Unroller::begin_container(ContainerExecution& activation) {
   const BranchEdge refused{branch, cdtn::kAborted};
   const auto error = plan_.network_.names.intern(kErrorOutput);
   activation.exits.push_back({mission::kAborted, {refused, true, {{id, error, refused, {}}}}});
+}
+
+/// Requires that the values that names consist of are known.
+void Unroller::declare_begin(ContainerExecution& activation, NodeSpec& spec, PlannedNode& planned) {
+  const StateEntry& entry = activation.entry;
+  const auto needs = needs_of(entry);
+  if (!needs) {
+    planned.refused = needs.error().message;
+    return;
+  }
+  Touch touch;
+  look_up(*needs, touch);
+  spec.preconditions = std::move(touch.preconditions);
+  spec.claims = std::move(touch.claims);
+  activation.around = mission::inside(*needs, entry.path, entry.around);
+  block(activation, spec, *needs);
 }
 
 /// The claims of `spec` that block become the first members of locks; what is in the container becomes

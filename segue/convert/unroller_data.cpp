@@ -148,6 +148,11 @@ BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
   BranchEdge around = edges.front();
   for (const BranchEdge edge : edges)
     around = paths_.common(around, edge);
+  return add_join(around, std::move(edges));
+}
+
+/// The edge that is on the path if `around` is, and one of the edges.
+BranchEdge Unroller::add_join(BranchEdge around, std::vector<BranchEdge> edges) {
   NodeSpec& spec = new_spec();
   spec.kind = ActionClass::Pure;
   spec.cannot_fail = true;

@@ -20,31 +20,53 @@ constexpr std::size_t kOutlinedRounds = 3;
 
 }  // namespace
 
-/// Resumes the first loop that turned out to continue; drops alternatives that turned out not to.
+/// Resumes the first alternative that turned out to be the way; drops those that turned out not to be.
 void Unroller::take_alternatives(Track& track) {
   for (std::size_t i = 0; i < track.alternatives.size();) {
-    Frame& frame = track.alternatives[i].back();
-    ContainerExecution& activation = *frame.activation;
-    Frame::Loop& loop = frame.loops.back();
-    const auto& arrivals = live_arrivals(loop.back);
-    const auto base = paths_.live(activation.inside);
-    if (arrivals.empty() || !base) {
+    Alternative& alternative = track.alternatives[i];
+    if (has_lapsed(alternative)) {
       track.alternatives.erase(track.alternatives.begin() + static_cast<std::ptrdiff_t>(i));
       continue;
     }
-    const bool certain = std::ranges::any_of(
-        arrivals, [&](const Arrival& arrival) { return paths_.implies(*base, arrival.when); });
-    if (!certain || planted(ConversionFault::NeverGoesBack)) {
+    if (!goes_on(alternative) || planted(ConversionFault::NeverGoesBack)) {
       ++i;
       continue;
     }
-    activation.arrivals[activation.order->vertices[loop.head]] = std::exchange(loop.back, {});
-    track.frames = std::move(track.alternatives[i]);
+    Frame& frame = alternative.frames.back();
+    ContainerExecution& execution = *frame.activation;
+    if (alternative.behind) {
+      execution.exits.clear();  // those were behind the barrier
+    } else {
+      Frame::Loop& loop = frame.loops.back();
+      execution.arrivals[execution.order->vertices[loop.head]] = std::exchange(loop.back, {});
+    }
+    track.frames = std::move(alternative.frames);
     track.alternatives.resize(i);
     track.pending.reset();
     track.end.reset();
     return;
   }
+}
+
+/// Whether it is certain that what was planned behind is the way, or that neither is.
+bool Unroller::has_lapsed(Alternative& alternative) {
+  Frame& frame = alternative.frames.back();
+  const auto base = paths_.live(frame.activation->inside);
+  if (!base) return true;
+  if (!alternative.behind) return live_arrivals(frame.loops.back().back).empty();
+  const auto behind = paths_.live(*alternative.behind);
+  return behind && paths_.implies(*base, *behind);
+}
+
+/// Whether it is certain that the loop goes on, or one of those in the barrier.
+bool Unroller::goes_on(Alternative& alternative) {
+  if (alternative.behind)
+    return paths_.off_path(*alternative.behind) && !planted(ConversionFault::StaysBehindBarrier);
+  Frame& frame = alternative.frames.back();
+  const auto base = paths_.live(frame.activation->inside);
+  return base && std::ranges::any_of(frame.loops.back().back, [&](const Arrival& arrival) {
+           return paths_.implies(*base, arrival.when);
+         });
 }
 
 /// Plans another iteration if it is certain, or as many ahead as the loop has run before; continues after the
@@ -100,8 +122,46 @@ void Unroller::plan_behind_loop(Track& track) {
   ContainerExecution& execution = *frame.activation;
   Frame::Loop& loop = frame.loops.back();
   loop.back = std::exchange(execution.arrivals[execution.order->vertices[loop.head]], {});
-  track.alternatives.push_back(track.frames);
+  track.alternatives.push_back({track.frames});
   frame.loops.pop_back();
+}
+
+/// Goes on as if all loops in the states of the barrier at the top of the track had ended, where all that is
+/// open is whether they do.
+bool Unroller::plan_behind_barrier(Track& track) {
+  const auto all_have_ends = [](const Frame& frame) {
+    return std::ranges::all_of(frame.tracks, [](const auto& beside) { return beside->end.has_value(); });
+  };
+  if (!all_have_ends(track.frames.back())) return false;
+  const auto behind = all_ended(track);
+  if (!behind) return false;
+  track.alternatives.push_back({track.frames, behind});
+  join_barrier(track, *behind);
+  return true;
+}
+
+/// The edge that is on the path if the states of the barrier at the top of the track have ended as planned so
+/// far; nothing where one of them cannot.
+std::optional<BranchEdge> Unroller::all_ended(const Track& track) {
+  const Frame& frame = track.frames.back();
+  BranchEdge ended = frame.activation->inside;
+  for (const auto& beside : frame.tracks) {
+    if (beside->settled()) continue;
+    std::vector<Arrival> ways;
+    for (const Exit& exit : beside->end->exits) {
+      if (const auto live = paths_.live(exit.arrival.when)) ways.push_back({*live, false, {}});
+    }
+    if (ways.empty()) return std::nullopt;
+    if (ended == frame.activation->inside) {
+      ended = meet(ways);
+      continue;
+    }
+    std::vector<BranchEdge> edges;
+    for (const Arrival& way : ways)
+      edges.push_back(way.when);
+    ended = add_join(ended, std::move(edges));
+  }
+  return ended;
 }
 
 /// Plans another round, or goes on behind the loop as if it had ended.
@@ -123,6 +183,15 @@ void Unroller::wait_for_loop(const Frame& frame, std::string_view addition) {
   const auto place = activation.order->vertices[frame.loops.back().head];
   const StateIndex head = node(activation.entry.state).children[place];
   plan_.waits_for_ = "whether the loop at " + path_of(activation, head) + " goes on" + std::string(addition);
+}
+
+/// Says for which loop the track waits that has been planned to its end.
+void Unroller::wait_for_unexpected(const Track& track) {
+  if (track.alternatives.empty()) return;
+  const Alternative& last = track.alternatives.back();
+  if (!last.behind) return wait_for_loop(last.frames.back(), ", which is not expected");
+  for (const auto& beside : last.frames.back().tracks)
+    wait_for_unexpected(*beside);
 }
 
 /// Whether there is a way to a state after the loop.
