@@ -96,8 +96,7 @@ class ConcurrentEngine::Implementation {
   bool take_lost();
   void lose(NodeId node);
   bool give_up_lost();
-  [[nodiscard]] bool collect_speculative_holders(NodeId node, const Claim& claim,
-                                                 std::vector<NodeId>& holders);
+  [[nodiscard]] bool collect_holders(NodeId node, const Claim& claim, std::vector<NodeId>& holders);
 
   // Ending (concurrent_engine_finish.cpp, concurrent_engine_undo.cpp).
   void park(NodeId node, ReportPtr report);

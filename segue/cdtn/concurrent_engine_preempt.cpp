@@ -51,8 +51,8 @@ void ConcurrentEngine::Implementation::note_preempted(NodeId node, bool preempte
 
 /// Adds the speculative runs, the last in rank first, that must be preempted for the node to get the units
 /// that it claims. False if even all of them would not be enough.
-bool ConcurrentEngine::Implementation::collect_speculative_holders(NodeId node, const Claim& claim,
-                                                                   std::vector<NodeId>& holders) {
+bool ConcurrentEngine::Implementation::collect_holders(NodeId node, const Claim& claim,
+                                                       std::vector<NodeId>& holders) {
   std::uint64_t coming = preempted_units_[index(claim.resource)];
   const auto& [candidates, held] = speculative_[index(claim.resource)];
   const auto missing = pool_.missing(rank(node), claim, coming + held);
@@ -75,7 +75,7 @@ void ConcurrentEngine::Implementation::preempt_for_units(NodeId node) {
   if (!speculation_holds(node)) return;
   std::vector<NodeId> holders;
   for (const Claim& claim : network_.claims(node)) {
-    if (!collect_speculative_holders(node, claim, holders)) return;
+    if (!collect_holders(node, claim, holders)) return;
   }
   for (const NodeId holder : holders)
     preempt(holder);

@@ -18,8 +18,9 @@ namespace {
 
 using ::testing::ElementsAreArray;
 
-/// Its plan has a join of the ways to `look`, copies of the values of `n`, a reader of the global variable and a
-/// begin of `grasp`. The loop goes on until the third answer; the rounds that planning expects never come.
+/// Its plan has a join of the ways to `look`, copies of the values of `n`, a reader of the global variable
+/// and a begin of `grasp`. The loop goes on until the third answer; the rounds that planning expects never
+/// come.
 constexpr const char* kForm = R"j(mission: form
 actions:
   ask: {pure: true, outcomes: [left, right, away], run: {simulated: {duration: 2ms, outcomes: [left]}}}
@@ -74,7 +75,8 @@ class ListedNodes : public ::testing::Test {
   const std::filesystem::path file_;
 };
 
-/// What counts, sorted. Other runs were speculative and discarded, which on the real clock is a matter of luck.
+/// What counts, sorted. Other runs were speculative and discarded, which on the real clock is a matter of
+/// luck.
 std::vector<std::string> on_the_path(const FinishedRun& run) {
   std::vector<std::string> names;
   for (const RunRow& row : run.rows()) {
@@ -97,7 +99,8 @@ TEST_F(ListedNodes, AreTheSameInBothModesAndOnBothClocks) {
   }
 }
 
-/// `look` waits for the reader of the global variable and for a join, and `reach` for the begin of its container.
+/// `look` waits for the reader of the global variable and for a join, and `reach` for the begin of its
+/// container.
 TEST_F(ListedNodes, WaitForActionsOnly) {
   const auto concurrent = run(kForm, RunMode::Concurrent, cdtn::ClockKind::Virtual);
   std::map<std::string, std::string> waited_for;

@@ -237,8 +237,8 @@ TEST_F(Sessions, WhatARunDoesNotReachHasNoOutcome) {
   std::vector<std::string> outcomes;
   for (const type::Value& node : json.find("nodes")->as_list())
     outcomes.push_back(node.find("name")->as_string() + ": " + node.find("outcome")->as_string());
-  EXPECT_THAT(outcomes, ElementsAre("look: success", "inner/count: success", "inner/grasp: aborted",
-                                    "again: "));
+  EXPECT_THAT(outcomes,
+              ElementsAre("look: success", "inner/count: success", "inner/grasp: aborted", "again: "));
   EXPECT_THAT(run->rows().back().outcome, IsEmpty());
   EXPECT_THAT(run->gantt().nodes.back().outcome, IsEmpty());
 }
