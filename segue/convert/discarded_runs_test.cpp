@@ -3,7 +3,7 @@
 // Runs of pure and sensing actions that are discarded leave no trace: neither in global variables nor in the
 // persistent variables of scripts.
 #include <segue/base/log.hpp>
-#include <segue/convert/run.hpp>
+#include <segue/convert/test_support.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/script_runner.hpp>
 
@@ -320,6 +320,75 @@ states:
 )");
   EXPECT_EQ(result.outcome, 0) << result.error;
   EXPECT_EQ(run_->globals().get("m"), Value(1));
+}
+
+/// Uses variables and ends seconds later.
+class Using final : public mission::ActionRunner {
+ public:
+  Using(int seconds, std::function<void(mission::Globals&)> use) : seconds_(seconds), use_(std::move(use)) {}
+  std::optional<mission::Ending> start(mission::ActionCall& call) override {
+    ++begun;
+    use_(call.globals());
+    call.end_after(std::chrono::seconds(seconds_), {});
+    return std::nullopt;
+  }
+  int begun = 0;
+
+ private:
+  const int seconds_;
+  const std::function<void(mission::Globals&)> use_;
+};
+
+/// What a branch sets may come before or after what the other one sees, so that is no reason to run again:
+/// the action would lose the arm to the container. What comes before the barrier is a reason.
+TEST(VariablesOfABarrier, AnActionIsNotRepeatedForWhatAParallelOneSets) {
+  const std::string text = R"(
+mission: m
+actions:
+  before: {pure: true, run: {callback: before}}
+  writer: {pure: true, run: {callback: writer}}
+  reader: {pure: true, resources: [{block: arm}], run: {callback: reader}}
+  after: {pure: true, run: {callback: after}}
+  both: {run: {decide: [{outcome: success}]}}
+start: before
+states:
+  before: {on: {success: beside}}
+  beside:
+    kind: barrier
+    on: {success: container}
+    states:
+      writer: {}
+      reader: {}
+      both: {kind: decider, on: {success: return success}}
+  container:
+    resources: [{block: arm}]
+    start: after
+    on: {success: return success}
+    states:
+      after: {on: {success: return success}}
+)";
+  const auto sets = [](const std::string& name) {
+    return [name](mission::Globals& globals) { EXPECT_TRUE(globals.set(name, Value(1))); };
+  };
+  std::vector<std::string> seen;
+  const auto sees = [&](mission::Globals& globals) {
+    seen.clear();
+    const Value all = globals.snapshot();
+    for (const auto& [name, value] : all.as_map())
+      seen.push_back(name);
+  };
+  const auto reader = std::make_shared<Using>(3, sees);
+  const auto after = std::make_shared<Using>(1, sees);
+  mission::Runners runners;
+  runners.add("before", std::make_shared<Using>(1, sets("before")));
+  runners.add("writer", std::make_shared<Using>(2, sets("beside")));
+  runners.add("reader", reader);
+  runners.add("after", after);
+  const testing::VirtualRun run(text, {}, runners);
+  EXPECT_EQ(run.result.outcome_name, "success") << run.result.error;
+  EXPECT_EQ(reader->begun, 1) << "it takes its units in program order, so it begins when `before` has ended";
+  EXPECT_THAT(seen, ::testing::ElementsAre("before", "beside"));
+  EXPECT_EQ(run.network_result().makespan, std::chrono::seconds(5));
 }
 
 }  // namespace

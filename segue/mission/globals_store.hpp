@@ -35,12 +35,17 @@ struct Globals::Entry {
   std::vector<Version> versions{};
   std::vector<Place> users{};
 
-  /// The last version by an action before `position`; null if there are no versions.
-  [[nodiscard]] const Version* before(std::uint64_t position) const;
+  /// The last version by an action before `place`, those in parallel branches aside; null if there is none.
+  [[nodiscard]] const Version* before(const Place& place) const;
   /// What an action at `place` sees: also what actions in parallel branches have written since.
   [[nodiscard]] Variable seen_from(const Place& place) const;
   /// Drops versions and users that no action from `position` on asks for.
   void settle_before(std::uint64_t position);
+
+ private:
+  /// The last of those that count.
+  template <class Counts>
+  [[nodiscard]] const Version* last_before(std::uint64_t position, const Counts& counts) const;
 };
 
 /// The mutex guards everything, also the views.
@@ -58,7 +63,7 @@ struct Globals::Variables {
 /// How one execution uses the variables.
 struct Globals::View {
   struct Use {
-    std::uint64_t version = 0;  ///< the last one by an action before it
+    std::uint64_t version = 0;  ///< the last one by an action before it, parallel branches aside
     Key holder = 0;             ///< that it has seen
     Variable own{};             ///< with kept_aside: as it sees it
     bool changed = false;

@@ -15,20 +15,32 @@ bool in_parallel_with(const Place& place, const std::shared_ptr<const ParallelBr
   return in_parallel(place.branch.get(), branch.get());
 }
 
+bool within(const ParallelBranch* branch, std::uint64_t barrier) {
+  while (branch != nullptr && branch->barrier != barrier)
+    branch = branch->around.get();
+  return branch != nullptr;
+}
+
 }  // namespace
 
-const Globals::Version* Globals::Entry::before(std::uint64_t position) const {
+template <class Counts>
+const Globals::Version* Globals::Entry::last_before(std::uint64_t position, const Counts& counts) const {
   const Version* last = nullptr;
   for (const Version& version : versions) {
     const bool later = last == nullptr || last->position < version.position ||
                        (last->position == version.position && last->number < version.number);
-    if (version.position < position && later) last = &version;
+    if (version.position < position && later && counts(version)) last = &version;
   }
   return last;
 }
 
+const Globals::Version* Globals::Entry::before(const Place& place) const {
+  return last_before(place.position,
+                     [&](const Version& version) { return !in_parallel_with(place, version.branch); });
+}
+
 Globals::Variable Globals::Entry::seen_from(const Place& place) const {
-  const Version* seen = before(place.position);
+  const Version* seen = before(place);
   if (seen == nullptr) return now;
   for (const Version& version : versions) {
     if (version.number > seen->number && in_parallel_with(place, version.branch)) seen = &version;
@@ -36,11 +48,21 @@ Globals::Variable Globals::Entry::seen_from(const Place& place) const {
   return seen->variable;
 }
 
+/// Keeps the last version, and what actions in branches beside it see, for which it does not come before.
 void Globals::Entry::settle_before(std::uint64_t position) {
-  if (const Version* last = before(position)) {
-    const std::uint64_t kept = last->number;
-    std::erase_if(versions,
-                  [&](const Version& each) { return each.position < position && each.number != kept; });
+  if (const Version* last = last_before(position, [](const Version&) { return true; })) {
+    std::vector<std::uint64_t> kept{last->number};
+    for (const ParallelBranch* branch = last->branch.get(); branch != nullptr;
+         branch = branch->around.get()) {
+      const auto counts = [&](const Version& each) {
+        return !within(each.branch.get(), branch->barrier) &&
+               !in_parallel(each.branch.get(), branch->around.get());
+      };
+      if (const Version* beside = last_before(position, counts)) kept.push_back(beside->number);
+    }
+    std::erase_if(versions, [&](const Version& each) {
+      return each.position < position && std::ranges::find(kept, each.number) == kept.end();
+    });
   }
   if (users.size() >= kManyUsers)
     std::erase_if(users, [&](const Place& user) { return user.position < position; });
@@ -63,7 +85,7 @@ Globals::View::Use& Globals::View::use(const Variables& variables, std::string_v
   auto found = uses.find(name);
   if (found == uses.end()) {
     found = uses.emplace(std::string(name), Use()).first;
-    const Version* last = known ? entry->second.before(place.position) : nullptr;
+    const Version* last = known ? entry->second.before(place) : nullptr;
     found->second.version = last == nullptr ? 0 : last->number;
   }
   Use& use = found->second;
@@ -147,11 +169,11 @@ class Globals::Pending final : public PendingChanges {
   }
 
  private:
-  /// The number of the last version by an action before this one.
+  /// The number of the last version by an action before this one. What those in parallel branches write may
+  /// come before or after, so it makes nothing wrong.
   [[nodiscard]] std::uint64_t version(const std::string& name) const {
     const auto found = variables_->by_name.find(name);
-    const Version* last =
-        found == variables_->by_name.end() ? nullptr : found->second.before(view_->place.position);
+    const Version* last = found == variables_->by_name.end() ? nullptr : found->second.before(view_->place);
     return last == nullptr ? 0 : last->number;
   }
 

@@ -23,7 +23,7 @@ class MissionCheck {
     std::erase_if(expected, [&](const std::string& path) { return run_.in_opaque_subtree(path); });
     if (written_.tie || expected != ran_.firsts) return false;
     return std::ranges::all_of(written_.losers, [&](const std::string& loser) {
-      return run_.in_opaque_subtree(loser) || executions_in(loser, written_) == executions_in(loser, ran_);
+      return run_.in_opaque_subtree(loser) || progress_in(loser, written_) == progress_in(loser, ran_);
     });
   }
 
@@ -66,12 +66,15 @@ class MissionCheck {
 
  private:
   /// How often each action in the state was executed, by path.
-  static std::map<std::string, std::size_t> executions_in(const std::string& state, const Ran& ran) {
-    std::map<std::string, std::size_t> executions;
+  /// How far a state got: of each action in it, the executions and how many of them were preempted.
+  static std::map<std::string, std::pair<std::size_t, std::ptrdiff_t>> progress_in(const std::string& state,
+                                                                                   const Ran& ran) {
+    std::map<std::string, std::pair<std::size_t, std::ptrdiff_t>> progress;
     for (const auto& [path, outcomes] : ran.happened) {
-      if (path == state || path.starts_with(state + "/")) executions.emplace(path, outcomes.size());
+      if (path != state && !path.starts_with(state + "/")) continue;
+      progress.emplace(path, std::pair(outcomes.size(), std::ranges::count(outcomes, "preempted")));
     }
-    return executions;
+    return progress;
   }
   [[nodiscard]] bool failed() const { return written_.result.outcome < 0; }
   static std::int64_t seconds(Duration time) { return time / std::chrono::seconds(1); }
