@@ -101,6 +101,8 @@ struct RaceRecord {
   /// state does not lose before.
   std::function<bool(const mission::Execution& state)> awaits{};
   std::function<bool(cdtn::NodeId node)> replays{};
+  /// Whether the node was preempted in the earlier run: it is preempted again, and not left out.
+  std::function<bool(cdtn::NodeId node)> was_preempted{};
   /// Is told of each state that ends its container.
   std::function<void(const mission::Execution& state)> decided{};
 };

@@ -99,10 +99,12 @@ RaceRecord NodeJournal::races() const {
   RaceRecord record;
   record.firsts = journal_->firsts();
   record.awaits = [this](const mission::Execution& state) { return awaits(state); };
-  record.replays = [this](NodeId node) {
+  const auto ended = [this](NodeId node, bool preempted) {
     const auto place = records(node) ? journal_->find(execution(node)) : std::nullopt;
-    return place && (*journal_)[*place].outcome != mission::kPreempted;
+    return place && ((*journal_)[*place].outcome == mission::kPreempted) == preempted;
   };
+  record.replays = [ended](NodeId node) { return ended(node, false); };
+  record.was_preempted = [ended](NodeId node) { return ended(node, true); };
   record.decided = [this](const mission::Execution& first) { journal_->first(first); };
   return record;
 }

@@ -229,6 +229,42 @@ states:
   EXPECT_EQ(run.network_result().makespan, std::chrono::seconds(1));
 }
 
+/// What the loser has set in the earlier run counts, also where its way is known only after the first has
+/// ended.
+TEST(Races, AResumedRunKeepsWhatALoserHasDone) {
+  const std::string text = R"x(
+mission: m
+actions:
+  quick: {effects: ["+a()"], run: {simulated: {duration: 1s}}}
+  choose: {pure: true, outcomes: [one, other, none], run: {simulated: {duration: 1s}}}
+  slow: {pure: true, run: {simulated: {duration: 9s}}}
+kind: preemptive
+states:
+  quick: {on: {success: return success}}
+  other:
+    start: choose
+    states:
+      choose: {on: {one: slow, other: slow, none: return success}}
+      slow: {on: {success: return success}}
+    on: {success: return success}
+)x";
+  auto options = resumed(text, [&](mission::RunJournal& earlier) {
+    earlier.ended({"other/choose"}, {});
+    earlier.ended({"quick"}, {});
+    earlier.first({"quick"});
+    mission::RunJournal::End end;
+    end.outcome = mission::kPreempted;
+    end.globals.set("started", type::Value(true));
+    earlier.ended({"other/slow"}, end);
+  });
+  for (const std::uint32_t workers : {0U, 1U}) {
+    options.workers = workers;
+    const VirtualRun run(text, options);
+    EXPECT_EQ(run.result.outcome_name, "success");
+    EXPECT_EQ(run.globals().get("started"), type::Value(true)) << workers << " workers";
+  }
+}
+
 TEST(Races, ALoopBesideAWatchEndsWithIt) {
   const VirtualRun run(R"x(
 mission: m

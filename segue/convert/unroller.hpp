@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -73,6 +74,7 @@ class Unroller {
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
   void find_varying();
+  void find_blocked_within();
   [[nodiscard]] bool strict_within(mission::StateIndex state) const;
 
   // Loops (unroller_loops.cpp)
@@ -101,6 +103,7 @@ class Unroller {
   void find_first(Race& race);
   void decide(Race& race, std::size_t first);
   [[nodiscard]] bool replays(const Race& race, std::size_t first);
+  [[nodiscard]] bool runs_for_certain(cdtn::NodeId node);
   [[nodiscard]] bool has_ended(Track& track);
   void drop_ended(Track& track);
   [[nodiscard]] bool is_over(cdtn::NodeId node) const {
@@ -167,6 +170,8 @@ class Unroller {
   std::vector<const Track*>
       before_;  ///< of the states beside and before the one that is being planned: open ones
   std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
+  std::set<std::string>
+      blocked_within_;  ///< likewise, that containers inside containers block which block them too
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

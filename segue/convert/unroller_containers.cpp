@@ -4,8 +4,11 @@
 // and takes the units that the container blocks, by a group lock. What is in the container are members of
 // that lock, which ends with the last of them. More members may be planned then, and take the units again:
 // whoever uses them later in program order begins after all members.
+#include <segue/base/text.hpp>
 #include <segue/convert/fault.hpp>
 #include <segue/convert/unroller.hpp>
+
+#include <algorithm>
 
 namespace segue::convert {
 
@@ -76,11 +79,15 @@ void Unroller::block(ContainerExecution& activation, NodeSpec& spec, const missi
     activation.memberships = std::make_shared<const std::vector<cdtn::Claim>>(std::move(memberships));
 }
 
-/// The units exist as long as the plan; who takes them holds those of which they are part.
+/// The units exist as long as the plan; who takes them holds those of which they are part. Where a container
+/// inside blocks them in turn, they are taken in program order from the first user on.
 void Unroller::lend(const mission::Surroundings::Held& held) {
   cdtn::ResourceRecord& lent = plan_.network_.resources[plan_.network_.resources.intern(held.lent)];
   lent.count = held.count;
   lent.lent = true;
+  lent.varies = lent.varies || std::ranges::any_of(blocked_within_, [&](const std::string& pattern) {
+                  return matches_glob(pattern, held.resource);
+                });
 }
 
 }  // namespace segue::convert

@@ -148,10 +148,20 @@ bool Unroller::replays(const Race& race, std::size_t first) {
   for (std::size_t i = 0; i < race.tracks.size(); ++i) {
     if (i == first) continue;
     drop_ended(*race.tracks[i]);
-    if (record_.awaits(execution(race, i)) || std::ranges::any_of(race.tracks[i]->open, record_.replays))
-      return true;
+    const auto replays = [this](NodeId node) {
+      return record_.replays(node) || (record_.was_preempted(node) && !runs_for_certain(node));
+    };
+    if (record_.awaits(execution(race, i)) || std::ranges::any_of(race.tracks[i]->open, replays)) return true;
   }
   return false;
+}
+
+/// Whether nothing that it needs is open any more, so that it counts if it is preempted.
+bool Unroller::runs_for_certain(NodeId node) {
+  const auto way = paths_.live(plan_[node].when);
+  return way && way->always() &&
+         std::ranges::all_of(plan_.network_.inputs(node),
+                             [this](const cdtn::DataInput& input) { return is_over(input.producer); });
 }
 
 /// The nodes of the other states have lost.
