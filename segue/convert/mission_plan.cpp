@@ -151,6 +151,10 @@ bool MissionPlan::implies(NodeId node, NodeId other) const {
   return unroller_->paths().implies((*this)[node].when, (*this)[other].when);
 }
 
+bool MissionPlan::off_path(NodeId node) const {
+  return !unroller_->paths().live((*this)[node].when);
+}
+
 bool MissionPlan::exclude(NodeId a, NodeId b) const {
   return unroller_->paths().never_meet((*this)[a].when, (*this)[b].when);
 }

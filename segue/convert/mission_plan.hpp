@@ -146,6 +146,8 @@ class MissionPlan final : public cdtn::Expansion {
   [[nodiscard]] OpaqueSubtreeReason subtree_reason(mission::StateIndex state) const;
   /// Whether the tree of branches proves that `other` is on the path whenever `node` is.
   [[nodiscard]] bool implies(cdtn::NodeId node, cdtn::NodeId other) const;
+  /// Whether the ends that are known so far keep the node off the path.
+  [[nodiscard]] bool off_path(cdtn::NodeId node) const;
   /// Whether it proves that they are never both on the path.
   [[nodiscard]] bool exclude(cdtn::NodeId a, cdtn::NodeId b) const;
   /// The outcome of the state of that node.

@@ -16,8 +16,8 @@ using type::ValueMap;
 
 namespace {
 
-/// Plans the mission again along the way that the run took. Since each end is known when its node is planned,
-/// nothing is planned that is not on the path, and the plan ends where the run did.
+/// Plans the mission again along the way that the run took, node by node, so that the plan ends where the run
+/// did. Only what is planned together with the node that decides about it may be off the path.
 class Replay {
  public:
   Replay(const MissionPlan& plan, const cdtn::RunResult& result, const mission::Globals& globals)
@@ -46,6 +46,10 @@ class Replay {
   };
 
   void end(NodeId node) {
+    if (again_->off_path(node)) {
+      outputs_.resize(index(node) + 1);
+      return again_->skipped(node);
+    }
     if ((*again_)[node].role == Role::Copy) {
       ValueMap outputs;
       outputs.append(std::string(kValueOutput), copied(node));
