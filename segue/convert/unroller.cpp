@@ -126,7 +126,10 @@ bool Unroller::visit(Track& track, StateIndex state) {
     ++frame.place;
     return true;
   }
-  StateEntry entry = entry_of(frame, state, meet(arrivals));
+  std::vector<BranchEdge> edges;
+  for (const Arrival& arrival : arrivals)
+    edges.push_back(arrival.when);
+  StateEntry entry = entry_of(frame, state, meet(std::move(edges)));
   for (const Arrival& arrival : arrivals) {
     if (arrival.aborted && !planted(ConversionFault::ForgetsAbortedError))
       entry.errors.insert(entry.errors.end(), arrival.errors.begin(), arrival.errors.end());

@@ -7,7 +7,6 @@
 
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -74,7 +73,6 @@ class Unroller {
   const std::vector<Arrival>& live_arrivals(std::vector<Arrival>& arrivals);
   [[nodiscard]] std::string path_of(const ContainerExecution& around, mission::StateIndex child) const;
   void find_varying();
-  void find_blocked_within();
   [[nodiscard]] bool strict_within(mission::StateIndex state) const;
 
   // Loops (unroller_loops.cpp)
@@ -116,7 +114,7 @@ class Unroller {
   std::vector<BranchSource> connect_branches(cdtn::NodeSpec& spec, const StateEntry& decider,
                                              const std::vector<StateEnd>& ends);
   StateEnd add_subtree(const StateEntry& entry);
-  BranchEdge meet(const std::vector<Arrival>& arrivals);
+  BranchEdge meet(std::vector<BranchEdge> edges);
   BranchEdge add_join(BranchEdge around, std::vector<BranchEdge> edges);
   Symbol copied(Symbol value, BranchEdge when);
   Symbol copied(std::vector<Symbol> values, BranchEdge when);
@@ -169,9 +167,8 @@ class Unroller {
   mission::SharedUnits shared_;
   std::vector<const Track*>
       before_;  ///< of the states beside and before the one that is being planned: open ones
-  std::vector<std::string> varying_;  ///< patterns of resources that are created or removed
-  std::set<std::string>
-      blocked_within_;  ///< likewise, that containers inside containers block which block them too
+  std::vector<std::string> varying_;         ///< patterns of resources that are created or removed
+  std::vector<std::string> blocked_within_;  ///< likewise, mission::resources_blocked_within()
   std::vector<std::shared_ptr<const type::Value>> outputs_;  ///< by node, of those that have ended
   std::unordered_map<mission::StateIndex, std::shared_ptr<const WeakOrder>> orders_;
   std::unordered_map<mission::StateIndex, Slots> begun_;

@@ -139,11 +139,7 @@ Symbol Unroller::copied(std::vector<Symbol> values, BranchEdge when) {
 }
 
 /// The edge that represents all the ways that lead to one state.
-BranchEdge Unroller::meet(const std::vector<Arrival>& arrivals) {
-  if (arrivals.size() == 1) return arrivals.front().when;
-  std::vector<BranchEdge> edges;
-  for (const Arrival& arrival : arrivals)
-    edges.push_back(arrival.when);
+BranchEdge Unroller::meet(std::vector<BranchEdge> edges) {
   if (const auto one = paths_.merged(edges)) return *one;
   BranchEdge around = edges.front();
   for (const BranchEdge edge : edges)

@@ -147,19 +147,13 @@ std::optional<BranchEdge> Unroller::all_ended(const Track& track) {
   BranchEdge ended = frame.activation->inside;
   for (const auto& beside : frame.tracks) {
     if (beside->settled()) continue;
-    std::vector<Arrival> ways;
+    std::vector<BranchEdge> ways;
     for (const Exit& exit : beside->end->exits) {
-      if (const auto live = paths_.live(exit.arrival.when)) ways.push_back({*live, false, {}});
+      if (const auto live = paths_.live(exit.arrival.when)) ways.push_back(*live);
     }
     if (ways.empty()) return std::nullopt;
-    if (ended == frame.activation->inside) {
-      ended = meet(ways);
-      continue;
-    }
-    std::vector<BranchEdge> edges;
-    for (const Arrival& way : ways)
-      edges.push_back(way.when);
-    ended = add_join(ended, std::move(edges));
+    const bool first = ended == frame.activation->inside;
+    ended = first ? meet(std::move(ways)) : add_join(ended, std::move(ways));
   }
   return ended;
 }

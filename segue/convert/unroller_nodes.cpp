@@ -51,40 +51,7 @@ bool uses_variables(const Action& action) {
 /// those that are planned before the first node that creates or removes some.
 void Unroller::find_varying() {
   varying_ = mission::varying_resources(plan_.program().mission());
-  find_blocked_within();
-}
-
-/// Parents come before their children. Around the root of a library may be whatever the mission has.
-void Unroller::find_blocked_within() {
-  using Patterns = std::shared_ptr<const std::vector<std::string>>;
-  const auto& states = plan_.program().mission().states;
-  std::vector<std::vector<std::string>> blocked(states.size());
-  auto all = std::make_shared<std::vector<std::string>>();
-  for (StateIndex i = 0; i < states.size(); ++i) {
-    for (const mission::ResourceUse& use : states[i].resources) {
-      if (use.operation == mission::ResourceOperation::Block)
-        blocked[i].push_back(mission::resource_pattern(use.resource));
-    }
-    all->insert(all->end(), blocked[i].begin(), blocked[i].end());
-  }
-  if (all->size() < 2) return;
-  std::vector<Patterns> inside(states.size());
-  for (StateIndex i = 0; i < states.size(); ++i) {
-    const StateIndex parent = node(i).parent;
-    inside[i] = parent != mission::kNoState ? inside[parent]
-                : i == 0                    ? std::make_shared<std::vector<std::string>>()
-                                            : Patterns(all);
-    if (blocked[i].empty()) continue;
-    auto own = std::make_shared<std::vector<std::string>>(*inside[i]);
-    for (const std::string& pattern : blocked[i]) {
-      const auto overlaps = [&](const std::string& other) {
-        return matches_glob(pattern, other) || matches_glob(other, pattern);
-      };
-      if (std::ranges::any_of(*inside[i], overlaps)) blocked_within_.insert(pattern);
-      own->push_back(pattern);
-    }
-    inside[i] = std::move(own);
-  }
+  blocked_within_ = mission::resources_blocked_within(plan_.program().mission());
 }
 
 /// Whether the state, or one in it, is declared strict.

@@ -3,6 +3,8 @@
 #include <segue/mission/units.hpp>
 
 #include <algorithm>
+#include <iterator>
+#include <memory>
 
 namespace segue::mission {
 
@@ -177,6 +179,19 @@ std::string resource_pattern(std::string_view resource) {
   return pattern;
 }
 
+namespace {
+
+/// Of what the container blocks.
+std::vector<std::string> blocked_patterns(const State& container) {
+  std::vector<std::string> patterns;
+  for (const ResourceUse& use : container.resources) {
+    if (use.operation == ResourceOperation::Block) patterns.push_back(resource_pattern(use.resource));
+  }
+  return patterns;
+}
+
+}  // namespace
+
 std::vector<std::string> varying_resources(const Mission& mission) {
   std::vector<std::string> patterns;
   for (const Action& action : mission.actions) {
@@ -187,14 +202,38 @@ std::vector<std::string> varying_resources(const Mission& mission) {
       if (changes) patterns.push_back(resource_pattern(use.resource));
     }
   }
-  for (const State& state : mission.states) {
-    for (const ResourceUse& use : state.resources) {
-      if (use.operation == ResourceOperation::Block) patterns.push_back(resource_pattern(use.resource));
-    }
-  }
+  for (const State& state : mission.states)
+    std::ranges::move(blocked_patterns(state), std::back_inserter(patterns));
   std::ranges::sort(patterns);
   patterns.erase(std::unique(patterns.begin(), patterns.end()), patterns.end());
   return patterns;
+}
+
+/// Parents come before their children, so what is blocked around each state is known when it is looked at.
+std::vector<std::string> resources_blocked_within(const Mission& mission) {
+  using Patterns = std::shared_ptr<const std::vector<std::string>>;
+  std::vector<std::string> all;
+  for (const State& state : mission.states)
+    std::ranges::move(blocked_patterns(state), std::back_inserter(all));
+  std::vector<std::string> found;
+  if (all.size() < 2) return found;
+  const auto none = std::make_shared<const std::vector<std::string>>();
+  const auto any = std::make_shared<const std::vector<std::string>>(std::move(all));
+  std::vector<Patterns> inside;
+  for (StateIndex i = 0; i < mission.states.size(); ++i) {
+    const StateIndex parent = mission.states[i].parent;
+    const Patterns around = parent != kNoState ? inside[parent] : i == 0 ? none : any;
+    std::vector<std::string> own = blocked_patterns(mission.states[i]);
+    for (const std::string& pattern : own) {
+      const auto overlaps = [&](const std::string& other) {
+        return matches_glob(pattern, other) || matches_glob(other, pattern);
+      };
+      if (std::ranges::any_of(*around, overlaps)) found.push_back(pattern);
+    }
+    if (!own.empty()) own.insert(own.end(), around->begin(), around->end());
+    inside.push_back(own.empty() ? around : std::make_shared<const std::vector<std::string>>(std::move(own)));
+  }
+  return found;
 }
 
 }  // namespace segue::mission

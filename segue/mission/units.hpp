@@ -94,4 +94,8 @@ std::string resource_pattern(std::string_view resource);
 /// blocks. Those who use one take their units in program order, also side by side.
 std::vector<std::string> varying_resources(const Mission& mission);
 
+/// Patterns of the resources that a container blocks inside another one that blocks them too. A library may
+/// be inside any container.
+std::vector<std::string> resources_blocked_within(const Mission& mission);
+
 }  // namespace segue::mission

@@ -38,7 +38,7 @@ class NetworkRun : public FinishedRun {
   [[nodiscard]] std::vector<RunRow> rows(std::size_t most) const override {
     std::vector<RunRow> rows;
     const cdtn::WaitFinder finder(network(), order(), result());
-    for (const cdtn::NodeId node : listed()) {
+    for (const cdtn::NodeId node : listed_) {
       if (rows.size() == most) break;
       rows.push_back(row(finder, node));
     }
@@ -47,7 +47,7 @@ class NetworkRun : public FinishedRun {
 
   [[nodiscard]] const cdtn::RunSummary& comparison() override { return comparison_; }
   [[nodiscard]] Value to_value() override {
-    return cdtn::to_value(network(), order(), result(), listed(), comparison_);
+    return cdtn::to_value(network(), order(), result(), listed_, comparison_);
   }
 
  protected:
@@ -56,7 +56,7 @@ class NetworkRun : public FinishedRun {
   [[nodiscard]] virtual const cdtn::RunResult& result() const = 0;
   [[nodiscard]] virtual cdtn::ListedNodes which_are_listed() const = 0;
   [[nodiscard]] draw::Gantt make_gantt() const override {
-    return draw::gantt_of(network(), order(), result(), listed(), comparison_);
+    return draw::gantt_of(network(), order(), result(), listed_, comparison_);
   }
 
   /// After the run.
@@ -66,16 +66,14 @@ class NetworkRun : public FinishedRun {
     comparison_.engine_us_per_node = network().size() == 0 ? 0 : used_us / network().size();
     overview_.name = network().name;
     overview_.makespan = result().makespan;
-    overview_.actions = static_cast<std::size_t>(std::ranges::count_if(listed(), [this](cdtn::NodeId node) {
+    listed_ = cdtn::listed_nodes(network(), result(), which_are_listed());
+    overview_.actions = static_cast<std::size_t>(std::ranges::count_if(listed_, [this](cdtn::NodeId node) {
       const auto status = result().nodes[cdtn::index(node)].status;
       return status != cdtn::NodeStatus::Skipped && status != cdtn::NodeStatus::NotReached;
     }));
   }
 
  private:
-  [[nodiscard]] std::vector<cdtn::NodeId> listed() const {
-    return cdtn::listed_nodes(network(), result(), which_are_listed());
-  }
   [[nodiscard]] RunRow row(const cdtn::WaitFinder& finder, cdtn::NodeId node) const {
     const cdtn::NodeResult& own = result().nodes[cdtn::index(node)];
     RunRow row{network().label(node),
@@ -94,6 +92,7 @@ class NetworkRun : public FinishedRun {
   }
 
   cdtn::RunSummary comparison_;
+  std::vector<cdtn::NodeId> listed_;  ///< after the run
 };
 
 class ConcurrentMissionRun final : public NetworkRun {

@@ -65,7 +65,6 @@ class MissionCheck {
   }
 
  private:
-  /// How often each action in the state was executed, by path.
   /// How far a state got: of each action in it, the executions and how many of them were preempted.
   static std::map<std::string, std::pair<std::size_t, std::ptrdiff_t>> progress_in(const std::string& state,
                                                                                    const Ran& ran) {
