@@ -62,6 +62,8 @@ function(segue_folder NAME)
   list(TRANSFORM ARG_DEPENDS PREPEND segue::)
   target_link_libraries(segue_${NAME} PUBLIC ${ARG_DEPENDS} ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:segue_flags>)
   target_compile_features(segue_${NAME} PUBLIC cxx_std_20)
+  # Nobody replaces a function of a folder by one of another library, so calls within a folder are direct.
+  target_compile_options(segue_${NAME} PRIVATE -fno-semantic-interposition)
   if(NOT SEGUE_SANITIZE)
     target_link_options(segue_${NAME} PRIVATE -Wl,--no-undefined)
   endif()

@@ -31,6 +31,10 @@ inline std::string_view to_string(Scheduler scheduler) {
   return kSchedulerNames.at(static_cast<std::size_t>(scheduler));
 }
 
+/// The longest Activity::spin: a thread that looks for work for longer than a sleep costs a thousand times
+/// over only keeps others from running.
+inline constexpr Duration kLongestSpin = std::chrono::milliseconds(10);
+
 /// When and on which thread a task updates.
 struct Activity {
   Trigger trigger = Trigger::PortDriven;
@@ -43,6 +47,9 @@ struct Activity {
   bool optional = false;  ///< fall back to Normal where the system does not permit the scheduler
   /// How long an update or an operation may take before the task counts as hanging; 0: as deadline_of() says.
   Duration update_deadline{0};
+  /// How long the thread goes on looking for work before it sleeps, occupying its processor meanwhile; at
+  /// most kLongestSpin. 0: it sleeps at once.
+  Duration spin{0};
 
   friend bool operator==(const Activity&, const Activity&) = default;
 };

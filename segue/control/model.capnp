@@ -17,6 +17,7 @@ struct Activity {
   cpus @5 :List(Int32);
   thread @6 :Text;
   updateDeadline @7 :Int64;
+  spin @8 :Int64;
 }
 
 struct PortRef {

@@ -92,7 +92,7 @@ Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& fr
   return std::shared_ptr<PortConnection>(std::move(connection));
 }
 
-bool LocalConnection::push(SampleSlot& sample) noexcept {
+[[gnu::hot]] bool LocalConnection::push(SampleSlot& sample) noexcept {
   increment(written_);
   bool taken = true;
   switch (queue_.push(sample)) {
@@ -111,7 +111,7 @@ bool LocalConnection::push(SampleSlot& sample) noexcept {
   return taken;
 }
 
-SampleRef LocalConnection::pull() noexcept {
+[[gnu::hot]] SampleRef LocalConnection::pull() noexcept {
   SampleRef sample = queue_.pull();
   if (sample) increment(read_);
   return sample;

@@ -18,7 +18,7 @@ PayloadSource::~PayloadSource() {
   give_back(block_);
 }
 
-std::optional<Payload> PayloadSource::take(task::SampleSlot& sample) noexcept {
+[[gnu::hot]] std::optional<Payload> PayloadSource::take(task::SampleSlot& sample) noexcept {
   if (auto payload = in_place(sample)) return payload;
   if (newest_ != sample.sequence || block_.offset == RingEntry::kNoPayload) {
     give_back(std::exchange(block_, {}));
@@ -36,7 +36,7 @@ std::optional<Payload> PayloadSource::take_apart(task::SampleSlot& sample) const
   return written(sample);
 }
 
-void PayloadSource::give_back(const Payload& payload) const noexcept {
+[[gnu::hot]] void PayloadSource::give_back(const Payload& payload) const noexcept {
   if (payload.slot != nullptr) {
     payload.slot->release();
   } else if (payload.offset != RingEntry::kNoPayload) {
@@ -44,7 +44,7 @@ void PayloadSource::give_back(const Payload& payload) const noexcept {
   }
 }
 
-std::optional<Payload> PayloadSource::in_place(task::SampleSlot& sample) const noexcept {
+[[gnu::hot]] std::optional<Payload> PayloadSource::in_place(task::SampleSlot& sample) const noexcept {
   if (form_ == SampleForm::Untyped) return Payload{};
   const auto offset = form_ == SampleForm::Raw ? pool_->offset_of(sample.value) : std::nullopt;
   if (!offset) return std::nullopt;

@@ -17,7 +17,7 @@ SampleQueue::~SampleQueue() {
   clear();
 }
 
-SampleQueue::Push SampleQueue::push(SampleSlot& sample) noexcept {
+[[gnu::hot]] SampleQueue::Push SampleQueue::push(SampleSlot& sample) noexcept {
   sample.retain();
   std::uint64_t before = 0;
   const Push pushed = ring_.push(token_of(sample), before);
@@ -26,7 +26,7 @@ SampleQueue::Push SampleQueue::push(SampleSlot& sample) noexcept {
   return pushed;
 }
 
-SampleRef SampleQueue::pull() noexcept {
+[[gnu::hot]] SampleRef SampleQueue::pull() noexcept {
   const std::uint64_t token = ring_.pull();
   if (token == 0) return {};
   SampleRef sample = SampleRef::adopt(slot_of(token));

@@ -28,6 +28,7 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
       port_(port),
       info_(untyped ? nullptr : port.type()),
       form_(form_of(info_)),
+      checked_(form_ == SampleForm::Raw && type::has_invalid_bytes(*info_)),
       policy_(policy),
       offset_(*state_->control()->offset_of(&(*ring)->header())),
       generation_((*ring)->generation()),
@@ -75,7 +76,7 @@ InputPlace SharedInput::place() const {
   return place;
 }
 
-SampleRef SharedInput::pull() noexcept {
+[[gnu::hot]] SampleRef SharedInput::pull() noexcept {
   SharedRing& ring = **ring_;
   SampleRef spare;
   if (form_ == SampleForm::Flat) {
@@ -103,7 +104,7 @@ SampleRef SharedInput::pull() noexcept {
 
 /// The entry lies in memory that the writer can change at any time: every field is read once and checked
 /// before use.
-SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
+[[gnu::hot]] SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
   const RingEntry& found = (*ring_)->entries()[entry];
   const std::uint64_t offset = found.offset.load(std::memory_order_relaxed);
   const std::uint64_t size = found.size.load(std::memory_order_relaxed);
@@ -124,7 +125,7 @@ SampleRef SharedInput::accept(std::size_t entry, SampleSlot* spare) noexcept {
   if (form_ != SampleForm::Untyped) {
     const bool fits = flat || size == info_->size;
     value = fits ? writer_->payload(offset, size, flat ? BlockPool::kUnit : info_->alignment) : nullptr;
-    if (value == nullptr || (!flat && !type::are_valid_bytes(*info_, value))) {
+    if (value == nullptr || (checked_ && !type::are_valid_bytes(*info_, value))) {
       reject(entry);
       return {};
     }

@@ -60,6 +60,7 @@ class SharedInput final : public RegisteredEndpoint,
   task::InputPortBase& port_;  ///< valid while open
   const type::TypeInfo* const info_;
   const SampleForm form_;
+  const bool checked_;  ///< values are looked at before they are passed on
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
   const std::uint64_t offset_;  ///< of the ring in the control pool

@@ -69,7 +69,7 @@ bool SharedOutput::anybody_there() const noexcept {
   return ring_.current() && ring_.header().closed.load(std::memory_order_acquire) == 0;
 }
 
-bool SharedOutput::push(task::SampleSlot& sample) noexcept {
+[[gnu::hot]] bool SharedOutput::push(task::SampleSlot& sample) noexcept {
   if (!anybody_there()) return true;
   collect(kWordsPerPush);
   RingHeader& header = ring_.header();
@@ -81,7 +81,7 @@ bool SharedOutput::push(task::SampleSlot& sample) noexcept {
   return taken;
 }
 
-SharedOutput::Delivery SharedOutput::deliver(task::SampleSlot& sample) noexcept {
+[[gnu::hot]] SharedOutput::Delivery SharedOutput::deliver(task::SampleSlot& sample) noexcept {
   if (ring_.words().full()) return Delivery::Refused;
   if (free_.empty()) collect(ring_.returned().size());
   if (free_.empty()) return Delivery::Refused;
@@ -105,7 +105,8 @@ SharedOutput::Delivery SharedOutput::deliver(task::SampleSlot& sample) noexcept 
   return Delivery::Refused;
 }
 
-void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t sequence) noexcept {
+[[gnu::hot]] void SharedOutput::lend(std::size_t entry, const Payload& payload,
+                                     std::uint64_t sequence) noexcept {
   RingEntry& shared = ring_.entries()[entry];
   shared.offset.store(payload.offset, std::memory_order_relaxed);
   shared.size.store(payload.size, std::memory_order_relaxed);
@@ -116,7 +117,7 @@ void SharedOutput::lend(std::size_t entry, const Payload& payload, std::uint64_t
 }
 
 /// False: the entry is not lent, so the reader's claim is invalid.
-bool SharedOutput::reclaim(std::size_t entry) noexcept {
+[[gnu::hot]] bool SharedOutput::reclaim(std::size_t entry) noexcept {
   LentEntry& lent = lent_[entry];
   if (!lent.out.load(std::memory_order_acquire)) return false;
   const Payload payload = lent.payload;
@@ -125,7 +126,7 @@ bool SharedOutput::reclaim(std::size_t entry) noexcept {
   return true;
 }
 
-void SharedOutput::reclaim_token(std::uint64_t token) noexcept {
+[[gnu::hot]] void SharedOutput::reclaim_token(std::uint64_t token) noexcept {
   const std::size_t entry = ring_.entry_of(token);
   if (entry < ring_.entries().size() && reclaim(entry)) {
     free_.push_back(static_cast<std::uint32_t>(entry));
@@ -134,7 +135,7 @@ void SharedOutput::reclaim_token(std::uint64_t token) noexcept {
   }
 }
 
-void SharedOutput::collect(std::size_t most_words) noexcept {
+[[gnu::hot]] void SharedOutput::collect(std::size_t most_words) noexcept {
   const auto returned = ring_.returned();
   for (std::size_t i = 0; i < std::min(most_words, returned.size()); ++i) {
     const std::size_t at = next_word_;
@@ -146,7 +147,7 @@ void SharedOutput::collect(std::size_t most_words) noexcept {
   }
 }
 
-void SharedOutput::ring_reader() const noexcept {
+[[gnu::hot]] void SharedOutput::ring_reader() const noexcept {
   const std::uint64_t word = ring_.header().doorbell.load(std::memory_order_seq_cst);
   if (word == 0) return;
   const DoorbellLine doorbell = DoorbellLine::of(word);

@@ -116,12 +116,12 @@ Result<std::shared_ptr<const PeerMemory>> PeerMemory::map(const MemoryOffer& off
   return std::make_shared<const PeerMemory>(offer.incarnation, std::move(*payload), std::move(*control));
 }
 
-const std::byte* PeerMemory::payload(std::uint64_t offset, std::uint64_t size,
-                                     std::size_t alignment) const noexcept {
+[[gnu::hot]] const std::byte* PeerMemory::payload(std::uint64_t offset, std::uint64_t size,
+                                                  std::size_t alignment) const noexcept {
   return is_inside(payload_, offset, size, alignment) ? payload_.data() + offset : nullptr;
 }
 
-std::byte* PeerMemory::control(std::uint64_t offset, std::uint64_t size) const noexcept {
+[[gnu::hot]] std::byte* PeerMemory::control(std::uint64_t offset, std::uint64_t size) const noexcept {
   return is_inside(control_, offset, size, BlockPool::kUnit) ? control_.data() + offset : nullptr;
 }
 

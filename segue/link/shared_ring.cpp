@@ -46,12 +46,12 @@ SharedRing::SharedRing(std::byte* memory, const Policy& policy, std::uint64_t ge
       returned_(reinterpret_cast<Word*>(memory + Layout(policy).returned), Layout(policy).returned_count),
       entries_(reinterpret_cast<RingEntry*>(memory + Layout(policy).entries), Layout(policy).entry_count) {}
 
-std::size_t SharedRing::entry_of(std::uint64_t token) const noexcept {
+[[gnu::hot]] std::size_t SharedRing::entry_of(std::uint64_t token) const noexcept {
   const std::uint64_t entry = token & ((std::uint64_t{1} << kEntryBits) - 1);
   return token >> kEntryBits == mark_ && entry < entries_.size() ? entry : entries_.size();
 }
 
-void SharedRing::give_back(std::size_t entry) const noexcept {
+[[gnu::hot]] void SharedRing::give_back(std::size_t entry) const noexcept {
   returned_[entry / 64].fetch_or(std::uint64_t{1} << (entry % 64), std::memory_order_acq_rel);
 }
 

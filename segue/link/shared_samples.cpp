@@ -37,7 +37,8 @@ SharedSamples::SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRi
     slots_[i].owner = this;
 }
 
-SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept {
+[[gnu::hot]] SampleRef SharedSamples::lend(std::size_t entry, const void* value,
+                                           std::uint64_t sequence) noexcept {
   SampleSlot& slot = slots_[entry];
   // The const_cast is safe because readers never write, and the mapping is read-only.
   slot.value = const_cast<void*>(value);
@@ -47,7 +48,7 @@ SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::uint64_
   return SampleRef::adopt(&slot);
 }
 
-void SharedSamples::recycle(SampleSlot& slot) noexcept {
+[[gnu::hot]] void SharedSamples::recycle(SampleSlot& slot) noexcept {
   (*ring_)->give_back(static_cast<std::size_t>(&slot - slots_.get()));
   let_go();
 }

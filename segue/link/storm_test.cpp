@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <memory>
@@ -194,6 +195,62 @@ TEST(Storm, ConnectingAtFullRateNeitherTearsNorReordersNorHaunts) {
     received += reader->received;
   }
   EXPECT_GT(received, 0U);
+}
+
+/// Counts samples, and says which it has seen.
+class Counter : public Component {
+ public:
+  InputPort<Stamped> first{*this, "first"};
+  InputPort<Stamped> second{*this, "second"};
+  std::atomic<std::uint64_t> seen{0};
+
+  void on_update() override {
+    std::uint64_t newest = ~std::uint64_t{0};
+    for (InputPort<Stamped>* input : {&first, &second}) {
+      Stamped sample;
+      static_cast<void>(input->read(sample));
+      newest = std::min(newest, sample.count);
+    }
+    seen.store(newest);
+    seen.notify_one();
+  }
+};
+
+/// Tasks with a thread each, and tasks that share one: the writer wakes each thread at most once for a
+/// sample.
+TEST(Storm, SampleForManyReadersReachesThemAllThoughTheirThreadsFallAsleepMeanwhile) {
+  class Many : public Component {
+   public:
+    OutputPort<Stamped> output{*this, "output"};
+  } writer;
+  std::vector<std::unique_ptr<Task>> tasks;
+  std::vector<Counter*> counters;
+  std::vector<std::shared_ptr<PortConnection>> connections;
+  for (int i = 0; i < 20; ++i) {
+    auto component = std::make_unique<Counter>();
+    counters.push_back(component.get());
+    Activity activity;
+    if (i >= 10) activity.thread = "readers";
+    auto made = Task::create("reader" + std::to_string(i), std::move(component), &activity);
+    ASSERT_TRUE(made);
+    tasks.push_back(std::move(*made));
+    for (InputPort<Stamped>* input : {&counters.back()->first, &counters.back()->second}) {
+      auto connected = connect(writer.output, *input, {});
+      ASSERT_TRUE(connected);
+      connections.push_back(std::move(*connected));
+    }
+    ASSERT_TRUE(tasks.back()->configure(soon()));
+    ASSERT_TRUE(tasks.back()->start(soon()));
+  }
+  for (std::uint64_t number = 1; number <= 300; ++number) {
+    Stamped sample;
+    sample.stamp(0, number);
+    writer.output.write(sample);
+    for (Counter* counter : counters) {
+      for (std::uint64_t seen = counter->seen.load(); seen < number; seen = counter->seen.load())
+        counter->seen.wait(seen);
+    }
+  }
 }
 
 /// Ports are destroyed on one side while the other side disconnects them.

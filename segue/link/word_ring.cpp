@@ -5,7 +5,7 @@
 
 namespace segue::link {
 
-WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexcept {
+[[gnu::hot]] WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexcept {
   const std::uint64_t position = next_;
   std::atomic<Word>& place = word(position);
   // Sequentially consistent for the wake-up protocol, see the class.
@@ -22,7 +22,7 @@ WordRing::Push WordRing::push(std::uint64_t token, std::uint64_t& before) noexce
   return replaced == 0 ? Push::Taken : Push::Replaced;
 }
 
-std::uint64_t WordRing::pull() noexcept {
+[[gnu::hot]] std::uint64_t WordRing::pull() noexcept {
   switch (kind_) {
     case BufferKind::Data:
       return pull_newest();
@@ -34,12 +34,12 @@ std::uint64_t WordRing::pull() noexcept {
   return 0;
 }
 
-std::uint64_t WordRing::pull_newest() noexcept {
+[[gnu::hot]] std::uint64_t WordRing::pull_newest() noexcept {
   if (word(0).load(std::memory_order_relaxed) == 0) return 0;  // saves the exchange; it decides nothing
   return word(0).exchange(0, std::memory_order_acq_rel) >> kPositionBits;
 }
 
-std::uint64_t WordRing::pull_next() noexcept {
+[[gnu::hot]] std::uint64_t WordRing::pull_next() noexcept {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
   std::atomic<Word>& place = word(tail);
   const Word found = place.load(std::memory_order_acquire);
@@ -49,7 +49,7 @@ std::uint64_t WordRing::pull_next() noexcept {
   return found >> kPositionBits;
 }
 
-std::uint64_t WordRing::pull_oldest() noexcept {
+[[gnu::hot]] std::uint64_t WordRing::pull_oldest() noexcept {
   // A writer at full rate overtakes now and then. The limit is for words that no proper writer wrote: they
   // could keep the reader busy for ever.
   const std::size_t most_tries = 2 * size_ + 16;

@@ -65,7 +65,9 @@ class WordRing {
   static Word pack(std::uint64_t token, std::uint64_t position) noexcept {
     return token << kPositionBits | (position & kPositionMask);
   }
-  std::atomic<Word>& word(std::uint64_t position) const noexcept { return words_[position % size_]; }
+  std::atomic<Word>& word(std::uint64_t position) const noexcept {
+    return words_[size_ == 1 ? 0 : position % size_];  // divisions are slow
+  }
   std::uint64_t pull_newest() noexcept;
   std::uint64_t pull_oldest() noexcept;
   std::uint64_t pull_next() noexcept;

@@ -85,12 +85,39 @@ Duration read_update_deadline(Fields& fields, const Source& source) {
   return {};
 }
 
+std::optional<std::string> problem_of_spin(const Activity& activity) {
+  if (activity.spin < Duration::zero() || activity.spin > kLongestSpin) {
+    return "'spin' must be longer than nothing and at most " + format_duration(kLongestSpin) + ", not " +
+           format_duration(activity.spin);
+  }
+  if (activity.trigger == Trigger::Periodic && activity.spin >= activity.period &&
+      activity.spin > Duration::zero()) {
+    return "'spin' must be shorter than the period, or the thread never sleeps: " +
+           format_duration(activity.spin) + " of " + format_duration(activity.period);
+  }
+  return std::nullopt;
+}
+
+/// Requires that trigger and period have been read. Zero: none is given.
+Duration read_spin(Fields& fields, Activity activity, const Source& source) {
+  const auto spin = fields.duration("spin");
+  if (!spin) return {};
+  activity.spin = *spin;
+  const auto problem = *spin == Duration::zero()
+                           ? std::optional<std::string>("'spin' must be longer than nothing; leave it out")
+                           : problem_of_spin(activity);
+  if (!problem) return *spin;
+  source.error("bad-duration", fields.what() + ": " + *problem, *fields.find("spin"));
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::string> problem_of(const Activity& activity) {
   const bool periodic = activity.trigger == Trigger::Periodic;
   if (periodic && activity.period <= Duration::zero()) return "the period must be longer than nothing";
   if (auto problem = problem_of_deadline(activity.update_deadline)) return problem;
+  if (auto problem = problem_of_spin(activity)) return problem;
   return problem_of_priority(activity.scheduler, activity.priority);
 }
 
@@ -124,9 +151,10 @@ std::optional<Activity> read_activity(const Value& value, const std::string& wha
   activity.thread = fields.name("thread");
   activity.optional = fields.boolean("optional", false);
   activity.update_deadline = read_update_deadline(fields, source);
+  activity.trigger = trigger.value_or(Trigger::PortDriven);
+  activity.spin = read_spin(fields, activity, source);
   fields.finish();
   if (!trigger) return std::nullopt;
-  activity.trigger = *trigger;
   if (activity.trigger == Trigger::Periodic && activity.period <= Duration::zero()) {
     source.error("bad-duration", name + ": the period must be longer than nothing", value);
   }

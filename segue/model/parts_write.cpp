@@ -30,6 +30,7 @@ Value write_activity(const Activity& activity) {
   if (activity.update_deadline > Duration::zero()) {
     map.append("update_deadline", format_duration(activity.update_deadline));
   }
+  if (activity.spin > Duration::zero()) map.append("spin", format_duration(activity.spin));
   const bool plain = map.size() == 1 && activity.trigger != Trigger::Periodic;
   return plain ? Value(to_string(activity.trigger)) : Value(std::move(map));
 }

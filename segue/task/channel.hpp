@@ -12,7 +12,18 @@
 
 namespace segue::task {
 
-class SampleListener;
+class Executor;
+
+/// Notified when a new sample waits at an input port.
+class SampleListener {
+ public:
+  virtual void sample_arrived() noexcept = 0;
+  /// The executor on which sample_arrived() makes something run.
+  [[nodiscard]] virtual Executor& runner() noexcept = 0;
+
+ protected:
+  ~SampleListener() = default;
+};
 
 /// The writer's end of a connection, as the output port sees it. Links implement it.
 class WriterEnd {

@@ -3,6 +3,7 @@
 #include <segue/task/doorbell.hpp>
 #include <segue/task/futex.hpp>
 #include <segue/task/port.hpp>
+#include <segue/task/wake_batch.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +17,7 @@ using detail::futex_wake;
 using detail::FutexScope;
 
 constexpr std::uint32_t kModeMask = 3;
-constexpr std::uint32_t kWoken = 3;  ///< as mode: was InFutex and has not run since
+constexpr std::uint32_t kWoken = 3;  ///< as mode: InFutex, and a ringer is about to wake it
 
 std::uint64_t bit_of(std::size_t index) {
   return std::uint64_t{1} << (index % 64);
@@ -29,30 +30,37 @@ std::size_t take_lowest(std::uint64_t& bits) {
   return index;
 }
 
-}  // namespace
-
-void ring(DoorbellWords& words, unsigned line) noexcept {
-  const std::size_t leaf = line / 64 % DoorbellWords::kLeaves;
-  if (words.rung_at.load(std::memory_order_relaxed) == 0) {
-    words.rung_at.store(RealClock::instance().now().time_since_epoch().count(), std::memory_order_relaxed);
-  }
-  words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
-  words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
+/// Wakes the thread whose bits were set, if it sleeps. The mode is cleared last, so that later rings need no
+/// call of the system; if this process dies before, the next ringer wakes the thread again.
+[[gnu::hot]] void wake_sleeper(DoorbellWords& words) noexcept {
   std::uint32_t seen = words.sleeping.load(std::memory_order_seq_cst);
   const std::uint32_t mode = seen & kModeMask;
   if (mode == 0) return;
   if (mode == static_cast<std::uint32_t>(Doorbell::Sleep::InPoll)) {
-    // Wake first, then clear the mode: if this process dies in between, the next ringer wakes the thread
-    // again.
     words.rings.fetch_add(1, std::memory_order_seq_cst);
     futex_wake(words.rings, 1, FutexScope::Host);
-    words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
-    return;
+  } else {
+    // Changed first, so that the thread cannot fall asleep after the wake.
+    const std::uint32_t woken = seen | kWoken;
+    const bool changed = words.sleeping.compare_exchange_strong(seen, woken, std::memory_order_seq_cst);
+    if (!changed && seen != woken) return;  // the thread has run since, or another ringer has woken it
+    futex_wake(words.sleeping, 1, FutexScope::Host);
+    seen = woken;
   }
-  // Change the word first, so that the thread cannot fall asleep after the wake. The mode stays nonzero: if
-  // this process dies in between, the next ringer still wakes the thread.
-  words.sleeping.compare_exchange_strong(seen, seen | kWoken, std::memory_order_seq_cst);
-  futex_wake(words.sleeping, 1, FutexScope::Host);
+  words.sleeping.compare_exchange_strong(seen, seen & ~kModeMask, std::memory_order_seq_cst);
+}
+
+}  // namespace
+
+[[gnu::hot]] void ring(DoorbellWords& words, unsigned line) noexcept {
+  const std::size_t leaf = line / 64 % DoorbellWords::kLeaves;
+  if (words.rung_at.load(std::memory_order_relaxed) == 0) {
+    words.rung_at.store(monotonic_now().time_since_epoch().count(), std::memory_order_relaxed);
+  }
+  words.leaves.at(leaf).fetch_or(bit_of(line), std::memory_order_seq_cst);
+  words.summary.fetch_or(bit_of(leaf), std::memory_order_seq_cst);
+  detail::WakeBatch::add([](void* rung) noexcept { wake_sleeper(*static_cast<DoorbellWords*>(rung)); },
+                         &words);
 }
 
 Result<std::shared_ptr<Doorbell>> check_doorbell(std::shared_ptr<Doorbell> made) {
@@ -92,7 +100,7 @@ void Doorbell::wait_until_answered() const noexcept {
   if (seen % 2 == 1) detail::wait_until_left(section_, seen);
 }
 
-TimePoint Doorbell::rung_since(TimePoint now) noexcept {
+[[gnu::hot]] TimePoint Doorbell::rung_since(TimePoint now) noexcept {
   constexpr Duration kLongest = std::chrono::hours(1);
   const std::int64_t rung_at = words_->rung_at.exchange(0, std::memory_order_relaxed);
   return rung_at == 0 ? now : std::clamp(TimePoint(Duration(rung_at)), now - kLongest, now);
@@ -102,7 +110,7 @@ TimePoint Doorbell::rung_since(TimePoint now) noexcept {
 // sequentially consistent). So either this does not find the port, or remove() waits until this has left. A
 // ringer sets the leaf before the summary, so a bit of the summary that is taken here comes with the bit of
 // its leaf.
-void Doorbell::answer() noexcept {
+[[gnu::hot]] void Doorbell::answer() noexcept {
   const std::uint64_t count = section_.load(std::memory_order_relaxed);
   section_.store(count + 1, std::memory_order_seq_cst);
   std::uint64_t leaves = words_->summary.exchange(0, std::memory_order_seq_cst);
@@ -117,17 +125,17 @@ void Doorbell::answer() noexcept {
   section_.store(count + 2, std::memory_order_release);
 }
 
-void Doorbell::set_sleep(Sleep how) noexcept {
+[[gnu::hot]] void Doorbell::set_sleep(Sleep how) noexcept {
   if (how != Sleep::Awake) ++sleeps_;
   announced_ = sleeps_ << 2U | static_cast<std::uint32_t>(how);
   words_->sleeping.store(announced_, std::memory_order_seq_cst);
 }
 
-void Doorbell::wait(TimePoint deadline) const noexcept {
+[[gnu::hot]] void Doorbell::wait(TimePoint deadline) const noexcept {
   futex_wait(words_->sleeping, announced_, deadline, FutexScope::Host);
 }
 
-void Doorbell::wake() noexcept {
+[[gnu::hot]] void Doorbell::wake() noexcept {
   words_->sleeping.fetch_and(~kModeMask, std::memory_order_seq_cst);
   futex_wake(words_->sleeping, 1, FutexScope::Host);
 }

@@ -37,8 +37,9 @@ struct DoorbellWords {
   std::array<std::atomic<std::uint64_t>, kLeaves> leaves{};  ///< one bit for each line, set when it was rung
 };
 
-/// Rings a line (taken modulo kLines) from any process; real-time safe. A process that dies inside leaves a
-/// doorbell that others can still ring.
+/// Rings a line (taken modulo kLines) from any process; real-time safe. One that sleeps is woken at the end
+/// of the caller's detail::WakeBatch, if there is one. A process that dies inside leaves a doorbell that
+/// others can still ring.
 void ring(DoorbellWords& words, unsigned line) noexcept;
 
 /// The owner's side of a doorbell, with which other processes tell an executor that samples wait at input

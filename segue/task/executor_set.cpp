@@ -9,10 +9,10 @@ namespace {
 std::string thread_settings(const Activity& activity) {
   std::string text(to_string(activity.scheduler));
   if (activity.scheduler != Scheduler::Normal) text += " " + std::to_string(activity.priority);
-  if (activity.cpus.empty()) return text;
-  text += " on cpus";
+  if (!activity.cpus.empty()) text += " on cpus";
   for (const int cpu : activity.cpus)
     text += " " + std::to_string(cpu);
+  if (activity.spin > Duration::zero()) text += " that spins for " + format_duration(activity.spin);
   return text;
 }
 

@@ -16,7 +16,8 @@ namespace segue::task {
 class ExecutorSet {
  public:
   /// The executor of the group that `activity` names, or a new one for `task_id` alone. The first task of a
-  /// group decides its scheduler, priority and processors; InvalidArgument where a later one wants others.
+  /// group decides its scheduler, priority, processors and spin; InvalidArgument where a later one wants
+  /// others.
   Result<std::shared_ptr<Executor>> executor_for(const std::string& task_id, const Activity& activity);
 
   /// The instance that Task::create uses.

@@ -19,8 +19,8 @@ constexpr int flag_of(FutexScope scope) {
 }
 }  // namespace
 
-bool futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, TimePoint deadline,
-                FutexScope scope) noexcept {
+[[gnu::hot]] bool futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected,
+                             TimePoint deadline, FutexScope scope) noexcept {
   timespec until{};
   const bool timed = deadline != kNever;
   if (timed) {
@@ -34,7 +34,7 @@ bool futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t expected, 
   return result == 0 || errno != ETIMEDOUT;
 }
 
-void futex_wake(const std::atomic<std::uint32_t>& word, int count, FutexScope scope) noexcept {
+[[gnu::hot]] void futex_wake(const std::atomic<std::uint32_t>& word, int count, FutexScope scope) noexcept {
   syscall(SYS_futex, &word, FUTEX_WAKE | flag_of(scope), count, nullptr, nullptr, 0);
 }
 

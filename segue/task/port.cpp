@@ -2,6 +2,7 @@
 #include <segue/base/text.hpp>
 #include <segue/task/component.hpp>
 #include <segue/task/port.hpp>
+#include <segue/task/wake_batch.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -75,13 +76,13 @@ void OutputPortBase::disconnect_all() {
     end->disconnect();
 }
 
-SampleSlot* OutputPortBase::acquire() noexcept {
+[[gnu::hot]] SampleSlot* OutputPortBase::acquire() noexcept {
   SampleSlot* slot = pool_->acquire();
   if (slot == nullptr) increment(exhausted_);
   return slot;
 }
 
-WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
+[[gnu::hot]] WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
   increment(written_);
   slot->sequence = written_.load(std::memory_order_relaxed);
   bool refused = false;
@@ -89,8 +90,11 @@ WriteResult OutputPortBase::publish(SampleSlot* slot) noexcept {
   {
     const ConnectionList<WriterEnd>::Section ends(ends_);
     count = ends.size();
-    for (std::size_t i = 0; i < count; ++i)
-      refused |= !ends[i].push(*slot);
+    {
+      const detail::WakeBatch wakes;
+      for (std::size_t i = 0; i < count; ++i)
+        refused |= !ends[i].push(*slot);
+    }
     // Within the section, so that attach() waits for it: show_last() then finds the sample if the new
     // connection did not get it.
     SampleSlot* replaced = options().keep_last ? last_.exchange(slot, std::memory_order_acq_rel) : slot;
@@ -201,7 +205,7 @@ void InputPortBase::detach(const ReaderEnd& end) {
   ends_.remove(&end);
 }
 
-SampleRef InputPortBase::pull() noexcept {
+[[gnu::hot]] SampleRef InputPortBase::pull() noexcept {
   const ConnectionList<ReaderEnd>::Section ends(ends_);
   const std::size_t count = ends.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -216,7 +220,7 @@ SampleRef InputPortBase::pull() noexcept {
   return {};
 }
 
-ReadStatus InputPortBase::fetch() noexcept {
+[[gnu::hot]] ReadStatus InputPortBase::fetch() noexcept {
   if (SampleRef sample = pull()) {
     last_ = std::move(sample);
     return ReadStatus::NewData;
@@ -246,7 +250,7 @@ std::size_t InputPortBase::drain() noexcept {
   return dropped;
 }
 
-bool InputPortBase::pending() noexcept {
+[[gnu::hot]] bool InputPortBase::pending() noexcept {
   const ConnectionList<ReaderEnd>::Section ends(ends_);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (ends[i].pending()) return true;

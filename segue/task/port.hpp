@@ -16,7 +16,6 @@
 namespace segue::task {
 
 class Component;
-class Executor;
 
 struct PortOptions {
   bool dynamic = false;  ///< created in on_configure, destroyed in on_cleanup
@@ -38,17 +37,6 @@ enum class ReadStatus : std::uint8_t {
   NoData,   ///< nothing has arrived yet
   OldData,  ///< the sample that was read last
   NewData   ///< a sample that has not been read before
-};
-
-/// Notified when a new sample waits at an input port.
-class SampleListener {
- public:
-  virtual void sample_arrived() noexcept = 0;
-  /// The executor on which sample_arrived() makes something run.
-  [[nodiscard]] virtual Executor& runner() noexcept = 0;
-
- protected:
-  ~SampleListener() = default;
 };
 
 /// Base of all ports. A port belongs to a component, and only its task writes or reads it, from one thread at

@@ -3,7 +3,7 @@
 
 namespace segue::task::detail {
 
-bool RunQueue::post(Job& job, std::uint32_t reason, TimePoint now) noexcept {
+[[gnu::hot]] bool RunQueue::post(Job& job, std::uint32_t reason, TimePoint now) noexcept {
   if ((job.flags_.fetch_or(Job::kQueued | reason, std::memory_order_acq_rel) & Job::kQueued) != 0)
     return false;
   job.wanted_since_ = now;
@@ -14,19 +14,19 @@ bool RunQueue::post(Job& job, std::uint32_t reason, TimePoint now) noexcept {
   return true;
 }
 
-void RunQueue::post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept {
+[[gnu::hot]] void RunQueue::post_here(Job& job, std::uint32_t reason, TimePoint now) noexcept {
   if ((job.flags_.fetch_or(Job::kQueued | reason, std::memory_order_acq_rel) & Job::kQueued) != 0) return;
   job.wanted_since_ = now;
   append(&job);
 }
 
-void RunQueue::append(Job* job) noexcept {
+[[gnu::hot]] void RunQueue::append(Job* job) noexcept {
   job->next_ = nullptr;
   (last_ == nullptr ? first_ : last_->next_) = job;
   last_ = job;
 }
 
-void RunQueue::fetch() noexcept {
+[[gnu::hot]] void RunQueue::fetch() noexcept {
   if (posted_.load(std::memory_order_relaxed) == nullptr) return;
   Job* newest = posted_.exchange(nullptr, std::memory_order_acquire);
   Job* oldest = nullptr;
@@ -43,7 +43,7 @@ void RunQueue::fetch() noexcept {
   }
 }
 
-bool RunQueue::run_one(TimePoint& now) noexcept {
+[[gnu::hot]] bool RunQueue::run_one(TimePoint& now) noexcept {
   fetch();
   Job* job = first_;
   if (job == nullptr) return false;
@@ -69,7 +69,7 @@ bool RunQueue::run_one(TimePoint& now) noexcept {
   return true;
 }
 
-void RunQueue::fire(TimePoint now) noexcept {
+[[gnu::hot]] void RunQueue::fire(TimePoint now) noexcept {
   while (timers_.next_due() <= now) {
     Job& job = static_cast<Job&>(*timers_.first());
     timers_.clear(job);

@@ -27,6 +27,9 @@ class RunQueue {
     return posted_.load(std::memory_order_seq_cst) != nullptr;
   }
 
+  /// For the runner: whether run_one() would run a job that it has already fetched or queued itself.
+  [[nodiscard]] bool has_ready() const noexcept { return first_ != nullptr; }
+
   /// Runs the job that has been ready longest, if any, and sets its timer as it returns. False: none was
   /// ready.
   bool run_one(TimePoint& now) noexcept;

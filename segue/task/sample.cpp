@@ -135,7 +135,7 @@ std::size_t SamplePool::size() const {
   return size_;
 }
 
-SampleSlot* SamplePool::pop() noexcept {
+[[gnu::hot]] SampleSlot* SamplePool::pop() noexcept {
   if (reserved_ == nullptr) {
     if (free_.load(std::memory_order_relaxed) == nullptr) return nullptr;
     reserved_ = free_.exchange(nullptr, std::memory_order_acquire);
@@ -146,7 +146,7 @@ SampleSlot* SamplePool::pop() noexcept {
   return slot;
 }
 
-SampleSlot* SamplePool::acquire() noexcept {
+[[gnu::hot]] SampleSlot* SamplePool::acquire() noexcept {
   SampleSlot* slot = pop();
   // Slots from before share() are dropped; it has added as many new ones.
   while (slot != nullptr && !slot->shared && shares_.load(std::memory_order_relaxed)) {
@@ -158,7 +158,7 @@ SampleSlot* SamplePool::acquire() noexcept {
   return slot;
 }
 
-void SamplePool::push_chain(SampleSlot* first, SampleSlot* last) noexcept {
+[[gnu::hot]] void SamplePool::push_chain(SampleSlot* first, SampleSlot* last) noexcept {
   SampleSlot* head = free_.load(std::memory_order_relaxed);
   do {
     if (head == retired_mark()) return account(-1);
@@ -166,7 +166,7 @@ void SamplePool::push_chain(SampleSlot* first, SampleSlot* last) noexcept {
   } while (!free_.compare_exchange_weak(head, first, std::memory_order_release, std::memory_order_relaxed));
 }
 
-void SamplePool::recycle(SampleSlot& slot) noexcept {
+[[gnu::hot]] void SamplePool::recycle(SampleSlot& slot) noexcept {
   push_chain(&slot, &slot);
 }
 

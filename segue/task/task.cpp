@@ -49,11 +49,11 @@ std::vector<std::string> names_of(const std::vector<Named*>& all) {
 
 Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Component> made, Activity wanted,
                                      std::shared_ptr<Executor> runner)
-    : name(std::move(task_id)),
-      activity(std::move(wanted)),
-      executor(std::move(runner)),
+    : executor(std::move(runner)),
       component(std::move(made)),
+      activity(std::move(wanted)),
       update_deadline(deadline_of(activity)),
+      name(std::move(task_id)),
       properties_mutex(std::make_shared<std::mutex>()) {
   RealtimeLog::instance();
   ComponentAccess::set_context(*component, this);
@@ -61,11 +61,11 @@ Task::Implementation::Implementation(std::string task_id, std::unique_ptr<Compon
 
 Task::Implementation::Implementation(const Implementation& old, Activity wanted,
                                      std::shared_ptr<Executor> runner)
-    : name(old.name),
-      activity(std::move(wanted)),
-      executor(std::move(runner)),
+    : executor(std::move(runner)),
       component(old.component),
+      activity(std::move(wanted)),
       update_deadline(deadline_of(activity)),
+      name(old.name),
       properties_mutex(old.properties_mutex) {
   ComponentAccess::set_context(*component, this);
 }

@@ -115,35 +115,35 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
 
   enum class Request { None, Exception, Fatal };
 
-  const std::string name;
-  const Activity activity;
+  // First what each update uses, side by side: an update that finds it in few lines of the cache is quicker.
   const std::shared_ptr<Executor> executor;
   const std::shared_ptr<Component> component;  ///< shared with retired implementations
-  Task* task = nullptr;
-
-  detail::Ownership ownership;  ///< any thread
+  detail::Ownership ownership;                 ///< any thread
   /// TaskState in the low byte, above it the index of the sub-state + 1. Any thread reads. Changes are
   /// released and reads acquired, so whoever sees a state sees what led to it.
   std::atomic<std::uint32_t> state_word{0};
-  detail::RealtimeText message;     ///< any thread reads
-  detail::TimingRecorder recorder;  ///< any thread reads
-  detail::Progress progress;        ///< any thread reads
-  const Duration update_deadline;
-  detail::CallQueue calls;  ///< any thread
-  /// Guards the properties against concurrent setting and reading from outside; shared along with the
-  /// component.
-  const std::shared_ptr<std::mutex> properties_mutex;
-
-  Task::StateListener listener;
+  std::uint32_t deferred = 0;            ///< executor's thread only: reasons of turns that were missed
+  std::uint32_t trigger_on_release = 0;  ///< reasons to run when the ownership is released
   Request request = Request::None;
   bool starting = false;
-  bool retired = false;              ///< the component has moved to another task
-  std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
+  bool retired = false;       ///< the component has moved to another task
+  detail::CallQueue calls;    ///< any thread
+  detail::Progress progress;  ///< any thread reads
   std::vector<InputPortBase*> trigger_inputs;
   std::vector<int> descriptors;
   TimePoint due_at{};
-  std::uint32_t trigger_on_release = 0;  ///< reasons to run when the ownership is released
-  std::uint32_t deferred = 0;            ///< executor's thread only: reasons of turns that were missed
+  const Activity activity;
+  const Duration update_deadline;
+  detail::TimingRecorder recorder;  ///< any thread reads
+
+  detail::RealtimeText message;  ///< any thread reads
+  const std::string name;
+  Task* task = nullptr;
+  /// Guards the properties against concurrent setting and reading from outside; shared along with the
+  /// component.
+  const std::shared_ptr<std::mutex> properties_mutex;
+  Task::StateListener listener;
+  std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
 };
 
 template <class Body>

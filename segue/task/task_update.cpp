@@ -24,7 +24,7 @@ bool Task::Implementation::active() const {
   return state() == TaskState::Running || state() == TaskState::RunTimeError;
 }
 
-TimePoint Task::Implementation::run(std::uint32_t reasons, TimePoint& now) noexcept {
+[[gnu::hot]] TimePoint Task::Implementation::run(std::uint32_t reasons, TimePoint& now) noexcept {
   deferred |= reasons;
   // The holder triggers this job again when it is done.
   if (!ownership.try_acquire()) return detail::kNever;
@@ -37,7 +37,7 @@ TimePoint Task::Implementation::run(std::uint32_t reasons, TimePoint& now) noexc
   return next;
 }
 
-bool Task::Implementation::due(std::uint32_t reasons, TimePoint now) const {
+[[gnu::hot]] bool Task::Implementation::due(std::uint32_t reasons, TimePoint now) const {
   switch (activity.trigger) {
     case Trigger::Periodic:
       return now >= due_at;
@@ -49,7 +49,7 @@ bool Task::Implementation::due(std::uint32_t reasons, TimePoint now) const {
   return false;
 }
 
-void Task::Implementation::update(TimePoint& now) noexcept {
+[[gnu::hot]] void Task::Implementation::update(TimePoint& now) noexcept {
   const TimePoint begin = now;
   TimePoint wanted = wanted_since();
   std::uint64_t missed = 0;
@@ -91,7 +91,7 @@ void Task::Implementation::update(TimePoint& now) noexcept {
     retrigger_if_pending();
 }
 
-std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
+[[gnu::hot]] std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
   std::uint64_t count = 0;
   for (const InputPortBase* input : trigger_inputs)
     count += input->samples_read();
@@ -100,7 +100,7 @@ std::uint64_t Task::Implementation::trigger_samples_read() const noexcept {
 
 /// One trigger may stand for several samples. A component that takes one at a time gets another turn as long
 /// as it makes progress.
-void Task::Implementation::retrigger_if_pending() noexcept {
+[[gnu::hot]] void Task::Implementation::retrigger_if_pending() noexcept {
   const auto waits = [](InputPortBase* input) { return input->pending(); };
   if (std::ranges::any_of(trigger_inputs, waits)) executor->trigger(*this, Job::kSample);
 }
@@ -131,7 +131,7 @@ void Task::Implementation::note_operation(TimePoint caller_deadline) noexcept {
   progress.begin(detail::Progress::What::Operation, now + limit, periodic ? due_at : detail::kNever);
 }
 
-void Task::Implementation::release() noexcept {
+[[gnu::hot]] void Task::Implementation::release() noexcept {
   progress.end();
   std::uint32_t reasons = std::exchange(trigger_on_release, 0);
   if (ownership.release()) reasons |= Job::kRetry;

@@ -4,6 +4,7 @@
 #include <segue/task/run_queue.hpp>
 #include <segue/task/thread_executor.hpp>
 #include <segue/task/thread_start.hpp>
+#include <segue/task/wake_batch.hpp>
 
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -30,6 +31,18 @@ constexpr std::uint32_t kInDoorbell = 3;  ///< a futex that other processes can 
 /// After so many jobs in a row, descriptors are polled even though jobs are ready.
 constexpr int kJobsBetweenPolls = 32;
 
+/// While a thread spins, it reads the clock (and polls descriptors) after so many looks at memory.
+constexpr int kLooksBetweenReadings = 16;
+
+/// Tells the processor that this is a loop that waits, so that a sibling of its core gets on faster.
+void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
 timespec to_timespec(Duration duration) {
   const auto count = std::max(duration, Duration::zero()).count();
   return {static_cast<time_t>(count / 1'000'000'000), static_cast<long>(count % 1'000'000'000)};
@@ -53,6 +66,8 @@ struct ThreadExecutor::State {
   void wake() noexcept;
   void loop() noexcept;
   void answer(Doorbell& ringing) noexcept;
+  [[nodiscard]] bool has_work() const noexcept;
+  bool spin(TimePoint& now) noexcept;
   void sleep(TimePoint& now) noexcept;
   void sleep_in_poll(TimePoint now, TimePoint until) noexcept;
   void collect_events(const timespec* timeout, TimePoint now) noexcept;
@@ -84,8 +99,8 @@ struct ThreadExecutor::State {
 };
 
 namespace {
-/// The executor that runs on this thread.
-thread_local const void* current_executor = nullptr;
+/// The executor that runs on this thread. Reached without a call, since every trigger looks at it.
+[[gnu::tls_model("initial-exec")]] thread_local const void* current_executor = nullptr;
 }  // namespace
 
 Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string& name,
@@ -95,7 +110,7 @@ Result<std::shared_ptr<ThreadExecutor>> ThreadExecutor::create(const std::string
   state->activity = activity;
   std::shared_ptr<ThreadExecutor> executor(new ThreadExecutor(state));
   auto argument = std::make_unique<std::shared_ptr<State>>(state);
-  state->awake_since.store(RealClock::instance().now().time_since_epoch().count(), std::memory_order_relaxed);
+  state->awake_since.store(monotonic_now().time_since_epoch().count(), std::memory_order_relaxed);
   auto started = detail::start_thread(name, activity, &State::main, argument.get());
   if (!started) {
     executor->state_.reset();
@@ -136,16 +151,16 @@ bool ThreadExecutor::is_current() const noexcept {
   return current_executor == state_.get();
 }
 
-void ThreadExecutor::trigger(Job& job, Job::Reason reason) noexcept {
+[[gnu::hot]] void ThreadExecutor::trigger(Job& job, Job::Reason reason) noexcept {
   State& state = *state_;
   if (current_executor == &state) {
     state.queue.post_here(job, reason, state.now);
   } else if (state.queue.post(job, reason, clock().now())) {
-    state.wake();
+    detail::WakeBatch::add([](void* sleeper) noexcept { static_cast<State*>(sleeper)->wake(); }, &state);
   }
 }
 
-void ThreadExecutor::State::wake() noexcept {
+[[gnu::hot]] void ThreadExecutor::State::wake() noexcept {
   if (sleeping.load(std::memory_order_seq_cst) == kAwake) return;
   const std::uint32_t how = sleeping.exchange(kAwake, std::memory_order_seq_cst);
   if (how == kInFutex) detail::futex_wake(sleeping, 1);
@@ -153,8 +168,8 @@ void ThreadExecutor::State::wake() noexcept {
   if (how == kInDoorbell) doorbell.load(std::memory_order_acquire)->wake();
 }
 
-void ThreadExecutor::State::loop() noexcept {
-  now = RealClock::instance().now();
+[[gnu::hot]] void ThreadExecutor::State::loop() noexcept {
+  now = monotonic_now();
   int jobs_since_poll = 0;
   while (!stop.load(std::memory_order_relaxed)) {
     if (queue.next_due() <= now) queue.fire(now);
@@ -162,24 +177,46 @@ void ThreadExecutor::State::loop() noexcept {
     if (ringing != nullptr && ringing->rung()) answer(*ringing);
     if (!queue.run_one(now)) {
       jobs_since_poll = 0;
-      sleep(now);
+      if (!spin(now)) sleep(now);
     } else if (++jobs_since_poll >= kJobsBetweenPolls) {
       jobs_since_poll = 0;
       const timespec at_once{};
-      if (polls.load(std::memory_order_relaxed)) collect_events(&at_once, now);
+      if (polls.load(std::memory_order_acquire)) collect_events(&at_once, now);
     }
   }
 }
 
 /// Jobs that are triggered by it have been wanted since the ring.
-void ThreadExecutor::State::answer(Doorbell& ringing) noexcept {
+[[gnu::hot]] void ThreadExecutor::State::answer(Doorbell& ringing) noexcept {
   const TimePoint present = now;
   now = ringing.rung_since(present);
   ringing.answer();
   now = present;
 }
 
-void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
+[[gnu::hot]] bool ThreadExecutor::State::has_work() const noexcept {
+  const Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
+  return queue.has_posted() || (ringing != nullptr && ringing->rung()) ||
+         stop.load(std::memory_order_seq_cst);
+}
+
+/// Looks for work for as long as the activity says. True: there may be some. Nobody needs to wake the thread
+/// meanwhile, since `sleeping` says that it is awake.
+[[gnu::hot]] bool ThreadExecutor::State::spin(TimePoint& time) noexcept {
+  if (activity.spin == Duration::zero()) return false;
+  const TimePoint until = std::min(time + activity.spin, queue.next_due());
+  while (time < until) {
+    for (int looks = 0; looks < kLooksBetweenReadings && !has_work(); ++looks)
+      relax();
+    time = monotonic_now();
+    const timespec at_once{};
+    if (polls.load(std::memory_order_acquire)) collect_events(&at_once, time);
+    if (has_work() || queue.has_ready()) return true;
+  }
+  return queue.next_due() <= time;
+}
+
+[[gnu::hot]] void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   const TimePoint until = queue.next_due();
   const bool in_poll = polls.load(std::memory_order_acquire);
   Doorbell* const ringing = doorbell.load(std::memory_order_acquire);
@@ -200,19 +237,19 @@ void ThreadExecutor::State::sleep(TimePoint& time) noexcept {
   }
   sleeping.store(kAwake, std::memory_order_relaxed);
   if (ringing != nullptr) ringing->set_sleep(Doorbell::Sleep::Awake);
-  time = RealClock::instance().now();
+  time = monotonic_now();
   if (stays) return;
   awake_since.store(time.time_since_epoch().count(), std::memory_order_relaxed);
 }
 
-void ThreadExecutor::State::note_sleep(TimePoint begin) noexcept {
+[[gnu::hot]] void ThreadExecutor::State::note_sleep(TimePoint begin) noexcept {
   const std::int64_t awake = begin.time_since_epoch().count() - awake_since.load(std::memory_order_relaxed);
   busy_before.store(busy_before.load(std::memory_order_relaxed) + std::max<std::int64_t>(awake, 0),
                     std::memory_order_relaxed);
   awake_since.store(0, std::memory_order_relaxed);
 }
 
-void ThreadExecutor::State::sleep_in_futex(Doorbell* ringing, TimePoint until) noexcept {
+[[gnu::hot]] void ThreadExecutor::State::sleep_in_futex(Doorbell* ringing, TimePoint until) noexcept {
   if (ringing == nullptr) {
     detail::futex_wait(sleeping, kInFutex, until);
   } else {
@@ -222,7 +259,7 @@ void ThreadExecutor::State::sleep_in_futex(Doorbell* ringing, TimePoint until) n
 
 void ThreadExecutor::State::sleep_in_poll(TimePoint time, TimePoint until) noexcept {
   if (until == detail::kNever) return collect_events(nullptr, time);
-  const timespec timeout = to_timespec(until - RealClock::instance().now());
+  const timespec timeout = to_timespec(until - monotonic_now());
   collect_events(&timeout, time);
 }
 
@@ -230,7 +267,7 @@ void ThreadExecutor::State::collect_events(const timespec* timeout, TimePoint ti
   std::array<epoll_event, 16> events{};
   const int count =
       epoll_pwait2(poll_descriptor, events.data(), static_cast<int>(events.size()), timeout, nullptr);
-  if (count > 0) time = RealClock::instance().now();
+  if (count > 0) time = monotonic_now();
   for (int i = 0; i < count; ++i) {
     void* job = events[static_cast<std::size_t>(i)].data.ptr;
     if (job == nullptr) {
@@ -351,7 +388,7 @@ Executor::Usage ThreadExecutor::usage() const {
   }
   usage.busy = Duration(state_->busy_before.load(std::memory_order_relaxed));
   const std::int64_t since = state_->awake_since.load(std::memory_order_relaxed);
-  if (since != 0) usage.busy += RealClock::instance().now().time_since_epoch() - Duration(since);
+  if (since != 0) usage.busy += monotonic_now().time_since_epoch() - Duration(since);
   return usage;
 }
 

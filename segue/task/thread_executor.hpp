@@ -9,16 +9,19 @@
 
 namespace segue::task {
 
-/// Runs jobs on a thread of its own, which sleeps when there is nothing to do. Jobs that trigger others on
+/// Runs jobs on a thread of its own, which sleeps when there is nothing to do, after looking for work for as
+/// long as Activity::spin says. Jobs that trigger others on
 /// the same executor need no wake-up.
 class ThreadExecutor final : public Executor {
  public:
   /// The thread gets `name` (cut at 15 bytes) and the scheduler, priority and processors of `activity`.
-  /// PermissionDenied where the system refuses these, unless they are optional.
+  /// InvalidArgument for a priority, a processor or a spin that cannot be; PermissionDenied where the system
+  /// refuses these, unless they are optional.
   static Result<std::shared_ptr<ThreadExecutor>> create(const std::string& name, const Activity& activity);
   /// Requires that all jobs were removed. Waits for the thread, unless called from it.
   ~ThreadExecutor() override;
 
+  /// Wakes the thread, if it sleeps, at the end of the caller's detail::WakeBatch, if there is one.
   void trigger(Job& job, Job::Reason reason) noexcept override;
   void remove(Job& job) override;
   Result<void> watch(Job& job, int descriptor) override;

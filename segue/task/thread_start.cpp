@@ -46,6 +46,12 @@ Result<void> check(const std::string& name, const Activity& activity) {
                     std::string(to_string(activity.scheduler)) + ": choose one from 1 to 99",
                 name);
   }
+  if (activity.spin < Duration::zero() || activity.spin > kLongestSpin) {
+    return fail(ErrorCode::InvalidArgument,
+                "a thread spins for at most " + format_duration(kLongestSpin) + ", not " +
+                    format_duration(activity.spin),
+                name);
+  }
   for (const int processor : activity.cpus) {
     if (processor >= 0 && processor < CPU_SETSIZE) continue;
     return fail(ErrorCode::InvalidArgument, "there is no processor " + std::to_string(processor), name);

@@ -16,8 +16,8 @@ void TimingRecorder::reset(const Executor& executor) {
   busy_at_start_.store(usage.busy.count(), std::memory_order_relaxed);
 }
 
-void TimingRecorder::record(TimePoint due, TimePoint begin, TimePoint end, Duration period,
-                            std::uint64_t missed) noexcept {
+[[gnu::hot]] void TimingRecorder::record(TimePoint due, TimePoint begin, TimePoint end, Duration period,
+                                         std::uint64_t missed) noexcept {
   const std::int64_t duration = (end - begin).count();
   const std::int64_t latency = std::max<std::int64_t>((begin - due).count(), 0);
   const std::int64_t begin_count = begin.time_since_epoch().count();

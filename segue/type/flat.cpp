@@ -376,6 +376,10 @@ bool read_flat(const TypeInfo& info, void* object, std::span<const std::byte> by
   return get(*info.described, object, source) && source.left() == 0;
 }
 
+bool has_invalid_bytes(const TypeInfo& info) noexcept {
+  return info.described != nullptr && info.described->flat.checked;
+}
+
 bool are_valid_bytes(const TypeInfo& info, const void* object) noexcept {
   return info.described == nullptr || are_valid(*info.described, static_cast<const std::byte*>(object));
 }

@@ -130,6 +130,9 @@ inline Activity random_activity(Random& random) {
   if (one_in(random, 3)) activity.thread = "group" + std::to_string(up_to(random, 2));
   activity.optional = one_in(random, 4);
   if (one_in(random, 4)) activity.update_deadline = Duration(1 + up_to(random, 2'000'000'000));
+  const bool is_periodic = activity.trigger == Trigger::Periodic;
+  const Duration spin = Duration(1 + up_to(random, 9'999'999));
+  if (one_in(random, 4) && !(is_periodic && spin >= activity.period)) activity.spin = spin;
   return activity;
 }
 

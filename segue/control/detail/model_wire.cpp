@@ -163,6 +163,7 @@ void encode(const Activity& activity, wire::Activity::Builder builder) {
   encode_numbers(activity.cpus, builder.initCpus(count_of(activity.cpus)));
   builder.setThread(as_text(activity.thread));
   builder.setUpdateDeadline(activity.update_deadline.count());
+  builder.setSpin(activity.spin.count());
 }
 
 Activity decode(wire::Activity::Reader reader) {
@@ -175,6 +176,7 @@ Activity decode(wire::Activity::Reader reader) {
   activity.cpus = decode_numbers(reader.getCpus());
   activity.thread = as_string(reader.getThread());
   activity.update_deadline = Duration(reader.getUpdateDeadline());
+  activity.spin = Duration(reader.getSpin());
   return activity;
 }
 
