@@ -22,13 +22,15 @@ std::string policy_name(const Policy& policy) {
   return std::string(to_string(policy.kind));
 }
 
-/// One sample at a time through P -> R -> C, each with a thread of its own; with `cpu` all threads are pinned
-/// to it.
-Summary own_threads(const Policy& policy) {
+/// One sample at a time through P -> R -> C, each with a thread of its own, which spins for so long before it
+/// sleeps.
+Summary own_threads(const Policy& policy, Duration spin = {}) {
   Bench bench;
   Source<Stamped> source;
-  auto& relay = bench.run<Relay>("relay");
-  auto& sink = bench.run<Sink<Stamped>>("sink");
+  segue::Activity activity;
+  activity.spin = spin;
+  auto& relay = bench.run<Relay>("relay", activity);
+  auto& sink = bench.run<Sink<Stamped>>("sink", activity);
   bench.connect(source.output, relay.input, policy);
   bench.connect(relay.output, sink.input, policy);
   std::vector<Duration> durations;
@@ -45,15 +47,18 @@ Summary own_threads(const Policy& policy) {
 Summary in_group(std::size_t relays, const Policy& policy) {
   Bench bench;
   Source<Stamped> source;
-  Relay& first = bench.run<Relay>("r0", "group");
+  segue::Activity group;
+  group.thread = "group";
+  Relay& first = bench.run<Relay>("r0", group);
+  first.notes_time = true;  // the others only pass samples on
   bench.connect(source.output, first.input, policy);
   Relay* last = &first;
   for (std::size_t i = 1; i < relays; ++i) {
-    Relay& next = bench.run<Relay>("r" + std::to_string(i), "group");
+    Relay& next = bench.run<Relay>("r" + std::to_string(i), group);
     bench.connect(last->output, next.input, policy);
     last = &next;
   }
-  auto& sink = bench.run<Sink<Stamped>>("sink", "group");
+  auto& sink = bench.run<Sink<Stamped>>("sink", group);
   bench.connect(last->output, sink.input, policy);
   std::vector<Duration> durations;
   for (std::uint64_t round = 1; round <= kRounds; ++round) {
@@ -110,6 +115,7 @@ void hops() {
        {Policy{}, Policy{BufferKind::Buffer, 10}, Policy{BufferKind::CircularBuffer, 10}}) {
     table.add("segue, " + policy_name(policy), own_threads(policy), 1, floor.median);
   }
+  table.add("segue, data, threads spin for 10 ms", own_threads({}, segue::kLongestSpin), 1, floor.median);
   const Summary again = futex_chain(2, kRounds, std::nullopt);
   table.add("floor again", again, 1, floor.median);
   table.print();

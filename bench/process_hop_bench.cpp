@@ -22,6 +22,7 @@ Transports transports(bool roudi) {
   all.push_back(make_segue(SegueWay::Loaned));
   all.push_back(make_segue(SegueWay::Copied));
   all.push_back(make_segue(SegueWay::Flat));
+  all.push_back(make_segue(SegueWay::Spinning));
   all.push_back(make_unix_socket());
   if (auto cyclone = make_cyclone()) all.push_back(std::move(cyclone));
   if (auto iceoryx = roudi ? make_iceoryx() : nullptr) all.push_back(std::move(iceoryx));

@@ -125,21 +125,23 @@ class Noter final : public segue::task::Component {
   void on_update() override {
     while (auto sample = input.take()) {
       if (board != nullptr) board->arrive({sample->sent_ns, sample->number});
-      if (sample->number == kLast) ended.store(true, std::memory_order_release);
+      if (sample->number != kLast) continue;
+      ended.store(true, std::memory_order_release);
+      ended.notify_one();
     }
   }
 };
 
 template <class T>
-void read_samples(const End& end) {
+void read_samples(const End& end, const segue::Activity& activity = {}) {
   auto memory = link::SharedMemory::create(memory_for(0));
   if (!memory) require(std::move(memory.error()));
   Bench bench;
-  auto& noter = bench.run<Noter<T>>("noter");
+  auto& noter = bench.run<Noter<T>>("noter", activity);
   noter.board = &end.board;
   auto endpoint = connect_reader(**memory, end.socket, noter.input, policy_for(end.bytes));
   if (!endpoint) require(std::move(endpoint.error()));
-  wait_for([&] { return noter.ended.load(std::memory_order_acquire); });
+  noter.ended.wait(false, std::memory_order_acquire);  // asleep, so that only the task's thread is measured
 }
 
 template <class W>
@@ -152,10 +154,14 @@ std::unique_ptr<Writer> connected(const End& end) {
 template <std::size_t N>
 struct Sized {
   static std::unique_ptr<Writer> open(const End& end, SegueWay way) {
-    if (way == SegueWay::Loaned) return connected<LoanWriter<Block<N>>>(end);
+    if (way != SegueWay::Copied) return connected<LoanWriter<Block<N>>>(end);
     return connected<CopyWriter<Block<N>>>(end);
   }
-  static void read(const End& end) { read_samples<Block<N>>(end); }
+  static void read(const End& end, SegueWay way) {
+    segue::Activity activity;
+    if (way == SegueWay::Spinning) activity.spin = segue::kLongestSpin;
+    read_samples<Block<N>>(end, activity);
+  }
 };
 
 class Segue final : public Transport {
@@ -163,9 +169,17 @@ class Segue final : public Transport {
   explicit Segue(SegueWay way) : way_(way) {}
 
   [[nodiscard]] std::string name() const override {
-    if (way_ == SegueWay::Loaned) return "segue, loaned";
-    return way_ == SegueWay::Copied ? "segue, written (one copy)"
-                                    : "segue, a vector inside (flat, two copies)";
+    switch (way_) {
+      case SegueWay::Loaned:
+        return "segue, loaned";
+      case SegueWay::Copied:
+        return "segue, written (one copy)";
+      case SegueWay::Flat:
+        return "segue, a vector inside (flat, two copies)";
+      case SegueWay::Spinning:
+        return "segue, loaned, reader spins for 10 ms";
+    }
+    return {};
   }
 
   [[nodiscard]] bool carries(std::size_t bytes) const override {
@@ -192,15 +206,15 @@ class Segue final : public Transport {
     if (way_ == SegueWay::Flat) return read_samples<Grown>(end);
     switch (end.bytes) {
       case 16:
-        return Sized<16>::read(end);
+        return Sized<16>::read(end, way_);
       case 64:
-        return Sized<64>::read(end);
+        return Sized<64>::read(end, way_);
       case 1000:
-        return Sized<1000>::read(end);
+        return Sized<1000>::read(end, way_);
       case 1'000'000:
-        return Sized<1'000'000>::read(end);
+        return Sized<1'000'000>::read(end, way_);
       default:
-        return Sized<100'000'000>::read(end);
+        return Sized<100'000'000>::read(end, way_);
     }
   }
 

@@ -42,9 +42,9 @@ using Transports = std::vector<std::unique_ptr<Transport>>;
 std::unique_ptr<Transport> make_futex();
 std::unique_ptr<Transport> make_unix_socket();
 
-/// How a sample is written to shared memory: in place; copied from an object without pointers; or with a
-/// vector inside, in the flat layout.
-enum class SegueWay { Loaned, Copied, Flat };
+/// How a sample is written to shared memory: in place; copied from an object without pointers; with a vector
+/// inside, in the flat layout; or in place for a reader that spins before it sleeps.
+enum class SegueWay { Loaned, Copied, Flat, Spinning };
 std::unique_ptr<Transport> make_segue(SegueWay way);
 
 /// Other middleware: null if not available at build time.

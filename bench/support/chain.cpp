@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <thread>
 
 namespace bench {
 namespace {
@@ -13,11 +12,6 @@ segue::TimePoint soon() {
 }
 
 }  // namespace
-
-void wait_for(const std::function<bool()>& done) {
-  while (!done())
-    std::this_thread::sleep_for(std::chrono::microseconds(50));
-}
 
 void require(const segue::Result<void>& result) {
   if (result) return;
@@ -32,9 +26,7 @@ void Bench::connect(segue::task::OutputPortBase& from, segue::task::InputPortBas
 }
 
 void Bench::add(const std::string& id, std::unique_ptr<segue::task::Component> component,
-                const std::string& group) {
-  segue::Activity activity;
-  activity.thread = group;
+                const segue::Activity& activity) {
   auto executor = executors_.executor_for(id, activity);
   if (!executor) require(std::move(executor.error()));
   auto task = segue::task::Task::create(id, std::move(component), activity, *executor);

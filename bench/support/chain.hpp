@@ -52,10 +52,11 @@ class Relay : public segue::task::Component {
  public:
   segue::task::InputPort<Stamped> input{*this, "input"};
   segue::task::OutputPort<Stamped> output{*this, "output"};
-  std::atomic<std::int64_t> updated_ns{0};  ///< when the last update began
+  bool notes_time = false;
+  std::atomic<std::int64_t> updated_ns{0};  ///< when the last update began, if it notes that
 
   void on_update() override {
-    updated_ns.store(now_ns(), std::memory_order_relaxed);
+    if (notes_time) updated_ns.store(now_ns(), std::memory_order_relaxed);
     Stamped sample;
     while (input.read(sample) == segue::task::ReadStatus::NewData)
       output.write(sample);
@@ -80,21 +81,18 @@ class Sink : public segue::task::Component {
   }
 };
 
-/// Waits without occupying a processor.
-void wait_for(const std::function<bool()>& done);
-
 /// Ends the program with the error.
 void require(const segue::Result<void>& result);
 
 /// Running tasks and their components.
 class Bench {
  public:
-  /// Creates, configures and starts a task with its own thread or in the named thread group.
+  /// Creates, configures and starts a task.
   template <class C>
-  C& run(const std::string& id, const std::string& group = {}) {
+  C& run(const std::string& id, const segue::Activity& activity = {}) {
     auto component = std::make_unique<C>();
     C& made = *component;
-    add(id, std::move(component), group);
+    add(id, std::move(component), activity);
     return made;
   }
   void connect(segue::task::OutputPortBase& from, segue::task::InputPortBase& to,
@@ -102,7 +100,7 @@ class Bench {
 
  private:
   void add(const std::string& id, std::unique_ptr<segue::task::Component> component,
-           const std::string& group);
+           const segue::Activity& activity);
   segue::task::ExecutorSet executors_;
   std::vector<std::unique_ptr<segue::task::Task>> tasks_;
 };

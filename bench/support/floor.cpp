@@ -65,8 +65,7 @@ Summary futex_chain(std::size_t hops, std::size_t repeats, std::optional<int> cp
     std::this_thread::sleep_for(std::chrono::milliseconds(1));  // until all threads sleep
     begin = segue::RealClock::instance().now();
     stations[0].hand_over(static_cast<std::uint32_t>(round + 1));
-    while (arrived.load(std::memory_order_acquire) <= round)
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    wait_for([&] { return arrived.load(std::memory_order_acquire) > round; });
   }
   for (std::thread& thread : threads)
     thread.join();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <thread>
 #include <utility>
 
 namespace bench {
@@ -20,6 +21,11 @@ Summary summarise(std::vector<Duration> durations) {
   std::ranges::sort(durations);
   const std::size_t last = durations.size() - 1;
   return {durations.front(), durations[last / 2], durations[last * 99 / 100], durations.size()};
+}
+
+void wait_for(const std::function<bool()>& done) {
+  while (!done())
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
 }
 
 Summary measure(std::size_t repeats, const std::function<void()>& prepare,

@@ -29,6 +29,9 @@ Summary measure(std::size_t repeats, const std::function<void()>& work);
 /// The same, with a preparation before each repetition that is not timed.
 Summary measure(std::size_t repeats, const std::function<void()>& prepare, const std::function<void()>& work);
 
+/// Waits without occupying a processor: looks every 50 us.
+void wait_for(const std::function<bool()>& done);
+
 /// Rows of one experiment. Printed as a table, or as CSV if `SEGUE_BENCH_CSV` is set.
 class Table {
  public:
