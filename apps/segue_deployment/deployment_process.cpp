@@ -143,7 +143,8 @@ int serve(const Assignment& assignment, const Workshop& workshop, process::Inher
   deploy::LocalDeployment deployment(info_of(launch, (*memory)->incarnation()), tasks, *memory);
   auto server = control::Server::serve(process.take_listener(), &deployment);
   if (!server) return give_up(process::kNoMemory, server.error());
-  process::OutputLog output(assignment.log, assignment.log_size, assignment.log_files);
+  process::OutputLog output(assignment.log, assignment.log_size, assignment.log_files,
+                            process.take_output_changes());
   while (!process.wait_for_end(kHousekeeping, output.changes()) && !process.wait_for_end(kOutputLag))
     output.rotate();
   if (!deployment.shut_down(RealClock::instance().now() + kShutDownTime)) {

@@ -26,10 +26,11 @@ struct Assignment {
 
 /// The descriptors that the program inherits besides standard input, output and error.
 enum Inherited : int {
-  kAssignment = 3,  ///< an anonymous file with the Assignment as JSON
-  kListener = 4,    ///< its Unix socket, which listens already
-  kLock = 5,        ///< the locked file beside the socket; the lock ends with the process
-  kFirstFree = 6
+  kAssignment = 3,     ///< an anonymous file with the Assignment as JSON
+  kListener = 4,       ///< its Unix socket, which listens already
+  kLock = 5,           ///< the locked file beside the socket; the lock ends with the process
+  kOutputChanges = 6,  ///< tells when its log has grown (open_output_changes())
+  kFirstFree = 7
 };
 
 /// How the program ends. The last line of its log gives the details.

@@ -51,7 +51,8 @@ std::string own_program() {
 
 }  // namespace
 
-InheritedProcess::InheritedProcess() : listener_(take(kListener)), lock_(take(kLock)) {
+InheritedProcess::InheritedProcess()
+    : listener_(take(kListener)), lock_(take(kLock)), output_changes_(take(kOutputChanges)) {
   ::fcntl(kAssignment, F_SETFD, FD_CLOEXEC);
   const sigset_t signals = end_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);

@@ -22,6 +22,8 @@ class InheritedProcess {
   void begin(const std::filesystem::path& socket, std::string_view software);
   /// The listening socket; may be called once.
   Descriptor take_listener() { return std::move(listener_); }
+  /// What tells when the log has grown, for OutputLog; may be called once.
+  Descriptor take_output_changes() { return std::move(output_changes_); }
   /// Waits for at most `most`, or until the descriptor is readable (-1: none); true where the process has
   /// been asked to end.
   bool wait_for_end(Duration most, int readable = -1);
@@ -31,6 +33,7 @@ class InheritedProcess {
  private:
   Descriptor listener_;
   Descriptor lock_;
+  Descriptor output_changes_;
   Descriptor signals_;  ///< that ask it to end
   std::filesystem::path socket_;
 };

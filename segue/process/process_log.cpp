@@ -4,6 +4,7 @@
 #include <segue/process/process_log.hpp>
 
 #include <fcntl.h>
+#include <sys/eventfd.h>
 #include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -67,8 +68,15 @@ Result<Descriptor> open_log(const fs::path& log) {
   return file;
 }
 
-OutputLog::OutputLog(fs::path log, std::size_t size, int files)
-    : log_(std::move(log)), size_(size), files_(files), changes_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
+Result<Descriptor> open_output_changes() {
+  Descriptor changes(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK));
+  if (!changes.valid()) changes = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!changes.valid()) return system_error("cannot watch a log", errno);
+  return changes;
+}
+
+OutputLog::OutputLog(fs::path log, std::size_t size, int files, Descriptor changes)
+    : log_(std::move(log)), size_(size), files_(files), changes_(std::move(changes)) {
   watch();
 }
 

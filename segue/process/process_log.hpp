@@ -15,14 +15,21 @@ namespace segue::process {
 /// Opens a log for appending and creates it with mode 0600 if need be. Fails for symbolic links.
 Result<Descriptor> open_log(const std::filesystem::path& log);
 
+/// What an OutputLog watches its log with. Who starts a process makes it, hands it over and keeps a
+/// duplicate: the system takes up to some 20 ms to close the last one, which would delay the end of the
+/// process. Where the system cannot watch any more files, it never becomes readable. ResourceExhausted where
+/// there is no descriptor left.
+Result<Descriptor> open_output_changes();
+
 /// The log of the process whose standard output and error it is: once the file has grown beyond `size` bytes,
 /// it is renamed to `log`.1, that one to .2 and so on up to `files`, and the output goes on in a new file.
 /// Not thread safe.
 class OutputLog {
  public:
-  OutputLog(std::filesystem::path log, std::size_t size, int files);
+  /// `changes` is what open_output_changes() has made; it may be invalid.
+  OutputLog(std::filesystem::path log, std::size_t size, int files, Descriptor changes);
   /// Becomes readable when there is output, so that a log is not seen to be too large only now and then; -1
-  /// where the system cannot tell.
+  /// where nothing tells.
   [[nodiscard]] int changes() const { return changes_.get(); }
   /// Where renaming fails, the output stays where it is. After this, `changes` waits for further output.
   void rotate();

@@ -154,8 +154,11 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
   if (!output)
     log(LogLevel::Error, kLogSource,
         "output of " + named(entry.info) + " is lost: " + to_string(output.error()));
-  const detail::HandedOver files{output ? output->get() : -1, assignment->get(), place.socket(),
-                                 place.lock()};
+  auto changes = open_output_changes();
+  if (!changes) return std::move(changes.error());
+  entry.output_changes = std::move(*changes);
+  const detail::HandedOver files{output ? output->get() : -1, assignment->get(), place.socket(), place.lock(),
+                                 entry.output_changes.get()};
   if (fork(what, entry, files)) return {};
   const std::string title = detail::process_title(what.robot, entry.info.socket);
   auto pid = detail::spawn(program, {title}, what.deployment.environment, files);
@@ -168,6 +171,11 @@ Result<void> ProcessServer::Implementation::launch(const Launch& what, ProcessEn
 void ProcessServer::Implementation::set_pid(ProcessEntry& entry, int pid) {
   const std::lock_guard lock(mutex);
   entry.info.pid = pid;
+}
+
+/// Closing it may take 20 ms, for which the ends of other processes need not wait.
+void ProcessServer::Implementation::retire(Descriptor output_changes) {
+  closing.submit([last = std::make_shared<Descriptor>(std::move(output_changes))] {});
 }
 
 fs::path ProcessServer::Implementation::enter_group(const ProcessEntry& entry,
@@ -258,6 +266,7 @@ void ProcessServer::Implementation::finish(std::uint64_t id) {
   detail::remove_cgroup(entry->cgroup);
   detail::remove_if_stale(info.socket);
   if (!reason.requested) note_in_log(info, reason);
+  retire(std::move(entry->output_changes));
   ProcessInfo ended = info;
   ended.exit = reason;
   {

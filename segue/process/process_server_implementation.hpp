@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/concurrent/thread_pool.hpp>
 #include <segue/process/assignment.hpp>
 #include <segue/process/process_log.hpp>
 #include <segue/process/process_place.hpp>
@@ -51,6 +52,7 @@ struct ProcessServer::Implementation {
   /// Moves it into a control group of its own; empty where none is wanted or possible.
   [[nodiscard]] std::filesystem::path enter_group(const detail::ProcessEntry& entry,
                                                   std::optional<std::uint64_t> memory) const;
+  void retire(Descriptor output_changes);
   /// Deals with the end of a process; on the watching thread.
   void finish(std::uint64_t id);
 
@@ -68,6 +70,8 @@ struct ProcessServer::Implementation {
 
   std::mutex listener_mutex;
   Listener listener;
+
+  concurrent::ThreadPool closing{"segue-closing", {1, 0}};  ///< see retire()
 
   std::unique_ptr<detail::ProcessWatch> watch;  ///< destroyed first, since its thread uses all of the above
 };

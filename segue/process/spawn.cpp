@@ -23,8 +23,10 @@ Result<void> describe(ChildProcess& child, const HandedOver& files) {
     auto done = files.output < 0 ? child.open_null(number) : child.hand_over(files.output, number);
     if (!done) return done;
   }
-  const std::pair<int, int> handed[] = {
-      {files.assignment, kAssignment}, {files.listener, kListener}, {files.lock, kLock}};
+  const std::pair<int, int> handed[] = {{files.assignment, kAssignment},
+                                        {files.listener, kListener},
+                                        {files.lock, kLock},
+                                        {files.output_changes, kOutputChanges}};
   for (const auto& [source, number] : handed) {
     if (source < 0) continue;
     if (auto done = child.hand_over(source, number); !done) return done;

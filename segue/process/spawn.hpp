@@ -20,6 +20,7 @@ struct HandedOver {
   int assignment = -1;
   int listener = -1;
   int lock = -1;
+  int output_changes = -1;
 };
 
 /// Starts `program` by ChildProcess with `environment` added to that of this process. Fails, and leaves no

@@ -84,7 +84,8 @@ Result<pid_t> Zygote::launch(const std::string& title, const HandedOver& files) 
   std::copy(title.begin(), title.end(), request.title.begin());
   const Descriptor null(files.output < 0 ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : -1);
   const std::array<int, kHandedDescriptors> descriptors = {files.output < 0 ? null.get() : files.output,
-                                                           files.assignment, files.listener, files.lock};
+                                                           files.assignment, files.listener, files.lock,
+                                                           files.output_changes};
   const std::lock_guard lock(mutex_);
   const auto reply = ask(request, descriptors);
   if (!reply) return fail(ErrorCode::Unavailable, "the zygote is gone; its log says why");

@@ -14,8 +14,8 @@ namespace segue::process::detail {
 
 /// Longer than any title: a title is a part of the socket's path, whose length the system limits to 107.
 inline constexpr std::size_t kTitleSize = 128;
-/// The descriptors of a Launch request: output, assignment, listener and lock.
-inline constexpr std::size_t kHandedDescriptors = 4;
+/// The descriptors of a Launch request: output, assignment, listener, lock and output changes.
+inline constexpr std::size_t kHandedDescriptors = 5;
 inline constexpr std::string_view kZygoteOption = "--zygote";
 
 enum class ZygoteRequestKind : std::uint32_t { Launch, Reap };

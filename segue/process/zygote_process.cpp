@@ -56,8 +56,8 @@ void set_command(CommandLine command, const char* title) {
 /// Gives the descriptors the numbers that the program expects (Inherited). They all have higher numbers
 /// before, so none is overwritten too early.
 bool arrange(const std::vector<Descriptor>& handed) {
-  const std::pair<int, int> places[] = {
-      {0, STDOUT_FILENO}, {0, STDERR_FILENO}, {1, kAssignment}, {2, kListener}, {3, kLock}};
+  const std::pair<int, int> places[] = {{0, STDOUT_FILENO}, {0, STDERR_FILENO}, {1, kAssignment},
+                                        {2, kListener},     {3, kLock},         {4, kOutputChanges}};
   return std::all_of(std::begin(places), std::end(places), [&](const auto& place) {
     return ::dup2(handed[static_cast<std::size_t>(place.first)].get(), place.second) >= 0;
   });
@@ -82,7 +82,7 @@ Descriptor above_inherited(int descriptor) {
 void occupy_inherited() {
   Descriptor null(::open("/dev/null", O_RDWR | O_CLOEXEC));
   null = above_inherited(null.get());
-  for (const int number : {int{kAssignment}, int{kListener}, int{kLock}})
+  for (const int number : {int{kAssignment}, int{kListener}, int{kLock}, int{kOutputChanges}})
     ::dup3(null.get(), number, O_CLOEXEC);
 }
 

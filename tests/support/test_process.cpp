@@ -78,7 +78,8 @@ int run() {
   if (what == "end slowly") end_slowly(process);
   if (what == "child") start_stubborn_child();
   if (what == "chatter") chatter();
-  process::OutputLog output(assignment->log, assignment->log_size, assignment->log_files);
+  process::OutputLog output(assignment->log, assignment->log_size, assignment->log_files,
+                            process.take_output_changes());
   std::printf("ready\n");
   const Duration most =
       what == "print once" ? Duration(std::chrono::hours(1)) : std::chrono::milliseconds(20);
