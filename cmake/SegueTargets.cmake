@@ -75,6 +75,30 @@ function(segue_folder NAME)
           FILES_MATCHING PATTERN "*.hpp" PATTERN "*test_support.hpp" EXCLUDE PATTERN "fake_*.hpp" EXCLUDE)
 endfunction()
 
+# segue_embed(TARGET folders...)
+# Makes the code of these folders a part of the program, in place of their shared libraries. A program that is started
+# often begins several times as quickly then: most of what the dynamic loader does for it is looking up the symbols by
+# which libraries call each other. The symbols are exported, so that a library that is loaded later, and needs one of
+# these folders itself, uses the program's. Folders that component libraries link (task and what it needs) stay shared.
+function(segue_embed TARGET)
+  foreach(folder IN LISTS ARGN)
+    target_sources(${TARGET} PRIVATE $<TARGET_OBJECTS:segue_${folder}>)
+    target_include_directories(${TARGET} PRIVATE $<TARGET_PROPERTY:segue_${folder},INTERFACE_INCLUDE_DIRECTORIES>)
+  endforeach()
+  set_target_properties(${TARGET} PROPERTIES ENABLE_EXPORTS ON)
+  if("control" IN_LIST ARGN)
+    set(archives)
+    foreach(name capnp-rpc capnp kj-async kj)
+      find_library(SEGUE_ARCHIVE_${name} lib${name}.a)
+      list(APPEND archives ${SEGUE_ARCHIVE_${name}})
+    endforeach()
+    if("${archives}" MATCHES "NOTFOUND")
+      set(archives CapnProto::capnp-rpc)
+    endif()
+    target_link_libraries(${TARGET} PRIVATE ${archives})
+  endif()
+endfunction()
+
 # segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [LABELS ...] [TIMEOUT seconds])
 # A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer. SEPARATE
 # sources are compiled on their own in unity builds too, because they define names that another source defines as well.

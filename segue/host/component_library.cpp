@@ -27,11 +27,12 @@ fs::path program_folder() {
   return error ? fs::path() : program.parent_path();
 }
 
-/// <prefix>/lib/segue, seen from the shared library that this code is in (<prefix>/lib/libsegue_host.so, or
-/// the same in a multi-architecture folder).
+/// <prefix>/lib/segue, seen from the shared library with the registry of components
+/// (<prefix>/lib/libsegue_task.so, or the same in a multi-architecture folder).
 std::vector<fs::path> installed_folders() {
   Dl_info info{};
-  if (::dladdr(reinterpret_cast<const void*>(&installed_folders), &info) == 0 || info.dli_fname == nullptr) {
+  if (::dladdr(reinterpret_cast<const void*>(&task::registered_components), &info) == 0 ||
+      info.dli_fname == nullptr) {
     return {};
   }
   const fs::path own = fs::path(info.dli_fname).parent_path();
