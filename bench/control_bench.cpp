@@ -94,7 +94,7 @@ void calls(const std::filesystem::path& socket, Duration floor) {
   while (!process && process.error().code == ErrorCode::Unavailable)
     process = control::connect_deployment(socket, control::soon(), nullptr);
   if (!process) give_up(to_string(process.error()));
-  auto& service = **process;
+  auto& service = *process->service;
   Table table("Calls of a deployment process, compared with a byte there and back");
   const auto perform = [&](const std::vector<model::Action>& actions) {
     return measure(kRepeats, [&] {

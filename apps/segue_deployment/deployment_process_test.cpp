@@ -91,11 +91,9 @@ TEST_F(DeploymentProcessTest, ItServesAndEndsCleanlyOnRequest) {
   const auto process = start(launch());
   auto deployment = control::connect_deployment(process.socket, soon(), [] {});
   ASSERT_TRUE(deployment.has_value()) << to_string(deployment.error());
-  const auto info = (*deployment)->info();
-  ASSERT_TRUE(info.has_value());
-  EXPECT_EQ(info->robot, "rover");
-  EXPECT_EQ(info->pid, process.pid);
-  EXPECT_TRUE(info->deployment == launch().deployment);
+  EXPECT_EQ(deployment->info.robot, "rover");
+  EXPECT_EQ(deployment->info.pid, process.pid);
+  EXPECT_TRUE(deployment->info.deployment == launch().deployment);
   const auto reason = processes_->stop("rover", process.key, soon());
   ASSERT_TRUE(reason.has_value());
   EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);
@@ -108,7 +106,7 @@ TEST_F(DeploymentProcessTest, AForkOfAZygoteWithLibrariesServesToo) {
   const auto process = start(launch());
   auto deployment = control::connect_deployment(process.socket, soon(), [] {});
   ASSERT_TRUE(deployment.has_value()) << to_string(deployment.error()) << text_of(process.log);
-  EXPECT_EQ((*deployment)->info().value().pid, process.pid);
+  EXPECT_EQ(deployment->info.pid, process.pid);
   const auto reason = processes_->stop("rover", process.key, soon());
   ASSERT_TRUE(reason.has_value());
   EXPECT_EQ(to_string(*reason), "ended with status 0") << text_of(process.log);

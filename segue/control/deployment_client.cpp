@@ -10,7 +10,6 @@
 #include <segue/control/detail/stream_client.hpp>
 
 #include <algorithm>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -70,10 +69,20 @@ class ClientReader final : public host::PortReader {
   std::unique_ptr<SampleStream> stream_;
 };
 
+RpcChannel::Reply<deploy::DeploymentInfo> ask_for_info(Process::Client process) {
+  auto request = process.infoRequest();
+  return RpcChannel::send<deploy::DeploymentInfo>(request,
+                                                  [](auto& results) { return decode(results.getInfo()); });
+}
+
+using EventSlot = detail::CallbackSlot<host::TaskEvent>;
+
 class DeploymentClient final : public deploy::DeploymentService {
  public:
-  DeploymentClient(std::shared_ptr<RpcChannel> channel, std::function<void()> gone)
-      : channel_(std::move(channel)) {
+  /// `listener` gets the events of the process already.
+  DeploymentClient(std::shared_ptr<RpcChannel> channel, std::shared_ptr<EventSlot> listener,
+                   std::function<void()> gone)
+      : channel_(std::move(channel)), listener_(std::move(listener)) {
     channel_->watch(std::move(gone));
   }
   ~DeploymentClient() override {
@@ -82,11 +91,7 @@ class DeploymentClient final : public deploy::DeploymentService {
   }
 
   Result<deploy::DeploymentInfo> info() override {
-    return ask<deploy::DeploymentInfo>(kLookTimeout, [](Process::Client process) {
-      auto request = process.infoRequest();
-      return RpcChannel::send<deploy::DeploymentInfo>(
-          request, [](auto& results) { return decode(results.getInfo()); });
-    });
+    return ask<deploy::DeploymentInfo>(kLookTimeout, &ask_for_info);
   }
 
   Result<deploy::Snapshot> snapshot() override {
@@ -269,19 +274,7 @@ class DeploymentClient final : public deploy::DeploymentService {
     });
   }
 
-  void set_listener(Listener listener) override {
-    const bool wanted = listener != nullptr;
-    listener_->set(std::move(listener));
-    const std::lock_guard lock(listening_mutex_);
-    if (!wanted || listening_) return;
-    const auto done = ask<void>(kLookTimeout, [this](Process::Client process) {
-      auto request = process.listenRequest();
-      request.setListener(kj::heap<ListenerServer>(listener_, channel_->who()));
-      return RpcChannel::send<void>(request, kNothing);
-    });
-    listening_ = done.has_value();
-    if (!listening_) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
-  }
+  void set_listener(Listener listener) override { listener_->set(std::move(listener)); }
 
  private:
   template <class T, class Build>
@@ -310,21 +303,49 @@ class DeploymentClient final : public deploy::DeploymentService {
 
   std::shared_ptr<RpcChannel> channel_;
   detail::BatchClient batches_{channel_};
-  std::shared_ptr<detail::CallbackSlot<host::TaskEvent>> listener_ =
-      std::make_shared<detail::CallbackSlot<host::TaskEvent>>();
-  std::mutex listening_mutex_;
-  bool listening_ = false;
+  const std::shared_ptr<EventSlot> listener_;
 };
+
+/// What a client asks for when it connects.
+struct Introduction {
+  Result<deploy::DeploymentInfo> info = fail(ErrorCode::Unavailable, "the process has not said what it is");
+  Result<void> listening;
+};
+
+/// Asks for all of it at once; the promise is resolved when all of it has been answered.
+kj::Promise<void> introduce(const std::shared_ptr<Introduction>& answers, Process::Client process,
+                            std::shared_ptr<EventSlot> listener, std::string who) {
+  auto request = process.listenRequest();
+  request.setListener(kj::heap<ListenerServer>(std::move(listener), std::move(who)));
+  auto listening = RpcChannel::send<void>(request, kNothing).then([answers](Result<void>&& done) {
+    answers->listening = std::move(done);
+  });
+  return ask_for_info(std::move(process))
+      .then([answers, listening = kj::mv(listening)](Result<deploy::DeploymentInfo>&& info) mutable {
+        answers->info = std::move(info);
+        return kj::mv(listening);
+      });
+}
 
 }  // namespace
 
-Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
-                                                                      TimePoint deadline,
-                                                                      std::function<void()> gone) {
+Result<deploy::ConnectedDeployment> connect_deployment(const std::filesystem::path& socket,
+                                                       TimePoint deadline, std::function<void()> gone) {
   const std::string who = "deployment process " + quote(socket.stem().string());
-  auto channel = RpcChannel::open(socket, detail::kDeploymentKind, who, time_left(deadline));
+  const auto listener = std::make_shared<EventSlot>();
+  const auto answers = std::make_shared<Introduction>();
+  auto channel = RpcChannel::open(socket, detail::kDeploymentKind, who, time_left(deadline),
+                                  [&](RpcChannel::Connection& connection) {
+                                    return introduce(answers, connection.as<Process>(), listener, who);
+                                  });
   if (!channel) return channel.error();
-  return std::make_unique<DeploymentClient>(std::move(*channel), std::move(gone));
+  if (!answers->info) return std::move(answers->info.error());
+  if (!answers->listening) {
+    log(LogLevel::Warning, "control", "cannot listen: " + to_string(answers->listening.error()));
+  }
+  return deploy::ConnectedDeployment{
+      std::make_unique<DeploymentClient>(std::move(*channel), listener, std::move(gone)),
+      std::move(answers->info).value()};
 }
 
 }  // namespace segue::control

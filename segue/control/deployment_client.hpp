@@ -21,9 +21,8 @@ namespace segue::control {
 /// called at most once, and not where the service is destroyed, which waits for it: it must neither destroy
 /// the service, call it, nor wait for another thread that does. Events that arrive faster than the listener
 /// handles them are dropped, and their number is logged.
-Result<std::unique_ptr<deploy::DeploymentService>> connect_deployment(const std::filesystem::path& socket,
-                                                                      TimePoint deadline,
-                                                                      std::function<void()> gone);
+Result<deploy::ConnectedDeployment> connect_deployment(const std::filesystem::path& socket,
+                                                       TimePoint deadline, std::function<void()> gone);
 
 /// The process server of a computer (`segue host`) on the other end of a socket.
 Result<std::unique_ptr<process::ProcessService>> connect_processes(

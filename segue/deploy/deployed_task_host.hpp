@@ -14,8 +14,8 @@ namespace segue::deploy {
 
 /// Connects to a deployment process by its socket (control/ provides this). `gone` is called once, from any
 /// thread, when the connection breaks.
-using Connector = std::function<Result<std::unique_ptr<DeploymentService>>(
-    const std::filesystem::path& socket, TimePoint deadline, std::function<void()> gone)>;
+using Connector = std::function<Result<ConnectedDeployment>(const std::filesystem::path& socket,
+                                                            TimePoint deadline, std::function<void()> gone)>;
 
 struct DeployedOptions {
   /// How long a process may take to answer a poll before it counts as one that does not answer. Long enough

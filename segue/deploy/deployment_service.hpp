@@ -132,4 +132,10 @@ class DeploymentService {
   virtual void set_listener(Listener listener) = 0;
 };
 
+/// A deployment process that somebody has connected to, and what it said of itself then.
+struct ConnectedDeployment {
+  std::unique_ptr<DeploymentService> service;  ///< never null
+  DeploymentInfo info;
+};
+
 }  // namespace segue::deploy

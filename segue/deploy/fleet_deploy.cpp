@@ -150,27 +150,24 @@ Result<void> Fleet::open(const RecordPtr& record, TimePoint deadline) {
   if (!connected) {
     return std::move(connected.error());
   }
-  const auto service = shared(std::move(*connected));
-  auto info = service->info();
-  if (!info) {
-    return std::move(info.error());
-  }
-  const bool same_life = record->incarnation() == 0 || record->incarnation() == info->incarnation;
-  if (info->robot != launch_.robot || info->deployment.key() != record->key() || !same_life) {
+  const auto service = shared(std::move(connected->service));
+  DeploymentInfo& info = connected->info;
+  const bool same_life = record->incarnation() == 0 || record->incarnation() == info.incarnation;
+  if (info.robot != launch_.robot || info.deployment.key() != record->key() || !same_life) {
     return fail(ErrorCode::InvalidState,
-                "another process (" + quote(to_string(info->deployment.key())) + " of robot " +
-                    quote(info->robot) + ") answers at " + record->process().socket.string(),
+                "another process (" + quote(to_string(info.deployment.key())) + " of robot " +
+                    quote(info.robot) + ") answers at " + record->process().socket.string(),
                 to_string(record->key()));
   }
-  if (const auto own = own_->service()->info(); own && own->software != info->software) {
+  if (const auto own = own_->service()->info(); own && own->software != info.software) {
     return fail(ErrorCode::InvalidState,
-                "it is of version " + quote(info->software) + " of Segue, and this is " +
+                "it is of version " + quote(info.software) + " of Segue, and this is " +
                     quote(own->software) + ": what they share may differ",
                 to_string(record->key()));
   }
   listen_to(record, *service);
   send_expectations(*service, record->key());
-  record->set_service(service, std::move(*info));
+  record->set_service(service, std::move(info));
   return {};
 }
 

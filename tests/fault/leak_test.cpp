@@ -96,10 +96,10 @@ class Leaks : public DeployedRobotTest {
       const auto socket =
           process::process_socket(launch_.robot, {model::kLocalHost, model::ProcessName(name)});
       EXPECT_TRUE(socket);
-      auto service =
+      auto connected =
           control::connect_deployment(*socket, RealClock::instance().now() + std::chrono::seconds(60), [] {});
-      EXPECT_TRUE(service) << to_string(service.error());
-      auto snapshot = (*service)->snapshot();
+      EXPECT_TRUE(connected) << to_string(connected.error());
+      auto snapshot = connected->service->snapshot();
       EXPECT_TRUE(snapshot) << to_string(snapshot.error());
       if (snapshot) all.push_back(std::move(*snapshot));
     }

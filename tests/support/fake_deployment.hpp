@@ -330,7 +330,7 @@ class DeploymentTest : public ControlTest {
   std::unique_ptr<deploy::DeploymentService> client(std::function<void()> gone = nullptr) {
     auto connected = connect_deployment(socket_, soon(), std::move(gone));
     EXPECT_TRUE(connected) << to_string(connected.error());
-    return connected ? std::move(*connected) : nullptr;
+    return connected ? std::move(connected->service) : nullptr;
   }
 
   FakeDeployment deployment_;

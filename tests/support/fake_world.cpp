@@ -345,7 +345,7 @@ void FakeProcesses::set_listener(Listener listener) {
 
 Connector connector(FakeWorld& world) {
   return [&world](const std::filesystem::path& socket, TimePoint /*deadline*/,
-                  std::function<void()> gone) -> Result<std::unique_ptr<DeploymentService>> {
+                  std::function<void()> gone) -> Result<ConnectedDeployment> {
     FakePtr process;
     for (const auto& other : world.running()) {
       if (other->info.socket == socket) {
@@ -363,7 +363,12 @@ Connector connector(FakeWorld& world) {
       return *verdict.answer;
     }
     world.change([&] { process->gone = std::move(gone); });
-    return std::unique_ptr<DeploymentService>(std::make_unique<FakeService>(world, process));
+    auto service = std::make_unique<FakeService>(world, process);
+    auto info = service->info();
+    if (!info) {
+      return std::move(info.error());
+    }
+    return ConnectedDeployment{std::move(service), std::move(*info)};
   };
 }
 

@@ -82,6 +82,9 @@ class Caller {
   /// exceptions of the job included, become the `error` of the results. Parameters must have been read.
   template <class Context, class Job, class Reply>
   kj::Promise<void> answer(Context context, Job job, Reply reply);
+  /// The same in the loop itself, for a job that only reads what is at hand.
+  template <class Context, class Job, class Reply>
+  kj::Promise<void> answer_here(Context context, Job job, Reply reply);
   /// The same for a Result<void> without more to say.
   template <class Context, class Job>
   kj::Promise<void> answer(Context context, Job job);
@@ -139,20 +142,36 @@ kj::Promise<void> Caller::begin_job(Context context, Job job, Finish finish) {
   });
 }
 
+/// Writes an outcome into the results: its error, or what `reply` makes of it.
+template <class Outcome, class Results, class Reply>
+void write_outcome(Outcome& outcome, Results results, Reply& reply) {
+  if (!outcome) return encode(outcome.error(), results.initError());
+  try {
+    if constexpr (std::is_void_v<typename Outcome::value_type>) {
+      reply(results);
+    } else {
+      reply(*outcome, results);
+    }
+  } catch (const WireError& failed) {
+    encode(failed.error(), results.initError());
+  }
+}
+
 template <class Context, class Job, class Reply>
 kj::Promise<void> Caller::answer(Context context, Job job, Reply reply) {
   return begin_job(context, std::move(job), [reply = std::move(reply)](auto& outcome, auto results) mutable {
-    if (!outcome) return encode(outcome.error(), results.initError());
-    try {
-      if constexpr (std::is_void_v<typename std::remove_reference_t<decltype(outcome)>::value_type>) {
-        reply(results);
-      } else {
-        reply(*outcome, results);
-      }
-    } catch (const WireError& failed) {
-      encode(failed.error(), results.initError());
-    }
+    write_outcome(outcome, results, reply);
   });
+}
+
+template <class Context, class Job, class Reply>
+kj::Promise<void> Caller::answer_here(Context context, Job job, Reply reply) {
+  using Outcome = std::invoke_result_t<Job&>;
+  const auto begun = begin();
+  auto outcome = begun ? guarded(job, core_.noun()) : Outcome(begun.error());
+  if (begun) end();
+  write_outcome(outcome, context.getResults(), reply);
+  return kj::READY_NOW;
 }
 
 template <class Context, class Job>

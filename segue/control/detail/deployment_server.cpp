@@ -61,7 +61,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   ~DeploymentServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> info(InfoContext context) override {
-    return caller_.answer(
+    return caller_.answer_here(
         context, [&service = service()] { return service.info(); },
         [](deploy::DeploymentInfo& info, auto results) { encode(info, results.initInfo()); });
   }

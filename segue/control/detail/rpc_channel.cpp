@@ -83,7 +83,9 @@ RpcChannel::Answer RpcChannel::Connection::hello(std::string_view kind) {
   request.setVersion(kProtocolVersion);
   request.setSoftware(SEGUE_VERSION);
   request.setWants(as_text(std::string(kind)));
-  return request.send().then([this](auto&& response) -> Result<Value> {
+  auto sent = request.send();
+  service_ = sent.getService();
+  return sent.then([this](auto&& response) -> Result<Value> {
     if (const auto version = response.getVersion(); version != kProtocolVersion) {
       return fail(ErrorCode::InvalidState, "segue " + as_string(response.getSoftware()) +
                                                " answers, which speaks version " + std::to_string(version) +
@@ -114,8 +116,8 @@ RpcChannel::~RpcChannel() {
 }
 
 Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const std::filesystem::path& socket,
-                                                     std::string_view kind, std::string who,
-                                                     Duration timeout) {
+                                                     std::string_view kind, std::string who, Duration timeout,
+                                                     const Begin& first) {
   const TimePoint deadline = RealClock::instance().now() + timeout;
   auto connected = connect_socket(socket, timeout);
   if (!connected) return connected.error();
@@ -127,8 +129,14 @@ Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const std::filesystem::path
       channel->connection_ = std::make_unique<Connection>(io, connected->release(),
                                                           kind == kDeploymentKind ? kMaxDescriptors : 0);
     });
-    const auto greeted =
-        channel->ask(time_left(deadline), [kind](Connection& connection) { return connection.hello(kind); });
+    const auto greeted = channel->ask(time_left(deadline), [&](Connection& connection) -> Answer {
+      auto hello = connection.hello(kind);
+      if (!first) return hello;
+      return hello.then([more = first(connection)](Result<Value>&& answer) mutable -> Answer {
+        if (!answer) return kj::mv(answer);
+        return more.then([answer = std::move(answer)]() mutable { return std::move(answer); });
+      });
+    });
     if (!greeted) return greeted.error();
     return channel;
   } catch (const std::exception& exception) {

@@ -49,7 +49,8 @@ class RpcChannel {
     /// Takes ownership of the descriptor. `descriptors` is how many a message may carry.
     Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors);
 
-    /// The service that hello() returned; before that every call answers with an exception.
+    /// The service that hello() asks for. What is asked of it before the answer goes with hello(), and fails
+    /// where that is refused; without hello() every call answers with an exception.
     template <class Interface>
     typename Interface::Client as() {
       return service_.castAs<Interface>();
@@ -73,9 +74,14 @@ class RpcChannel {
     kj::Promise<void> watch_ = nullptr;
   };
 
-  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'".
+  using Begin = std::function<kj::Promise<void>(Connection&)>;
+  using Failed = std::function<void(Error)>;
+
+  /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". What
+  /// `first`, called in the loop, asks of the service travels with hello(), so that all of it takes one round
+  /// trip; its promise is waited for unless hello() is refused.
   static Result<std::shared_ptr<RpcChannel>> open(const std::filesystem::path& socket, std::string_view kind,
-                                                  std::string who, Duration timeout);
+                                                  std::string who, Duration timeout, const Begin& first = {});
   ~RpcChannel();
   RpcChannel(const RpcChannel&) = delete;
   RpcChannel& operator=(const RpcChannel&) = delete;
@@ -85,8 +91,6 @@ class RpcChannel {
   template <class T = type::Value, class Build>
   Result<T> ask(Duration timeout, const Build& build);
 
-  using Begin = std::function<kj::Promise<void>(Connection&)>;
-  using Failed = std::function<void(Error)>;
   /// Calls `begin` in the loop and returns at once. Where its promise fails or is not resolved in time, calls
   /// `failed` in the loop. False after the end of the loop. Neither is called after this has been destroyed.
   bool start(Duration timeout, Begin begin, Failed failed);
