@@ -132,11 +132,22 @@ deploy::DeploymentInfo info_of(const Launch& launch, link::Incarnation incarnati
   return info;
 }
 
+Result<std::shared_ptr<link::SharedMemory>> memory_for(const Launch& launch,
+                                                       std::shared_ptr<link::SharedMemory> prepared) {
+  constexpr SharedMemoryOptions kUsual;
+  const SharedMemoryOptions& wanted = launch.memory;
+  const bool usual = wanted.prefault == kUsual.prefault && wanted.payload == kUsual.payload &&
+                     wanted.control == kUsual.control;
+  if (prepared != nullptr && usual) return prepared;
+  return link::SharedMemory::create(launch.memory);
+}
+
 /// Serves until the process is asked to end. If a hook hangs then, nothing may be destroyed, since its thread
 /// still uses it: the process ends by std::_Exit.
-int serve(const Assignment& assignment, const Workshop& workshop, process::InheritedProcess& process) {
+int serve(const Assignment& assignment, const Workshop& workshop, PreparedProcess prepared,
+          process::InheritedProcess& process) {
   const Launch& launch = assignment.launch;
-  auto memory = link::SharedMemory::create(launch.memory);
+  auto memory = memory_for(launch, std::move(prepared.memory));
   if (!memory) return give_up(process::kNoMemory, memory.error());
   const task::RealtimeLogDrain log_drain;
   host::LocalTaskHost tasks(workshop.libraries, workshop.catalog, workshop.options);
@@ -157,7 +168,11 @@ int serve(const Assignment& assignment, const Workshop& workshop, process::Inher
 
 }  // namespace
 
-int deployment_process() {
+PreparedProcess prepare_deployment_process() {
+  return {link::SharedMemory::create().value_or(nullptr)};
+}
+
+int deployment_process(PreparedProcess prepared) {
   process::InheritedProcess process;
   const auto assignment = process::read_assignment(process::kAssignment);
   if (!assignment) return give_up(process::kWrongUse, assignment.error());
@@ -172,7 +187,7 @@ int deployment_process() {
     return give_up(process::kNoLibrary, loaded.error());
   }
   std::set_terminate(terminate);
-  const int status = serve(*assignment, workshop, process);
+  const int status = serve(*assignment, workshop, std::move(prepared), process);
   process.leave();
   return status;
 }

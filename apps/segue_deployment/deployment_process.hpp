@@ -1,10 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/link/shared_memory.hpp>
+
+#include <memory>
+
 namespace segue {
+
+/// What a deployment process has been given before it is known which one it will be.
+struct PreparedProcess {
+  std::shared_ptr<link::SharedMemory> memory;  ///< of the usual size; null: none yet
+};
+
+/// Makes shared memory of the usual size and prefaults it, which takes longer than all else between a fork
+/// and the first answer. Starts no thread. What fails is left out, and deployment_process() says why.
+PreparedProcess prepare_deployment_process();
 
 /// Runs a deployment process with the descriptors that it inherits, and returns its exit status (both as in
 /// process/assignment.hpp). There must be only one thread when it begins.
-int deployment_process();
+int deployment_process(PreparedProcess prepared);
 
 }  // namespace segue

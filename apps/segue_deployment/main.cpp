@@ -9,6 +9,7 @@
 #include <exception>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "deployment_process.hpp"
 
@@ -18,10 +19,13 @@ int run(int count, char** arguments) {
   using segue::process::detail::run_zygote;
   if (count > 2 && arguments[1] == segue::process::detail::kZygoteOption) {
     segue::host::LibrarySet libraries;
-    const auto preload = [&](const std::string& library) { return libraries.load(library); };
-    return run_zygote({count, arguments}, preload, &segue::deployment_process);
+    segue::PreparedProcess prepared;
+    return run_zygote({count, arguments},
+                      {[&](const std::string& library) { return libraries.load(library); },
+                       [&] { prepared = segue::prepare_deployment_process(); },
+                       [&] { return segue::deployment_process(std::move(prepared)); }});
   }
-  return segue::deployment_process();
+  return segue::deployment_process({});
 }
 
 }  // namespace

@@ -54,12 +54,20 @@ struct CommandLine {
   char** words = nullptr;
 };
 
-/// Loads a component library by its name, in the zygote.
-using Preload = std::function<Result<void>(const std::string& library)>;
+/// What a zygote and its children do.
+struct ZygoteWork {
+  /// Loads a component library by its name, in the zygote.
+  std::function<Result<void>(const std::string& library)> preload;
+  /// Prepares what every deployment process needs, whichever it will be; in a child.
+  std::function<void()> prepare;
+  /// Runs a deployment process to its end; in a child that is prepared.
+  std::function<int()> deploy;
+};
 
 /// The zygote's side: preloads the libraries that its command line names, then forks deployment processes
-/// until its server is gone. In a child it answers what `deployment_process` does. Must begin with one
-/// thread.
-int run_zygote(CommandLine command, const Preload& preload, const std::function<int()>& deployment_process);
+/// until its server is gone. One child is always forked and prepared ahead (the spare), so that a process is
+/// ready sooner; the spare ends with the zygote. In a child it answers what `deploy` does. Must begin with
+/// one thread.
+int run_zygote(CommandLine command, const ZygoteWork& work);
 
 }  // namespace segue::process::detail

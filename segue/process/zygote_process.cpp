@@ -6,20 +6,28 @@
 #include <segue/process/zygote_message.hpp>
 
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
 
 namespace segue::process::detail {
 
 namespace {
 
 constexpr std::string_view kLogSource = "zygote";
+constexpr const char* kSpareTitle = "spare";
 
 std::size_t threads_of_this_process() {
   std::error_code failed;
@@ -29,9 +37,9 @@ std::size_t threads_of_this_process() {
 
 /// Libraries that cannot be loaded are only logged: the process that needs one fails with a message of its
 /// own. False where a library has started threads, since these would be missing in every child.
-bool preload_all(CommandLine command, const Preload& preload) {
+bool preload_all(CommandLine command, const ZygoteWork& work) {
   for (int i = 2; i + 1 < command.count; ++i) {
-    const auto loaded = preload(command.words[i]);
+    const auto loaded = work.preload(command.words[i]);
     if (!loaded) log(LogLevel::Warning, kLogSource, "not preloaded: " + to_string(loaded.error()));
   }
   if (threads_of_this_process() == 1) return true;
@@ -41,16 +49,19 @@ bool preload_all(CommandLine command, const Preload& preload) {
   return false;
 }
 
-/// Overwrites the arguments of main(), which lie one after the other in memory: `ps` shows what is there.
-void set_command(CommandLine command, const char* title) {
+/// The arguments of main(), which lie one after the other in memory: `ps` shows what is there.
+std::span<char> room_of(CommandLine command) {
   char* const begin = command.words[0];
   const char* const last = command.words[command.count - 1];
-  const auto room = static_cast<std::size_t>(last + std::strlen(last) + 1 - begin);
+  return {begin, static_cast<std::size_t>(last + std::strlen(last) + 1 - begin)};
+}
+
+void set_command(std::span<char> room, const char* title) {
   std::string text(kDeploymentProgram);
   text.push_back('\0');
   text.append(title, ::strnlen(title, kTitleSize - 1));
-  std::memset(begin, 0, room);
-  std::memcpy(begin, text.data(), std::min(text.size(), room - 1));
+  std::memset(room.data(), 0, room.size());
+  std::memcpy(room.data(), text.data(), std::min(text.size(), room.size() - 1));
 }
 
 /// Gives the descriptors the numbers that the program expects (Inherited). They all have higher numbers
@@ -86,38 +97,105 @@ void occupy_inherited() {
     ::dup3(null.get(), number, O_CLOEXEC);
 }
 
+/// A child that waits for the process that it will be; when nobody has the other end of its socket any more,
+/// it ends.
+struct Spare {
+  pid_t pid = 0;  ///< 0: there is none
+  Descriptor socket;
+};
+
+/// The zygote while it serves.
+class ZygoteProcess {
+ public:
+  ZygoteProcess(std::span<char> command, const ZygoteWork& work, Descriptor socket)
+      : command_(command), work_(work), socket_(std::move(socket)) {}
+
+  /// The exit status: of the zygote, or of a child in that child.
+  int serve() {
+    for (;;) {
+      if (spare_.pid == 0) {
+        if (const auto child = make_spare()) return *child;
+      }
+      ZygoteRequest request;
+      std::vector<Descriptor> handed;
+      if (!receive_message(socket_.get(), &request, sizeof request, handed)) return kOrderly;
+      const ZygoteReply reply =
+          request.kind == ZygoteRequestKind::Reap ? reap_one(request.pid) : launch(request, handed);
+      if (!send_message(socket_.get(), &reply, sizeof reply, {})) return kOrderly;
+    }
+  }
+
+ private:
+  /// The exit status in the child, nothing in the zygote.
+  std::optional<int> make_spare() {
+    std::array<int, 2> pair{};
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair.data()) != 0) return no_spare();
+    Descriptor ours(pair[0]);
+    Descriptor theirs(pair[1]);
+    const pid_t pid = ::fork();
+    if (pid < 0) return no_spare();
+    if (pid == 0) {
+      ::setpgid(0, 0);
+      ours = Descriptor();
+      socket_ = Descriptor();
+      return be_child(std::move(theirs));
+    }
+    ::setpgid(pid, pid);
+    spare_ = {pid, std::move(ours)};
+    return std::nullopt;
+  }
+  std::optional<int> no_spare() {
+    error_ = errno;
+    return std::nullopt;
+  }
+
+  [[nodiscard]] int be_child(Descriptor socket) const {
+    set_command(command_, kSpareTitle);
+    work_.prepare();
+    ZygoteRequest request;
+    std::vector<Descriptor> handed;
+    if (!receive_message(socket.get(), &request, sizeof request, handed)) return kOrderly;
+    if (handed.size() != kHandedDescriptors || !arrange(handed)) return kWrongUse;
+    handed.clear();
+    socket = Descriptor();
+    set_command(command_, request.title.data());
+    return work_.deploy();
+  }
+
+  /// The spare becomes the process that is asked for. Where it has died meanwhile, the process server starts
+  /// that process by other means.
+  ZygoteReply launch(const ZygoteRequest& request, const std::vector<Descriptor>& handed) {
+    const Spare chosen = std::exchange(spare_, Spare());
+    if (chosen.pid == 0) return {0, error_, 0, 0};
+    std::vector<int> numbers;
+    for (const Descriptor& descriptor : handed)
+      numbers.push_back(descriptor.get());
+    const bool fits = numbers.size() == kHandedDescriptors;
+    if (fits && send_message(chosen.socket.get(), &request, sizeof request, numbers)) {
+      return {chosen.pid, 0, 0, 0};
+    }
+    const int reason = fits ? errno : EBADF;
+    ::kill(chosen.pid, SIGKILL);
+    ::waitpid(chosen.pid, nullptr, 0);
+    return {0, reason, 0, 0};
+  }
+
+  const std::span<char> command_;
+  const ZygoteWork& work_;
+  Descriptor socket_;  ///< to the process server
+  Spare spare_;
+  int error_ = 0;  ///< why there is no spare
+};
+
 }  // namespace
 
-int run_zygote(CommandLine command, const Preload& preload, const std::function<int()>& deployment_process) {
+int run_zygote(CommandLine command, const ZygoteWork& work) {
   ::unsetenv("LD_BIND_NOW");
   Descriptor socket = above_inherited(kAssignment);
   if (!socket.valid()) return kWrongUse;
   occupy_inherited();
-  if (!preload_all(command, preload)) return kNotPermitted;
-  for (;;) {
-    ZygoteRequest request;
-    std::vector<Descriptor> handed;
-    if (!receive_message(socket.get(), &request, sizeof request, handed)) return kOrderly;
-    ZygoteReply reply;
-    if (request.kind == ZygoteRequestKind::Reap) {
-      reply = reap_one(request.pid);
-    } else if (handed.size() != kHandedDescriptors) {
-      reply.error = EBADF;
-    } else {
-      const pid_t pid = ::fork();
-      if (pid == 0) {
-        ::setpgid(0, 0);
-        socket = Descriptor();
-        if (!arrange(handed)) return kWrongUse;
-        handed.clear();
-        set_command(command, request.title.data());
-        return deployment_process();
-      }
-      if (pid > 0) ::setpgid(pid, pid);
-      reply = {pid < 0 ? 0 : pid, pid < 0 ? errno : 0, 0, 0};
-    }
-    if (!send_message(socket.get(), &reply, sizeof reply, {})) return kOrderly;
-  }
+  if (!preload_all(command, work)) return kNotPermitted;
+  return ZygoteProcess(room_of(command), work, std::move(socket)).serve();
 }
 
 }  // namespace segue::process::detail

@@ -100,7 +100,7 @@ int run() {
 int main(int count, char** words) {
   if (count > 1 && words[1] == process::detail::kZygoteOption) {
     const auto preload_nothing = [](const std::string&) { return segue::Result<void>(); };
-    return segue::process::detail::run_zygote({count, words}, preload_nothing, &run);
+    return segue::process::detail::run_zygote({count, words}, {preload_nothing, [] {}, &run});
   }
   return run();
 }
