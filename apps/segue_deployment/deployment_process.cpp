@@ -169,6 +169,7 @@ int serve(const Assignment& assignment, const Workshop& workshop, PreparedProces
 }  // namespace
 
 PreparedProcess prepare_deployment_process() {
+  static_cast<void>(task::RealtimeLog::instance());
   return {link::SharedMemory::create().value_or(nullptr)};
 }
 

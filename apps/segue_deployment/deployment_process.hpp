@@ -12,8 +12,9 @@ struct PreparedProcess {
   std::shared_ptr<link::SharedMemory> memory;  ///< of the usual size; null: none yet
 };
 
-/// Makes shared memory of the usual size and prefaults it, which takes longer than all else between a fork
-/// and the first answer. Starts no thread. What fails is left out, and deployment_process() says why.
+/// Makes what takes longest between a fork and the first answer: shared memory of the usual size, prefaulted,
+/// and the memory of the tasks' log. Starts no thread. What fails is left out, and deployment_process() says
+/// why.
 PreparedProcess prepare_deployment_process();
 
 /// Runs a deployment process with the descriptors that it inherits, and returns its exit status (both as in

@@ -92,11 +92,12 @@ void DeadlineWatch::close() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
+    if (!thread_.joinable()) {
+      return;  // no thread waits for the alarm, and none is started any more
+    }
     alarm_.stop();
   }
-  if (thread_.joinable()) {
-    thread_.join();
-  }
+  thread_.join();
 }
 
 }  // namespace segue::concurrent

@@ -34,13 +34,12 @@ struct Server::Implementation {
   ~Implementation() {
     core.stopping = true;
     listen_to_service(false);
-    core.loop.run([this](kj::AsyncIoContext&) {
+    core.loop.post([this](kj::AsyncIoContext&) {
       if (sessions) sessions->stop_accepting();
     });
     core.pool.close();
     core.batches.wait_for_none();
-    flush();
-    core.loop.run([this](kj::AsyncIoContext&) { sessions.reset(); });
+    close_sessions();
   }
 
   static Result<std::unique_ptr<Server>> start(detail::ListeningSocket listening, Served service) {
@@ -69,13 +68,16 @@ struct Server::Implementation {
     }
   }
 
-  void flush() {
+  /// Once no answer waits to be sent any more, or is not taken in time.
+  void close_sessions() {
     auto& clock = RealClock::instance();
     const TimePoint give_up = clock.now() + kFlushLimit;
-    bool idle = false;
-    while (!idle && clock.now() < give_up) {
-      core.loop.run([&](kj::AsyncIoContext&) { idle = !sessions || sessions->idle(); });
-      if (!idle) clock.sleep_until(clock.now() + kFlushPoll);
+    for (bool closed = false; !closed;) {
+      core.loop.run([&](kj::AsyncIoContext&) {
+        closed = !sessions || sessions->idle() || clock.now() >= give_up;
+        if (closed) sessions.reset();
+      });
+      if (!closed) clock.sleep_until(clock.now() + kFlushPoll);
     }
   }
 

@@ -211,6 +211,9 @@ void Fleet::release(const RecordPtr& record) {
       }
     });
   }
+  if (jobs.empty()) {
+    return;
+  }
   // Others wait for this: they do not wait for a process that does not answer.
   static_cast<void>(pool_.run([&pool = pool_, jobs = std::move(jobs)] { pool.run_all(jobs); },
                               monotonic_now() + kForgetting));

@@ -535,6 +535,79 @@ TEST_F(ProcessServerTest, aZygoteGoesWithItsServerAndItsChildrenStay) {
   EXPECT_TRUE(second->stop("rover", key("drivers"), soon()).has_value());
 }
 
+/// The child that a zygote keeps ready; 0: there is none.
+int spare_of(int zygote) {
+  std::error_code failed;
+  for (const auto& entry : fs::directory_iterator("/proc", failed)) {
+    const int pid = std::atoi(entry.path().filename().c_str());
+    if (pid == 0 || parent_of(pid) != zygote) continue;
+    const std::string command = read_file(entry.path() / "cmdline").value_or("");
+    if (command.find(std::string("\0spare\0", 7)) != std::string::npos) return pid;
+  }
+  return 0;
+}
+
+TEST_F(ProcessServerTest, aZygoteKeepsOneChildReadyWhichBecomesTheNextProcess) {
+  const auto processes = server(with_zygote(options()));
+  const int zygote = parent_of(ready(*processes, launch("first")).pid);
+  int spare = 0;
+  ASSERT_TRUE(eventually([&] { return (spare = spare_of(zygote)) != 0; }));
+  const auto second = ready(*processes, launch("second"));
+  EXPECT_EQ(second.pid, spare);
+  EXPECT_EQ(::getpgid(second.pid), second.pid);
+  EXPECT_TRUE(eventually([&] { return spare_of(zygote) != 0; }));
+  EXPECT_EQ(processes->processes("rover").value().size(), 2U);
+}
+
+TEST_F(ProcessServerTest, aSpareThatWasKilledKeepsNoProcessFromStarting) {
+  const auto processes = server(with_zygote(options()));
+  const int zygote = parent_of(ready(*processes, launch("first")).pid);
+  for (const char* name : {"second", "third"}) {
+    int spare = 0;
+    ASSERT_TRUE(eventually([&] { return (spare = spare_of(zygote)) != 0; }));
+    ::kill(spare, SIGKILL);
+    ASSERT_TRUE(eventually([&] { return !lives(spare); }));
+    EXPECT_TRUE(lives(ready(*processes, launch(name)).pid));
+  }
+  EXPECT_TRUE(lives(zygote));
+}
+
+TEST_F(ProcessServerTest, aSpareGoesWithItsZygote) {
+  auto processes = server(with_zygote(options()));
+  const int zygote = parent_of(ready(*processes, launch("drivers")).pid);
+  int spare = 0;
+  ASSERT_TRUE(eventually([&] { return (spare = spare_of(zygote)) != 0; }));
+  ::kill(zygote, SIGKILL);
+  EXPECT_TRUE(eventually([&] { return !lives(spare); }));
+}
+
+TEST_F(ProcessServerTest, manyProcessesStartAndEndAtOnceThroughAZygote) {
+  constexpr int kThreads = 8;
+  constexpr int kRounds = 5;
+  const auto processes = server(with_zygote(options()));
+  std::mutex mutex;  // of pids_
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&, name = "process" + std::to_string(i)] {
+      for (int round = 0; round < kRounds; ++round) {
+        const auto process = processes->start(launch(name), soon());
+        ASSERT_TRUE(process.has_value()) << to_string(process.error());
+        {
+          const std::lock_guard lock(mutex);
+          pids_.push_back(process->pid);
+        }
+        ASSERT_TRUE(eventually([&] { return text_of(process->log).ends_with("ready\n"); }));
+        const auto reason = processes->stop("rover", key(name), soon());
+        ASSERT_TRUE(reason.has_value()) << to_string(reason.error());
+        EXPECT_EQ(to_string(*reason), "ended with status 0");
+      }
+    });
+  }
+  for (std::thread& thread : threads)
+    thread.join();
+  EXPECT_TRUE(processes->processes("rover").value().empty());
+}
+
 TEST_F(ProcessServerTest, aControlGroupTakesAlongWhatLeftTheProcessGroup) {
   fs::path parent;
   for (const fs::path place : {"/sys/fs/cgroup", "/sys/fs/cgroup/unified"}) {
