@@ -135,6 +135,27 @@ TEST_F(DeploymentProcessTest, ALibraryThatThrowsWhileLoadingEndsTheProcessWithAM
   EXPECT_THAT(text_of(process.log), HasSubstr("no luck today"));
 }
 
+TEST_F(DeploymentProcessTest, ALibraryThatNeedsAPartOfTheProgramUsesTheProgramsOwn) {
+  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
+  serve();
+  process::Launch linked = launch();
+  linked.libraries = {"segue_test_links"};
+  const auto process = start(linked);
+  auto deployment = control::connect_deployment(process.socket, soon(), [] {});
+  ASSERT_TRUE(deployment.has_value()) << to_string(deployment.error()) << text_of(process.log);
+  model::Action create;
+  create.kind = model::ActionKind::ApplyConfig;
+  model::Task task;
+  task.id = model::TaskId("task");
+  task.component = model::ComponentName("links::Component");
+  create.what = model::ConfigAction{task, process.key, "task"};
+  const auto outcomes = deployment->service->perform(std::vector{create}, soon());
+  ASSERT_EQ(outcomes.size(), 1U);
+  EXPECT_TRUE(outcomes[0]) << to_string(outcomes[0].error());
+  EXPECT_THAT(text_of(process.log), HasSubstr("code from segue-deployment\n"));
+  EXPECT_TRUE(processes_->stop("rover", process.key, soon()).has_value());
+}
+
 TEST_F(DeploymentProcessTest, MissingProcessorsAreRefused) {
   serve();
   process::Launch wrong = launch();
