@@ -63,7 +63,7 @@ std::string to_string(BenchTransport transport) {
 
 model::Network relay_chain(const ChainOptions& options) {
   model::Network network;
-  network.name = model::NetworkName("chain");
+  network.name = model::NetworkName(options.exchange == Exchange::None ? "chain" : "other_chain");
   network.tasks.push_back(make_producer(options));
   for (std::size_t i = 0; i < options.relays; ++i) {
     const std::string stem = is_exchanged(options, i) ? "other_" : "relay_";

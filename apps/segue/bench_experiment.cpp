@@ -38,7 +38,8 @@ const std::vector<BenchExperiment>& bench_experiments() {
       {"E2.3", "exchange of half of the relays of a running chain, against a full restart",
        "Half of the relays are replaced by others: neighbours in the middle (the best case) or every second "
        "one\n"
-       "(the worst); the time of the switch, and the longest pause between two samples at the consumer. A\n"
+       "(the worst); the time of the switch, and the longest pause between two samples at the consumer.\n"
+       "Prepared: the other relays were configured ahead (segue prepare), and the old ones stay so. A\n"
        "restart takes everything down and brings up the other chain. Samples come every millisecond.",
        "of up to 50 tasks 320 ms at best, < 2 s at worst; which exchange that was, and where, is not known "
        "here",

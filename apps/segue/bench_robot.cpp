@@ -78,7 +78,8 @@ Result<void> BenchRobot::start(BenchTransport transport) {
   const fs::path file = folder_ / "robot.yaml";
   const auto written =
       write_file(file, std::string("robot: ") + kRobotName +
-                           "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n");
+                           "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n"
+                           "look_ahead: {processes: 1000, memory: 100GB}\n");
   if (!written) return written;
   Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
@@ -105,6 +106,22 @@ Result<Switched> BenchRobot::request(runtime::Request request, model::Order orde
 
 Result<Switched> BenchRobot::switch_to(const model::Network& network, model::Order order) {
   return request(network, order);
+}
+
+Result<void> BenchRobot::prepare(const model::Network& running, const model::Network& next) {
+  runtime::Runtime& runtime = robot_->runtime();
+  for (const model::Network* network : {&running, &next}) {
+    if (const auto problems = runtime.add_controller(*network); problems.has_errors())
+      return first_error(problems);
+  }
+  const auto readiness = runtime.prepare({next.name, running.name}).get();
+  if (!readiness.empty() && readiness.front().ready) return {};
+  return fail(ErrorCode::ResourceExhausted, "the other chain could not be prepared: " +
+                                                (readiness.empty() ? "" : readiness.front().reason));
+}
+
+void BenchRobot::drop_prepared() {
+  robot_->runtime().prepare({}).wait();
 }
 
 Result<Switched> BenchRobot::call_by_transition(const std::string& task, const std::string& operation) {

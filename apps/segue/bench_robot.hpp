@@ -35,6 +35,11 @@ class BenchRobot {
   BenchRobot& operator=(const BenchRobot&) = delete;
 
   Result<Switched> switch_to(const model::Network& network, model::Order order = model::Order::Seamless);
+  /// Prepares a chain, and keeps it and the running one prepared from then on. ResourceExhausted where the
+  /// runtime could not prepare all of it.
+  Result<void> prepare(const model::Network& running, const model::Network& next);
+  /// Nothing is kept prepared any more.
+  void drop_prepared();
   /// A transition that only calls this operation.
   Result<Switched> call_by_transition(const std::string& task, const std::string& operation);
   Result<type::Value> call(const std::string& task, const char* operation);

@@ -2,6 +2,7 @@
 // E2.1 and E2.3: bringing up, taking down and exchanging chains.
 #include <fmt/core.h>
 
+#include <array>
 #include <utility>
 
 #include "bench_experiment.hpp"
@@ -96,6 +97,13 @@ Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, cons
   return {};
 }
 
+/// What a chain is exchanged for: the other relays, and whether they are prepared before.
+struct ExchangeKind {
+  Exchange which;
+  std::string name;
+  bool prepared = false;
+};
+
 /// One switch there and one back; both are exchanges of the same tasks.
 Result<void> measure_exchange(BenchRobot& robot, const ChainOptions& target, const BenchSettings& settings,
                               const std::string& name, Rows& rows) {
@@ -111,13 +119,19 @@ Result<void> measure_exchange(BenchRobot& robot, const ChainOptions& target, con
   return {};
 }
 
-Result<void> measure_exchanges(BenchRobot& robot, ChainOptions chain, Exchange which, const std::string& name,
+Result<void> measure_exchanges(BenchRobot& robot, ChainOptions chain, const ExchangeKind& kind,
                                const BenchSettings& settings, const BenchReport& report, Rows& rows) {
-  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
-    show(report, chain, "exchange of " + name, i);
-    chain.exchange = i % 2 == 0 ? which : Exchange::None;
-    if (auto done = measure_exchange(robot, chain, settings, name, rows); !done) return done;
+  if (kind.prepared) {
+    ChainOptions other = chain;
+    other.exchange = kind.which;
+    if (auto ready = robot.prepare(relay_chain(chain), relay_chain(other)); !ready) return ready;
   }
+  for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
+    show(report, chain, "exchange of " + kind.name, i);
+    chain.exchange = i % 2 == 0 ? kind.which : Exchange::None;
+    if (auto done = measure_exchange(robot, chain, settings, kind.name, rows); !done) return done;
+  }
+  if (kind.prepared) robot.drop_prepared();
   chain.exchange = Exchange::None;
   if (auto back = robot.switch_to(relay_chain(chain)); !back) return back.error();
   return {};
@@ -139,18 +153,16 @@ Result<void> measure_restarts(BenchRobot& robot, ChainOptions chain, const Bench
 
 Result<void> measure_half(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
                           const BenchReport& report) {
-  constexpr const char* kBest = "of neighbours";
-  constexpr const char* kWorst = "of every second";
+  const std::array kinds = {ExchangeKind{Exchange::Block, "of neighbours"},
+                            ExchangeKind{Exchange::EverySecond, "of every second"},
+                            ExchangeKind{Exchange::EverySecond, "of every second, prepared", true}};
   Rows rows(chain);
   if (auto up = robot.switch_to(relay_chain(chain)); !up) return up.error();
-  auto done = measure_exchanges(robot, chain, Exchange::Block, kBest, settings, report, rows);
-  if (done) done = measure_exchanges(robot, chain, Exchange::EverySecond, kWorst, settings, report, rows);
-  if (done) done = measure_restarts(robot, chain, settings, report, rows);
-  if (!done) return done;
-  if (chain.relays == 50) {
-    for (const char* name : {kBest, kWorst})
-      rows.row(std::string("exchange ") + name).published = "320 ms to < 2 s";
+  for (const ExchangeKind& kind : kinds) {
+    if (auto done = measure_exchanges(robot, chain, kind, settings, report, rows); !done) return done;
+    if (chain.relays == 50 && !kind.prepared) rows.row("exchange " + kind.name).published = "320 ms to < 2 s";
   }
+  if (auto done = measure_restarts(robot, chain, settings, report, rows); !done) return done;
   rows.add_to(report);
   return {};
 }

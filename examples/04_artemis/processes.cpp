@@ -44,7 +44,9 @@ std::string deployment_name(const fs::path& process) {
 void add_pools(const fs::path& process, std::set<std::string>& inodes) {
   std::ifstream maps(process / "maps");
   for (std::string line; std::getline(maps, line);) {
-    if (line.find("/memfd:segue-") == std::string::npos) continue;
+    const bool is_pool = line.find("/memfd:segue-") != std::string::npos &&
+                         line.find("/memfd:segue-commits") == std::string::npos;
+    if (!is_pool) continue;
     std::istringstream fields(line);
     std::string range, rights, offset, device, inode;
     fields >> range >> rights >> offset >> device >> inode;

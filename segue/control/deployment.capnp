@@ -43,6 +43,11 @@ interface DeploymentProcess {
   # No state: the task remembers nothing.
   saveState @19 (task :Text, timeout :Int64) -> (error :Wire.Error, state :State);
   restoreState @20 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
+
+  # `page` is the memory through which the runtime commits; the connections end with transition `number`.
+  armCommit @21 (page :Memory, number :UInt64, within :List(Model.Connection), endpoints :List(EndingEndpoint))
+      -> (error :Wire.Error);
+  settle @22 () -> (error :Wire.Error);
 }
 
 interface BatchFollower {
@@ -132,6 +137,7 @@ struct EndpointReport {
   overwritten @7 :UInt64;
   corrupt @8 :UInt64;
   damaged @9 :Bool;
+  carries @10 :Bool = true;
 }
 
 struct MemoryUsage {
@@ -182,14 +188,23 @@ struct PlaceOutcome {
   }
 }
 
+# `atCommit`: the connection begins with the commit of the transition in progress.
 struct OpenInput {
   connection @0 :Model.Connection;
   origin @1 :Origin;
+  atCommit @2 :Bool;
 }
 
 struct AttachOutput {
   connection @0 :Model.Connection;
   place @1 :Place;
+  atCommit @2 :Bool;
+}
+
+struct EndingEndpoint {
+  connection @0 :Model.Connection;
+  side @1 :UInt8;
+  peer @2 :UInt64;
 }
 
 struct CloseEndpoint {

@@ -9,6 +9,8 @@
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/stream_client.hpp>
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -113,6 +115,28 @@ class DeploymentClient final : public deploy::DeploymentService {
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  host::Completion completed) override {
     batches_.begin(std::move(actions), deadline, std::move(completed));
+  }
+
+  Result<void> arm_commit(const deploy::ArmCommit& what, TimePoint deadline) override {
+    Descriptor page(::fcntl(what.page->descriptor(), F_DUPFD_CLOEXEC, 0));
+    if (!page.valid()) {
+      return fail(ErrorCode::ResourceExhausted, "no file descriptors are left to commit a transition");
+    }
+    return ask<void>(time_left(deadline), [&](Process::Client process) {
+      auto request = process.armCommitRequest();
+      request.setPage(encode(std::move(page)));
+      request.setNumber(what.number);
+      detail::encode_list(what.within, request.initWithin(count_of(what.within)), kEncode);
+      detail::encode_list(what.endpoints, request.initEndpoints(count_of(what.endpoints)), kEncode);
+      return RpcChannel::send<void>(request, kNothing);
+    });
+  }
+
+  Result<void> settle(TimePoint deadline) override {
+    return ask<void>(time_left(deadline), [](Process::Client process) {
+      auto request = process.settleRequest();
+      return RpcChannel::send<void>(request, kNothing);
+    });
   }
 
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override {

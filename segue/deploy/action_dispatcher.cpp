@@ -2,7 +2,7 @@
 #include <segue/deploy/action_dispatcher.hpp>
 
 #include <segue/base/text.hpp>
-#include <segue/host/full_id.hpp>
+#include <segue/deploy/action_ids.hpp>
 #include <segue/model/action_times.hpp>
 
 #include <algorithm>
@@ -33,41 +33,6 @@ Error with_subject(Error error, const std::string& subject) {
     error.subject = subject;
   }
   return error;
-}
-
-Which which_of(ActionKind kind) {
-  switch (kind) {
-    case ActionKind::Recover:
-    case ActionKind::Stop:
-    case ActionKind::Cleanup:
-    case ActionKind::Disconnect:
-      return Which::Current;
-    default:
-      return Which::Next;
-  }
-}
-
-/// As processes know it: by plain ids.
-model::Connection plain(model::Connection connection) {
-  connection.from.task = host::plain_id(connection.from.task);
-  connection.to.task = host::plain_id(connection.to.task);
-  return connection;
-}
-
-model::Action plain(model::Action action) {
-  if (auto* task = std::get_if<model::TaskAction>(&action.what)) {
-    task->task = host::plain_id(task->task);
-  } else if (auto* call = std::get_if<model::CallAction>(&action.what)) {
-    call->task = host::plain_id(call->task);
-  } else if (auto* config = std::get_if<model::ConfigAction>(&action.what)) {
-    config->definition.id = host::plain_id(config->definition.id);
-  } else if (auto* hand_over = std::get_if<model::HandOverAction>(&action.what)) {
-    hand_over->from = host::plain_id(hand_over->from);
-    hand_over->to = host::plain_id(hand_over->to);
-  } else if (auto* wire = std::get_if<model::ConnectionAction>(&action.what)) {
-    wire->connection = plain(std::move(wire->connection));
-  }
-  return action;
 }
 
 }  // namespace
@@ -256,6 +221,10 @@ Result<void> ActionDispatcher::place_connection(std::size_t index, const model::
   }
   const RecordPtr writer = from ? from->record : nullptr;
   const RecordPtr reader = to ? to->record : nullptr;
+  const bool at_commit = action.kind == ActionKind::Connect && action.phase == model::Phase::Prepare;
+  if (at_commit) {
+    commits_.note_waiting({writer, reader});
+  }
   if (writer == reader) {
     plan.at_process[writer].push_back(index);
     return {};
@@ -268,7 +237,7 @@ Result<void> ActionDispatcher::place_connection(std::size_t index, const model::
   if (auto possible = check_link(connection, writer->key(), reader->key()); !possible) {
     return possible;
   }
-  plan.connect.push_back({plain(connection), writer, reader});
+  plan.connect.push_back({plain(connection), writer, reader, at_commit});
   plan.connect_indices.push_back(index);
   return {};
 }
@@ -322,10 +291,12 @@ void ActionDispatcher::note_placement(const model::Action& action, const RecordP
 }
 
 void ActionDispatcher::withdraw() {
+  commits_.give_up();
   fleet_.placements().withdraw();
 }
 
 void ActionDispatcher::conclude(const model::Transition& transition) {
+  connector_.conclude();
   std::map<RecordPtr, model::Transition> parts;
   for (const auto& [task, process] : fleet_.placements().conclude()) {
     if (const auto record = fleet_.find(process)) {

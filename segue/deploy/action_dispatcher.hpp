@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/deploy/commit_coordinator.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
 #include <segue/model/transition.hpp>
@@ -20,7 +21,8 @@ Result<void> check_link(const model::Connection& connection, const model::Deploy
 /// is one. Thread safe.
 class ActionDispatcher {
  public:
-  ActionDispatcher(Fleet& fleet, RemoteConnector& connector) : fleet_(fleet), connector_(connector) {}
+  ActionDispatcher(Fleet& fleet, RemoteConnector& connector, CommitCoordinator& commits)
+      : fleet_(fleet), connector_(connector), commits_(commits) {}
 
   /// Begins actions that do not depend on each other: one message for each process, all processes at the same
   /// time; `completed` as TaskHost::begin_all says.
@@ -77,6 +79,7 @@ class ActionDispatcher {
 
   Fleet& fleet_;
   RemoteConnector& connector_;
+  CommitCoordinator& commits_;
 };
 
 }  // namespace segue::deploy::detail

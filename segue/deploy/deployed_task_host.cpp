@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/deploy/action_dispatcher.hpp>
+#include <segue/deploy/commit_coordinator.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/remote_connector.hpp>
 
@@ -80,7 +81,8 @@ struct DeployedTaskHost::Implementation {
   const std::vector<model::HostName> hosts;
   const std::shared_ptr<detail::Fleet> fleet;
   detail::RemoteConnector remote_connector{*fleet};
-  detail::ActionDispatcher dispatcher{*fleet, remote_connector};
+  detail::CommitCoordinator commits{*fleet, remote_connector};
+  detail::ActionDispatcher dispatcher{*fleet, remote_connector, commits};
 };
 
 DeployedTaskHost::DeployedTaskHost(DeploymentService& own, process::ProcessService& processes,
@@ -123,6 +125,7 @@ void DeployedTaskHost::expect(const model::Network& target) {
 }
 
 void DeployedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
+  implementation_->commits.settle();
   expect(target);
   const auto deployed = model::task_processes(target);
   std::map<model::TaskId, model::DeploymentKey> processes;
@@ -153,6 +156,14 @@ void DeployedTaskHost::get_ready(const model::Network& target) {
     }
   }
   implementation_->remote_connector.map_peers(pairs, in(kGettingReady));
+}
+
+Result<void> DeployedTaskHost::arm_commit(const model::Transition& transition, TimePoint deadline) {
+  return implementation_->commits.arm(transition, deadline);
+}
+
+void DeployedTaskHost::commit() {
+  implementation_->commits.commit();
 }
 
 void DeployedTaskHost::conclude(const model::Transition& transition) {

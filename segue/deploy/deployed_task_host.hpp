@@ -59,6 +59,8 @@ class DeployedTaskHost final : public host::TaskHost {
   /// Makes processes that `target` connects map each other's memory.
   void begin_transition(const model::Network& before, const model::Network& target) override;
   void get_ready(const model::Network& target) override;
+  Result<void> arm_commit(const model::Transition& transition, TimePoint deadline) override;
+  void commit() override;
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
   void withdraw() override;

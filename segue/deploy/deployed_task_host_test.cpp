@@ -2,6 +2,7 @@
 #include <segue/deploy/deployed_task_host.hpp>
 
 #include <segue/host/component_library.hpp>
+#include <segue/host/full_id.hpp>
 #include <segue/host/local_task_host.hpp>
 #include <segue/model/files.hpp>
 #include <segue/solve/solve.hpp>
@@ -120,19 +121,40 @@ struct Robot {
   Result<void> switch_to(const char* text, Duration action_deadline = 60s) {
     return switch_to(network_of(text), action_deadline);
   }
-  /// Switches as the runtime does, but sequentially: observes, solves, and carries out the actions.
+  /// Switches as the runtime does, but one action after the other: observes, solves, and carries out the
+  /// actions.
   Result<void> switch_to(const model::Network& target, Duration action_deadline = 60s) {
-    const auto transition = solve::diff(host.observe(), target, catalog, {model::Order::Paper});
+    const model::Network observed = host.observe();
+    const auto transition = solve::diff(observed, target, catalog, {order});
     if (!transition) {
       return transition.error();
     }
-    host.expect(target);
-    for (const auto& action : transition->actions) {
+    host.begin_transition(observed, target);
+    auto done = perform(*transition, model::Phase::Prepare, action_deadline);
+    if (done) {
+      done = host.arm_commit(*transition, RealClock::instance().now() + action_deadline);
+    }
+    if (done) {
+      done = perform(*transition, model::Phase::Commit, action_deadline);
+    }
+    if (!done) {
+      host.withdraw();
+      return done;
+    }
+    host.commit();
+    done = perform(*transition, model::Phase::Retire, action_deadline);
+    host.conclude(*transition);
+    return done;
+  }
+  Result<void> perform(const model::Transition& transition, model::Phase phase, Duration action_deadline) {
+    for (const auto& action : transition.actions) {
+      if (action.phase != phase) {
+        continue;
+      }
       if (auto done = host.perform(action, RealClock::instance().now() + action_deadline); !done) {
         return done;
       }
     }
-    host.conclude(*transition);
     return {};
   }
 
@@ -141,6 +163,7 @@ struct Robot {
   }
 
   FakeWorld& world;
+  model::Order order = model::Order::Paper;
   EventRecorder recorded;
   model::ComponentCatalog catalog;
   host::LibrarySet libraries;
@@ -411,6 +434,28 @@ TEST_P(EveryCall, MayFailAndTheStateShownIsTrueAndCanBeLeft) {
 INSTANTIATE_TEST_SUITE_P(DeployedTaskHost, EveryCall,
                          ::testing::Values(FaultKind::Fail, FaultKind::LoseAnswer, FaultKind::Hang,
                                            FaultKind::Die, FaultKind::DieAfterwards));
+
+TEST(DeployedTaskHost, ShowsNewConnectionsFromTheCommitOn) {
+  FakeWorld world;
+  Robot robot(world);
+  robot.order = model::Order::Seamless;
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  const model::Network one = robot.host.observe();
+  const auto way = solve::diff(one, network_of(kTwo), robot.catalog, {robot.order});
+  ASSERT_TRUE(way);
+  robot.host.begin_transition(one, network_of(kTwo));
+  ASSERT_EQ(text(robot.perform(*way, model::Phase::Prepare, 60s)), "done");
+  ASSERT_EQ(text(robot.host.arm_commit(*way, soon())), "done");
+  ASSERT_EQ(text(robot.perform(*way, model::Phase::Commit, 60s)), "done");
+  const auto has = [](const model::Network& network, const char* from, const char* to) {
+    return std::any_of(network.connections.begin(), network.connections.end(), [&](const auto& connection) {
+      return connection.from.task.str() == from && host::plain_id(connection.to.task).str() == to;
+    });
+  };
+  EXPECT_FALSE(has(robot.host.observe(), "a", "c")) << "dormant";
+  robot.host.commit();
+  EXPECT_TRUE(has(robot.host.observe(), "a", "c"));
+}
 
 TEST(DeployedTaskHost, ReportsAProcessThatEndsByItselfAndItsTasks) {
   FakeWorld world;

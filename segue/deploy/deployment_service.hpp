@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/host/task_host.hpp>
+#include <segue/link/commit_page.hpp>
 #include <segue/link/shared_connection.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
@@ -39,6 +40,7 @@ struct EndpointReport {
   link::Counters counters;
   std::uint64_t corrupt = 0;  ///< invalid entries and claims of the peer; see SharedEndpoint
   bool damaged = false;       ///< the connection must be made again
+  bool carries = true;        ///< false: it waits for the commit of a transition, or has ended with one
 };
 
 /// Everything that a process holds at one moment.
@@ -53,14 +55,17 @@ struct Snapshot {
   std::vector<model::TaskId> hanging;
 };
 
-/// Requests about one endpoint; the other endpoint belongs to another process.
+/// Requests about one endpoint; the other endpoint belongs to another process. `at_commit`: the connection
+/// begins with the commit of the transition in progress.
 struct OpenInput {
   model::Connection connection;
   link::OutputOrigin origin;
+  bool at_commit = false;
 };
 struct AttachOutput {
   model::Connection connection;
   link::InputPlace place;
+  bool at_commit = false;
 };
 struct CloseEndpoint {
   model::Connection connection;
@@ -69,6 +74,20 @@ struct CloseEndpoint {
   bool peer_closed = false;
   /// The other process, since a connection may lead to two incarnations of a task.
   link::Incarnation peer = 0;
+};
+
+/// What ends in a process when a transition commits. What begins are all connections that actions before the
+/// commit make.
+struct ArmCommit {
+  std::shared_ptr<const link::CommitPage> page;  ///< of the runtime
+  std::uint64_t number = 0;                      ///< of the transition, on that page
+  std::vector<model::Connection> within;         ///< connections of this process
+  struct Endpoint {
+    model::Connection connection;
+    Side side = Side::Output;
+    link::Incarnation peer = 0;
+  };
+  std::vector<Endpoint> endpoints;  ///< of connections to other processes
 };
 
 /// The interface of a process that holds tasks: LocalDeployment in the process itself, a client (control/)
@@ -91,6 +110,12 @@ class DeploymentService {
                          host::Completion completed) = 0;
   /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.
   std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
+  /// Lets connections begin and end with the store that commits a transition; before its first action of
+  /// Commit.
+  virtual Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) = 0;
+  /// The transition that connections wait for has committed or was given up, as its page says. Connections
+  /// within this process that would have begun are removed; endpoints of others stay dormant, to be closed.
+  virtual Result<void> settle(TimePoint deadline) = 0;
   /// Removes and redefines tasks as TaskHost::conclude() does.
   virtual Result<void> conclude(const model::Transition& transition, TimePoint deadline) = 0;
 

@@ -25,6 +25,11 @@ class FakeEndpoint final : public link::SharedEndpoint {
   [[nodiscard]] link::Incarnation peer() const override { return 0; }
   [[nodiscard]] std::uint64_t corrupt() const override { return 0; }
   [[nodiscard]] bool damaged() override { return false; }
+  void end_at(task::CommitGatePtr /*gate*/) override {}
+  void settle() override {}
+  [[nodiscard]] bool dormant() const override { return false; }
+  [[nodiscard]] bool carries() const override { return true; }
+  [[nodiscard]] bool owes_samples() const override { return false; }
 
  private:
   std::atomic<bool> connected_ = true;

@@ -72,7 +72,8 @@ Result<link::InputPlace> Endpoints::open(const OpenInput& input, TimePoint deadl
   Endpoint made{input.connection, Side::Input, {}, input.origin.writer, nullptr};
   auto opened =
       host_.with_input(input.connection.to, deadline, [&](task::InputPortBase& port) -> Result<void> {
-        auto endpoint = link::open_input(*memory_, input.origin, port, input.connection.policy);
+        auto endpoint = link::open_input(*memory_, input.origin, port, input.connection.policy,
+                                         input.at_commit ? host_.gate() : nullptr);
         if (!endpoint) {
           return std::move(endpoint.error());
         }
@@ -109,7 +110,8 @@ Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
   Endpoint made{output.connection, Side::Output, output.place, reader, nullptr};
   auto attached =
       host_.with_output(output.connection.from, deadline, [&](task::OutputPortBase& port) -> Result<void> {
-        auto endpoint = link::attach_output(*memory_, output.place, port, output.connection.policy);
+        auto endpoint = link::attach_output(*memory_, output.place, port, output.connection.policy,
+                                            output.at_commit ? host_.gate() : nullptr);
         if (!endpoint) {
           return std::move(endpoint.error());
         }
@@ -126,8 +128,9 @@ Result<void> Endpoints::attach(const AttachOutput& output, TimePoint deadline) {
   return added;
 }
 
-Result<void> Endpoints::close(const CloseEndpoint& what) {
+Result<void> Endpoints::close(const CloseEndpoint& what, TimePoint deadline) {
   for (auto& endpoint : table_.take(what.connection, what.side, what.peer)) {
+    host_.let_reader_finish(*endpoint.shared, what.connection.to.task, deadline);
     endpoint.shared->disconnect();
     if (what.side == Side::Output) {
       continue;
@@ -141,6 +144,20 @@ Result<void> Endpoints::close(const CloseEndpoint& what) {
   return {};
 }
 
+void Endpoints::end_at(const task::CommitGatePtr& gate, std::span<const ArmCommit::Endpoint> ending) {
+  for (const auto& [connection, side, peer] : ending) {
+    if (const auto endpoint = table_.find(connection, side, peer)) {
+      endpoint->shared->end_at(gate);
+    }
+  }
+}
+
+void Endpoints::settle() {
+  for (const auto& endpoint : table_.connected()) {
+    endpoint.shared->settle();
+  }
+}
+
 void Endpoints::close_all() {
   for (const auto& endpoint : table_.take_all()) {
     endpoint.shared->disconnect();
@@ -152,7 +169,7 @@ std::vector<EndpointReport> Endpoints::reports() {
   for (auto& endpoint : table_.connected()) {
     reports.push_back({std::move(endpoint.connection), endpoint.side, endpoint.peer,
                        std::move(endpoint.place), endpoint.shared->counters(), endpoint.shared->corrupt(),
-                       endpoint.shared->damaged()});
+                       endpoint.shared->damaged(), endpoint.shared->carries()});
   }
   return reports;
 }

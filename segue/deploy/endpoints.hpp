@@ -6,6 +6,7 @@
 #include <segue/link/shared_memory.hpp>
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace segue::deploy::detail {
@@ -27,9 +28,14 @@ class Endpoints {
   Result<link::OutputOrigin> describe(const model::PortRef& port, TimePoint deadline);
   Result<link::InputPlace> open(const OpenInput& input, TimePoint deadline);
   Result<void> attach(const AttachOutput& output, TimePoint deadline);
-  /// Closes an endpoint. Has no effect where there is none.
-  Result<void> close(const CloseEndpoint& what);
+  /// Closes an endpoint, once the reader has taken what the connection owes it. Has no effect where there is
+  /// none.
+  Result<void> close(const CloseEndpoint& what, TimePoint deadline);
   void close_all();
+
+  /// These endpoints end when the gate opens; the transition of the gates has ended.
+  void end_at(const task::CommitGatePtr& gate, std::span<const ArmCommit::Endpoint> ending);
+  void settle();
 
   [[nodiscard]] std::vector<EndpointReport> reports();
   [[nodiscard]] link::MemoryUsage usage() const;

@@ -290,6 +290,13 @@ std::string Fleet::adopt(const process::ProcessInfo& process) {
   deployment.process = process.key.process;
   const auto record = std::make_shared<ProcessRecord>(std::move(deployment), process);
   const auto opened = open(record, monotonic_now() + kAdoption);
+  if (opened) {
+    // Connections in it may have waited for a transition of the runtime before, which was in the middle of
+    // it.
+    if (const auto service = record->service()) {
+      static_cast<void>(service->settle(monotonic_now() + kAdoption));
+    }
+  }
   const std::string who = "was running (pid " + std::to_string(process.pid) + ") and ";
   if (!opened && !may_still_come(opened.error())) {
     return who + "cannot be taken over; it is ended when its name is needed: " + to_string(opened.error());

@@ -20,6 +20,9 @@ namespace {
 /// Hooks keep their deadlines by themselves, and say more about it than whoever waits for them.
 constexpr Duration kGrace = std::chrono::milliseconds(10);
 
+/// How long all readers together may take for samples of connections that are closed.
+constexpr Duration kReading = std::chrono::seconds(1);
+
 /// function(item) for each, in order.
 template <class Outcome, class Items, class Function>
 std::vector<Outcome> each(const Items& items, Function&& function) {
@@ -165,6 +168,18 @@ void LocalDeployment::begin_all(std::vector<model::Action> actions, TimePoint de
   implementation_->actions.begin(std::move(actions), deadline, std::move(completed));
 }
 
+Result<void> LocalDeployment::arm_commit(const ArmCommit& what, TimePoint /*deadline*/) {
+  const auto gate = implementation_->host.arm_commit(what.page->word(what.number), what.number, what.within);
+  implementation_->endpoints.end_at(gate, what.endpoints);
+  return {};
+}
+
+Result<void> LocalDeployment::settle(TimePoint /*deadline*/) {
+  implementation_->host.settle();
+  implementation_->endpoints.settle();
+  return {};
+}
+
 Result<void> LocalDeployment::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
   implementation_->host.conclude(transition);
   return {};
@@ -248,9 +263,11 @@ std::vector<Result<void>> LocalDeployment::attach_outputs(std::span<const Attach
 }
 
 std::vector<Result<void>> LocalDeployment::close_endpoints(std::span<const CloseEndpoint> endpoints,
-                                                           TimePoint /*deadline*/) {
-  return each<Result<void>>(
-      endpoints, [&](const CloseEndpoint& endpoint) { return implementation_->endpoints.close(endpoint); });
+                                                           TimePoint deadline) {
+  const TimePoint readers = std::min(deadline, RealClock::instance().now() + kReading);
+  return each<Result<void>>(endpoints, [&](const CloseEndpoint& endpoint) {
+    return implementation_->endpoints.close(endpoint, readers);
+  });
 }
 
 void LocalDeployment::set_listener(Listener listener) {

@@ -26,6 +26,8 @@ class LocalDeployment final : public DeploymentService {
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) override;
+  Result<void> settle(TimePoint deadline) override;
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,

@@ -156,10 +156,15 @@ class Merger {
       }
     });
     std::set<EndpointKey> whole;
+    std::set<EndpointKey> paired;  // both endpoints are there, but carry nothing
     for_each_endpoint([&](const ProcessView& process, const EndpointReport& output) {
       const EndpointKey key = key_of(output, process.incarnation);
       const auto input = output.side == Side::Output ? inputs.find(key) : inputs.end();
       if (input == inputs.end()) {
+        return;
+      }
+      if (!output.carries || !input->second.report->carries) {
+        paired.insert(key);
         return;
       }
       const model::Connection connection = called(output.connection, process, *input->second.process);
@@ -170,7 +175,10 @@ class Merger {
       }
     });
     for_each_endpoint([&](const ProcessView& process, const EndpointReport& endpoint) {
-      if (!whole.contains(key_of(endpoint, process.incarnation))) {
+      const EndpointKey key = key_of(endpoint, process.incarnation);
+      // Outputs are closed first.
+      const bool stays = endpoint.side == Side::Input && paired.contains(key);
+      if (!stays && !whole.contains(key)) {
         add_orphaned(process, endpoint);
       }
     });

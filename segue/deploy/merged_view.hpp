@@ -22,7 +22,8 @@ struct ProcessView {
   bool answers = true;
 };
 
-/// An endpoint whose counterpart in the other process is missing.
+/// An endpoint whose counterpart in the other process is missing, or that carries nothing: before the
+/// commit of a transition, or after the one with which it ended.
 struct OrphanedEndpoint {
   model::DeploymentKey process;
   model::Connection connection;

@@ -137,7 +137,7 @@ class ConnectionBatch {
   void fail_between(const ProcessPair& pair, const Error& why) {
     const auto& [one, other] = pair;
     for (auto& attempt : attempts_) {
-      const auto& [connection, writer, reader] = *attempt.remote;
+      const auto& [connection, writer, reader, at_commit] = *attempt.remote;
       const bool between = (writer == one && reader == other) || (writer == other && reader == one);
       if (between && !attempt.failed()) {
         attempt.error = why;
@@ -163,7 +163,8 @@ class ConnectionBatch {
       ask<OpenInput>(
           reader, indices,
           [&](std::size_t i) {
-            return OpenInput{attempts_[i].remote->connection, attempts_[i].origin};
+            return OpenInput{attempts_[i].remote->connection, attempts_[i].origin,
+                             attempts_[i].remote->at_commit};
           },
           [&](DeploymentService& service, const std::vector<OpenInput>& inputs) {
             return service.open_inputs(inputs, deadline_);
@@ -186,7 +187,8 @@ class ConnectionBatch {
       ask<AttachOutput>(
           writer, indices,
           [&](std::size_t i) {
-            return AttachOutput{attempts_[i].remote->connection, attempts_[i].place};
+            return AttachOutput{attempts_[i].remote->connection, attempts_[i].place,
+                                attempts_[i].remote->at_commit};
           },
           [&](DeploymentService& service, const std::vector<AttachOutput>& outputs) {
             return service.attach_outputs(outputs, deadline_);
@@ -316,6 +318,7 @@ std::vector<Result<void>> RemoteConnector::connect(std::span<const RemoteConnect
   if (!claim) {
     return {connections.size(), another_batch_runs()};
   }
+  add_waiting(connections);
   auto outcomes = ConnectionBatch(fleet_.pool(), connections, deadline).connect();
   remove_blocking_endpoints(connections, outcomes, deadline);
   std::vector<RemoteConnection> again;
@@ -367,8 +370,57 @@ std::vector<Result<void>> RemoteConnector::disconnect(std::span<const RemoteConn
   return ConnectionBatch(fleet_.pool(), connections, deadline).disconnect();
 }
 
+void RemoteConnector::add_waiting(std::span<const RemoteConnection> connections) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& remote : connections) {
+    if (remote.at_commit) {
+      waiting_.insert_or_assign(key_of(remote.connection), remote);
+    }
+  }
+}
+
+std::set<ConnectionClaims::Key> RemoteConnector::in_transition() const {
+  const std::lock_guard lock(mutex_);
+  std::set<ConnectionClaims::Key> keys = ending_;
+  for (const auto& [key, remote] : waiting_) {
+    keys.insert(key);
+  }
+  return keys;
+}
+
+void RemoteConnector::will_end(const model::Connection& connection) {
+  const std::lock_guard lock(mutex_);
+  ending_.insert(key_of(connection));
+}
+
+void RemoteConnector::conclude() {
+  const std::lock_guard lock(mutex_);
+  ending_.clear();
+}
+
+RemoteConnector::Waiting RemoteConnector::take_waiting() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(waiting_, {});
+}
+
+void RemoteConnector::settle() {
+  take_waiting();
+}
+
+void RemoteConnector::give_up(TimePoint deadline) {
+  conclude();
+  std::vector<RemoteConnection> connections;
+  for (auto& [key, remote] : take_waiting()) {
+    connections.push_back(std::move(remote));
+  }
+  if (!connections.empty()) {
+    disconnect(connections, deadline);  // what cannot be reached now is an orphan later
+  }
+}
+
 void RemoteConnector::remove_orphaned(TimePoint deadline) {
   const ConnectionClaims::Claim::Watch watch(claims_);
+  const auto kept = in_transition();  // what is added after this is claimed, or carries samples
   MergedView merged = fleet_.poll_merged();
   auto& orphaned = merged.orphaned;
   for (const auto& damaged : merged.damaged) {
@@ -383,8 +435,10 @@ void RemoteConnector::remove_orphaned(TimePoint deadline) {
   const ConnectionClaims::Claim claim(claims_, std::move(keys), watch);
   // Also where the peer seems to be gone: one that was started and connected during the poll is not in its
   // list.
-  std::erase_if(orphaned,
-                [&](const OrphanedEndpoint& endpoint) { return !claim.has(key_of(endpoint.connection)); });
+  std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
+    const auto key = key_of(endpoint.connection);
+    return !claim.has(key) || kept.contains(key);
+  });
   close_orphaned(orphaned, deadline);
 }
 

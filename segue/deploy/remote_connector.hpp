@@ -6,6 +6,9 @@
 #include <segue/deploy/peer_mapping.hpp>
 #include <segue/model/network.hpp>
 
+#include <map>
+#include <mutex>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -17,6 +20,7 @@ struct RemoteConnection {
   model::Connection connection;
   RecordPtr writer;
   RecordPtr reader;
+  bool at_commit = false;  ///< made by Prepare of a transition: it begins with its commit
 };
 
 /// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Each
@@ -36,16 +40,32 @@ class RemoteConnector {
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Closes the writers' endpoints, then the readers'. NotFound where neither existed.
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// Closes endpoints whose counterparts are gone, but none of a connection that is just being worked on.
+  /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
+  /// being worked on or that waits for the commit of the present transition.
   void remove_orphaned(TimePoint deadline);
+  /// The connection ends with the commit of the present transition, which disconnects it afterwards.
+  void will_end(const model::Connection& connection);
+  /// The transition has committed, so no connection waits for it any more; it was given up, so those that
+  /// would have begun are removed; it is over, so what has ended with it and is still there is an orphan.
+  void settle();
+  void give_up(TimePoint deadline);
+  void conclude();
 
  private:
   void close_orphaned(const std::vector<OrphanedEndpoint>& orphaned, TimePoint deadline);
   void remove_blocking_endpoints(std::span<const RemoteConnection> connections,
                                  const std::vector<Result<void>>& outcomes, TimePoint deadline);
 
+  using Waiting = std::map<ConnectionClaims::Key, RemoteConnection>;
+  void add_waiting(std::span<const RemoteConnection> connections);
+  [[nodiscard]] std::set<ConnectionClaims::Key> in_transition() const;
+  Waiting take_waiting();
+
   Fleet& fleet_;
   ConnectionClaims claims_;
+  mutable std::mutex mutex_;
+  Waiting waiting_;                         ///< connections that begin with the commit; protected by mutex_
+  std::set<ConnectionClaims::Key> ending_;  ///< those that end with it; likewise
 };
 
 }  // namespace segue::deploy::detail

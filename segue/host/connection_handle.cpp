@@ -55,7 +55,7 @@ Result<task::InputPortBase*> find_input(const task::HeldPorts& ports, const Conn
 }
 
 Result<ConnectionHandle> connect_ports(const ConnectionEnd& from, const ConnectionEnd& to,
-                                       const model::Connection& connection) {
+                                       const model::Connection& connection, task::CommitGatePtr gate) {
   if (auto grown = add_missing_port(from, connection.from, model::Direction::Output); !grown) {
     return std::move(grown.error());
   }
@@ -77,7 +77,7 @@ Result<ConnectionHandle> connect_ports(const ConnectionEnd& from, const Connecti
                 "link " + quote(to_string(wanted)) +
                     " cannot carry a connection inside one process; leave 'link' out");
   }
-  auto made = link::connect(**output, **input, connection.policy);
+  auto made = link::connect(**output, **input, connection.policy, std::move(gate));
   if (!made) {
     return std::move(made.error());
   }

@@ -23,6 +23,8 @@ class ConnectionHandle {
   [[nodiscard]] bool is_connected() const { return connection_ != nullptr && connection_->connected(); }
   void disconnect() { connection_->disconnect(); }
   [[nodiscard]] link::Counters counters() const { return connection_->counters(); }
+  /// See link::PortConnection; is_connected() must have been true once.
+  [[nodiscard]] link::PortConnection& port_connection() const { return *connection_; }
 
  private:
   std::shared_ptr<link::PortConnection> connection_;
@@ -46,8 +48,9 @@ Result<task::OutputPortBase*> find_output(const task::HeldPorts& ports, const Co
 Result<task::InputPortBase*> find_input(const task::HeldPorts& ports, const ConnectionEnd& end,
                                         const model::PortRef& ref);
 
-/// Connects two tasks' ports, which the tasks may remove at the same time.
+/// Connects two tasks' ports, which the tasks may remove at the same time. With a gate, the connection is
+/// dormant until that opens.
 Result<ConnectionHandle> connect_ports(const ConnectionEnd& from, const ConnectionEnd& to,
-                                       const model::Connection& connection);
+                                       const model::Connection& connection, task::CommitGatePtr gate);
 
 }  // namespace segue::host::detail

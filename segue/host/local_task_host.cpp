@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 namespace segue::host {
@@ -21,10 +22,23 @@ namespace {
 /// How long a query for ports waits for a hook that creates or removes them.
 constexpr Duration kPatience = std::chrono::milliseconds(200);
 
-/// Whether it runs code of a component, whose duration is not bounded.
-bool runs_hooks(const model::Action& action) {
-  return !std::holds_alternative<model::ConnectionAction>(action.what) &&
-         !std::holds_alternative<model::DeploymentAction>(action.what);
+/// Whether it runs code of a component, whose duration is not bounded, or waits for a reader.
+bool may_take_long(const model::Action& action) {
+  if (std::holds_alternative<model::ConnectionAction>(action.what)) {
+    return action.kind == model::ActionKind::Disconnect && action.phase == model::Phase::Retire;
+  }
+  return !std::holds_alternative<model::DeploymentAction>(action.what);
+}
+
+/// Connections that end with the commit: what is disconnected after it.
+std::vector<model::Connection> ending_connections(const model::Transition& transition) {
+  std::vector<model::Connection> ending;
+  for (const auto& action : transition.actions) {
+    if (action.kind == model::ActionKind::Disconnect && action.phase == model::Phase::Retire) {
+      ending.push_back(std::get<model::ConnectionAction>(action.what).connection);
+    }
+  }
+  return ending;
 }
 
 std::vector<std::string> names_of(const std::vector<task::OutputPortBase*>& outputs) {
@@ -56,6 +70,9 @@ struct LocalTaskHost::Implementation {
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, events};
+  /// Of the transitions that this host commits itself.
+  const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
+  std::atomic<std::uint64_t> transitions{0};
   concurrent::ThreadPool threads{"segue-actions", kActionThreads};
   ActionPool pool{threads, [this](const model::Action& action, TimePoint deadline) {
                     return actions.perform(action, deadline);
@@ -84,6 +101,41 @@ void LocalTaskHost::expect(const model::Network& target) {
   implementation_->maker.expect(target);
 }
 
+Result<void> LocalTaskHost::arm_commit(const model::Transition& transition, TimePoint /*deadline*/) {
+  if (transition.order == model::Order::Seamless) {
+    arm_commit(implementation_->word, ++implementation_->transitions, ending_connections(transition));
+  }
+  return {};
+}
+
+void LocalTaskHost::commit() {
+  implementation_->word->store(implementation_->transitions);
+  settle();
+}
+
+void LocalTaskHost::withdraw() {
+  settle();
+}
+
+task::CommitGatePtr LocalTaskHost::arm_commit(std::shared_ptr<const task::CommitWord> word,
+                                              std::uint64_t number,
+                                              std::span<const model::Connection> ending) {
+  return implementation_->connections.arm(std::move(word), number, ending);
+}
+
+task::CommitGatePtr LocalTaskHost::gate() {
+  return implementation_->connections.gate();
+}
+
+void LocalTaskHost::settle() {
+  implementation_->connections.settle();
+}
+
+void LocalTaskHost::let_reader_finish(const link::PortConnection& connection, const model::TaskId& reader,
+                                      TimePoint deadline) const {
+  implementation_->connections.let_reader_finish(connection, reader, deadline);
+}
+
 void LocalTaskHost::conclude(const model::Transition& transition) {
   implementation_->actions.conclude(transition);
 }
@@ -94,7 +146,7 @@ Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadl
 
 void LocalTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed) {
   ActionPool& pool = implementation_->pool;
-  if (std::any_of(actions.begin(), actions.end(), runs_hooks)) {
+  if (std::any_of(actions.begin(), actions.end(), may_take_long)) {
     pool.begin(std::move(actions), deadline, std::move(completed));
   } else {
     pool.begin_here(std::move(actions), deadline, std::move(completed));
@@ -116,8 +168,11 @@ model::Network LocalTaskHost::observe() const {
       found->second->tasks.push_back({entry.definition.id, entry.name});
     }
   }
-  implementation_->table.for_each_connection(
-      [&](const detail::ConnectionEntry& entry) { network.connections.push_back(entry.connection); });
+  for (const auto& entry : implementation_->table.all_connections()) {
+    if (entry.handle.port_connection().carries()) {
+      network.connections.push_back(entry.connection);
+    }
+  }
   return network;
 }
 
@@ -148,10 +203,12 @@ std::vector<TaskReport> LocalTaskHost::tasks() const {
 
 std::vector<ConnectionReport> LocalTaskHost::connections() const {
   std::vector<ConnectionReport> reports;
-  implementation_->table.for_each_connection([&](const detail::ConnectionEntry& entry) {
-    const link::Counters counts = entry.handle.counters();
-    reports.push_back({entry.connection, counts.written, counts.read, counts.dropped});
-  });
+  for (const auto& entry : implementation_->table.all_connections()) {
+    if (entry.handle.port_connection().carries()) {
+      const link::Counters counts = entry.handle.counters();
+      reports.push_back({entry.connection, counts.written, counts.read, counts.dropped});
+    }
+  }
   return reports;
 }
 

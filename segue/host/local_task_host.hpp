@@ -4,11 +4,13 @@
 #include <segue/host/component_library.hpp>
 #include <segue/host/stand_in.hpp>
 #include <segue/host/task_host.hpp>
+#include <segue/link/port_connection.hpp>
 
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,7 +41,10 @@ class LocalTaskHost final : public TaskHost {
   Result<void> can_make(const model::ComponentName& component) const override;
   /// A stand-in without a model gets the ports that connections of expected networks name.
   void expect(const model::Network& target) override;
+  Result<void> arm_commit(const model::Transition& transition, TimePoint deadline) override;
+  void commit() override;
   void conclude(const model::Transition& transition) override;
+  void withdraw() override;
 
   /// Hooks run in the caller's thread; one that hangs blocks it.
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
@@ -66,6 +71,17 @@ class LocalTaskHost final : public TaskHost {
                            const std::function<Result<void>(task::OutputPortBase&)>& use);
   Result<void> with_input(const model::PortRef& port, TimePoint deadline,
                           const std::function<Result<void>(task::InputPortBase&)>& use);
+
+  /// The commit of a transition that a runtime in another process executes. The gate is open as soon as
+  /// `word` holds `number`; connections to other processes share it. `ending`: connections of this process
+  /// that end with it. settle() follows when the transition has committed or was given up.
+  task::CommitGatePtr arm_commit(std::shared_ptr<const task::CommitWord> word, std::uint64_t number,
+                                 std::span<const model::Connection> ending);
+  task::CommitGatePtr gate();
+  void settle();
+  /// Before an endpoint is closed: waits until the reader has taken what the connection owes it.
+  void let_reader_finish(const link::PortConnection& connection, const model::TaskId& reader,
+                         TimePoint deadline) const;
 
   /// The halves of a hand-over whose other half is in another process; as task::Task says. A hook that hangs
   /// keeps the caller's thread.

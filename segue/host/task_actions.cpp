@@ -116,13 +116,14 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
   struct Visitor {
     TaskActions& self;
     ActionKind kind;
+    bool at_commit;  ///< what Prepare connects begins with the commit
     TimePoint deadline;
     Result<void> operator()(const model::TaskAction& what) const {
       return self.perform_on_task(kind, what.task, deadline);
     }
     Result<void> operator()(const model::ConnectionAction& what) const {
-      return kind == ActionKind::Connect ? self.connections_.connect(what.connection, deadline)
-                                         : self.connections_.disconnect(what.connection);
+      return kind == ActionKind::Connect ? self.connections_.connect(what.connection, at_commit, deadline)
+                                         : self.connections_.disconnect(what.connection, deadline);
     }
     Result<void> operator()(const model::DeploymentAction& what) const {
       return kind == ActionKind::Deploy ? self.deploy(what.deployment)
@@ -139,7 +140,8 @@ Result<void> TaskActions::perform(const model::Action& action, TimePoint deadlin
       return answer ? Result<void>{} : Result<void>(std::move(answer.error()));
     }
   };
-  auto done = std::visit(Visitor{*this, action.kind, deadline}, action.what);
+  auto done =
+      std::visit(Visitor{*this, action.kind, action.phase == model::Phase::Prepare, deadline}, action.what);
   if (!done) {
     return with_subject(std::move(done.error()), action.label());
   }

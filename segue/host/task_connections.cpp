@@ -3,9 +3,16 @@
 
 #include <segue/base/text.hpp>
 
+#include <algorithm>
+#include <thread>
+
 namespace segue::host::detail {
 
 namespace {
+
+/// What a reader may take longer than its cycles for one sample each: the time until its thread runs.
+constexpr Duration kReadingPatience = std::chrono::milliseconds(100);
+constexpr Duration kReadingPoll = std::chrono::microseconds(500);
 
 using PortsLock = std::shared_lock<PortsMutex>;
 
@@ -23,9 +30,13 @@ Result<TaskEntry> TaskConnections::find(const model::TaskId& id) const {
   return entry;
 }
 
-Result<void> TaskConnections::connect(const model::Connection& connection, TimePoint deadline) {
-  if (table_.has_connection(connection)) {
-    return fail(ErrorCode::AlreadyExists, "is already connected");
+Result<void> TaskConnections::connect(const model::Connection& connection, bool at_commit,
+                                      TimePoint deadline) {
+  if (const auto present = table_.find_connection(connection)) {
+    if (present->port_connection().carries() || present->port_connection().dormant()) {
+      return fail(ErrorCode::AlreadyExists, "is already connected");
+    }
+    present->port_connection().disconnect();  // it has ended with an earlier transition
   }
   auto from = find(connection.from.task);
   if (!from) {
@@ -46,20 +57,73 @@ Result<void> TaskConnections::connect(const model::Connection& connection, TimeP
       return to_ports.error();
     }
   }
-  auto handle = connect_ports(end_of(*from), end_of(*to), connection);
+  auto handle =
+      connect_ports(end_of(*from), end_of(*to), connection, at_commit ? gates_.for_connection() : nullptr);
   if (!handle) {
     return std::move(handle.error());
   }
   return table_.add_connection({connection, std::move(*handle)});
 }
 
-Result<void> TaskConnections::disconnect(const model::Connection& connection) {
+Result<void> TaskConnections::disconnect(const model::Connection& connection, TimePoint deadline) {
   auto entry = table_.take_connection(connection);
   if (!entry) {
     return std::move(entry.error());
   }
+  entry->handle.port_connection().settle();
+  let_reader_finish(entry->handle.port_connection(), connection.to.task, deadline);
   entry->handle.disconnect();
   return {};
+}
+
+void TaskConnections::let_reader_finish(const link::PortConnection& connection, const model::TaskId& reader,
+                                        TimePoint deadline) const {
+  const auto entry = table_.find(reader);
+  if (!entry) {
+    return;
+  }
+  const auto cycles = static_cast<Duration::rep>(connection.policy().size) + 1;
+  const TimePoint now = RealClock::instance().now();
+  const TimePoint end = std::min(deadline, now + kReadingPatience + cycles * entry->task->activity().period);
+  while (connection.owes_samples() && entry->state() == TaskState::Running &&
+         RealClock::instance().now() < end) {
+    std::this_thread::sleep_for(kReadingPoll);
+  }
+}
+
+task::CommitGatePtr TaskConnections::arm(std::shared_ptr<const task::CommitWord> word, std::uint64_t number,
+                                         std::span<const model::Connection> ending) {
+  drop_ended();
+  auto gate = gates_.arm(std::move(word), number);
+  for (const auto& connection : ending) {
+    if (const auto handle = table_.find_connection(connection)) {
+      handle->port_connection().end_at(gate);
+    }
+  }
+  return gate;
+}
+
+/// Those that ended with an earlier transition, which did not come to disconnecting them.
+void TaskConnections::drop_ended() {
+  for (const ConnectionEntry& entry : table_.all_connections()) {
+    const link::PortConnection& connection = entry.handle.port_connection();
+    if (!connection.carries() && !connection.dormant()) {
+      entry.handle.port_connection().disconnect();
+    }
+  }
+  table_.drop_ended_connections();
+}
+
+void TaskConnections::settle() {
+  gates_.drop();
+  for (const ConnectionEntry& entry : table_.all_connections()) {
+    link::PortConnection& connection = entry.handle.port_connection();
+    connection.settle();
+    if (connection.dormant()) {
+      connection.disconnect();
+    }
+  }
+  table_.drop_ended_connections();
 }
 
 template <class FindPort, class Use>

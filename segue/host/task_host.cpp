@@ -63,6 +63,12 @@ void TaskHost::begin_transition(const model::Network& /*before*/, const model::N
 
 void TaskHost::get_ready(const model::Network& /*target*/) {}
 
+Result<void> TaskHost::arm_commit(const model::Transition& /*transition*/, TimePoint /*deadline*/) {
+  return {};
+}
+
+void TaskHost::commit() {}
+
 void TaskHost::conclude(const model::Transition& /*transition*/) {}
 
 void TaskHost::withdraw() {}

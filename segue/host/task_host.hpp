@@ -110,14 +110,20 @@ class TaskHost {
   /// Called when all actions before the commit to `target` are done. Does ahead of time what later actions
   /// would otherwise have to do, without changing what runs. Failures are found again by those actions.
   virtual void get_ready(const model::Network& target);
+  /// Called when all actions of Prepare are done. From commit() on, connections that actions of Prepare have
+  /// made carry samples, and those that actions of Retire disconnect carry none any more; not before. With
+  /// Order::Paper nothing waits for commit(). An error: the transition cannot commit.
+  virtual Result<void> arm_commit(const model::Transition& transition, TimePoint deadline);
+  /// All actions of Commit are done. Connections begin and end, all at the same instant.
+  virtual void commit();
   /// Whether a task that moves to another process can be created there while its old incarnation still runs.
   [[nodiscard]] virtual bool side_by_side() const { return false; }
   /// All actions of the transition are done. From now on plain ids denote the new incarnations. Removed tasks
   /// and replaced incarnations are destroyed (their processes stay); tasks that the transition redefines get
   /// their new definitions.
   virtual void conclude(const model::Transition& transition);
-  /// The transition is given up. Plain ids denote the previous incarnations again; new ones remain, under
-  /// their full ids, until they are removed.
+  /// The transition is given up, before commit(): what would have begun with that is removed. Plain ids
+  /// denote the previous incarnations again; new ones remain, under their full ids, until they are removed.
   virtual void withdraw();
 
   /// Carries out one action in the caller's thread. The result of CallOperation is dropped; call() returns

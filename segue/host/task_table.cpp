@@ -116,12 +116,6 @@ std::vector<model::Deployment> TaskTable::processes() const {
   return deployments;
 }
 
-bool TaskTable::has_connection(const model::Connection& connection) const {
-  const std::shared_lock lock(mutex_);
-  const auto found = connections_.find(connection);
-  return found != connections_.end() && found->second.handle.is_connected();
-}
-
 Result<void> TaskTable::add_connection(ConnectionEntry entry) {
   const std::unique_lock lock(mutex_);
   const model::Connection connection = entry.connection;
@@ -165,13 +159,22 @@ std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId&
   return taken;
 }
 
-void TaskTable::for_each_connection(const std::function<void(const ConnectionEntry&)>& see) const {
+std::optional<ConnectionHandle> TaskTable::find_connection(const model::Connection& connection) const {
   const std::shared_lock lock(mutex_);
+  const auto found = connections_.find(connection);
+  const bool there = found != connections_.end() && found->second.handle.is_connected();
+  return there ? std::optional(found->second.handle) : std::nullopt;
+}
+
+std::vector<ConnectionEntry> TaskTable::all_connections() const {
+  const std::shared_lock lock(mutex_);
+  std::vector<ConnectionEntry> all;
   for (const auto& [connection, entry] : connections_) {
     if (entry.handle.is_connected()) {
-      see(entry);
+      all.push_back(entry);
     }
   }
+  return all;
 }
 
 void TaskTable::clear() {

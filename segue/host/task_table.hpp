@@ -76,16 +76,16 @@ class TaskTable {
   void remove_process(const model::DeploymentKey& key);
   [[nodiscard]] std::vector<model::Deployment> processes() const;
 
-  [[nodiscard]] bool has_connection(const model::Connection& connection) const;
   Result<void> add_connection(ConnectionEntry entry);
   /// Removes the connection from the table.
   Result<ConnectionEntry> take_connection(const model::Connection& connection);
+  /// Those that have not ended.
+  [[nodiscard]] std::optional<ConnectionHandle> find_connection(const model::Connection& connection) const;
+  [[nodiscard]] std::vector<ConnectionEntry> all_connections() const;
   /// Removes connections that have ended because a port was removed.
   void drop_ended_connections();
   /// Removes all connections of a task from the table.
   std::vector<ConnectionEntry> take_connections_of(const model::TaskId& id);
-  /// Calls `see` for each connection that has not ended, under the lock.
-  void for_each_connection(const std::function<void(const ConnectionEntry&)>& see) const;
 
   void clear();
 

@@ -22,11 +22,11 @@ constexpr std::size_t kReaderSlots = 2;  // the sample that was read last, and t
 
 class LocalConnection final : public PortConnection, public task::WriterEnd, public task::ReaderEnd {
  public:
-  LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy)
-      : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size) {}
+  LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy, task::CommitGatePtr gate)
+      : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size), gate_(std::move(gate)) {}
 
   static Result<std::shared_ptr<PortConnection>> make(OutputPortBase& from, InputPortBase& to,
-                                                      const Policy& policy);
+                                                      const Policy& policy, task::CommitGatePtr gate);
 
   bool push(SampleSlot& sample) noexcept override;
   SampleRef pull() noexcept override;
@@ -51,8 +51,24 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   }
   [[nodiscard]] Counters counters() const override;
   [[nodiscard]] const Policy& policy() const override { return policy_; }
+  void end_at(task::CommitGatePtr gate) override;
+  void settle() override;
+  [[nodiscard]] bool dormant() const override {
+    const std::lock_guard lock(mutex_);
+    return gate_ && !gate_->open();
+  }
+  [[nodiscard]] bool carries() const override {
+    const std::lock_guard lock(mutex_);
+    return !(gate_ && !gate_->open()) && !(end_ && end_->open());
+  }
+  [[nodiscard]] bool owes_samples() const override {
+    const std::lock_guard lock(mutex_);
+    return attached_ && end_ && end_->open() && counters().waiting() > 0;
+  }
 
  private:
+  void offer_last();
+
   using Count = std::atomic<std::uint64_t>;
   /// Each counter has one writing thread, so no atomic increment is needed; readers may see an older value.
   static void increment(Count& count) {
@@ -64,8 +80,10 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
   SampleQueue queue_;
-  mutable std::mutex mutex_;  ///< guards attached_; held while both ports are detached
+  mutable std::mutex mutex_;  ///< guards the next three; held while both ports are detached
   bool attached_ = true;
+  task::CommitGatePtr gate_;  ///< nullptr: it carries samples already
+  task::CommitGatePtr end_;   ///< the gate with which it ends
   Count initial_{0};
   alignas(64) Count written_{0};
   Count dropped_{0};
@@ -74,22 +92,45 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
 };
 
 Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
-                                                              const Policy& policy) {
-  auto connection = std::make_shared<LocalConnection>(from, to, policy);
+                                                              const Policy& policy,
+                                                              task::CommitGatePtr gate) {
+  auto connection = std::make_shared<LocalConnection>(from, to, policy, gate);
   // The reader first, so that no sample of the writer goes unnoticed.
   to.attach(connection);
-  if (auto attached = from.attach(connection, to.full_name()); !attached) {
+  const bool at_once = gate == nullptr;
+  if (auto attached = from.attach(connection, to.full_name(), std::move(gate)); !attached) {
     to.detach(*connection);
     return std::move(attached.error());
   }
-  if (policy.init) {
-    from.show_last([&](SampleSlot& last) {
-      if (!connection->queue_.offer_older(last)) return;
-      increment(connection->initial_);
-      to.notify();
-    });
-  }
+  if (at_once) connection->offer_last();
   return std::shared_ptr<PortConnection>(std::move(connection));
+}
+
+void LocalConnection::offer_last() {
+  if (!policy_.init) return;
+  from_.show_last([this](SampleSlot& last) {
+    if (!queue_.offer_older(last)) return;
+    increment(initial_);
+    to_.notify();
+  });
+}
+
+void LocalConnection::end_at(task::CommitGatePtr gate) {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return;
+  to_.end_at(*this, gate);
+  from_.end_at(*this, gate);
+  end_ = std::move(gate);
+}
+
+void LocalConnection::settle() {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return;
+  from_.settle();
+  to_.settle();
+  if (!gate_ || !gate_->open()) return;
+  gate_.reset();
+  offer_last();
 }
 
 [[gnu::hot]] bool LocalConnection::push(SampleSlot& sample) noexcept {
@@ -135,15 +176,15 @@ Counters LocalConnection::counters() const {
 
 }  // namespace
 
-Result<std::shared_ptr<PortConnection>> connect(OutputPortBase& from, InputPortBase& to,
-                                                const Policy& policy) {
+Result<std::shared_ptr<PortConnection>> connect(OutputPortBase& from, InputPortBase& to, const Policy& policy,
+                                                task::CommitGatePtr gate) {
   if (auto checked = check_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_types(from, to); !checked) return std::move(checked.error());
   if (policy.transport != Transport::Automatic && policy.transport != Transport::Local) {
     return fail(ErrorCode::Unsupported, "ports of one process are connected by the local link, not by " +
                                             std::string(to_string(policy.transport)));
   }
-  return LocalConnection::make(from, to, policy);
+  return LocalConnection::make(from, to, policy, std::move(gate));
 }
 
 Result<void> check_types(const OutputPortBase& from, const InputPortBase& to) {

@@ -13,9 +13,9 @@ namespace segue::link {
 /// Connects two ports of this process. Lock free for both tasks; samples are shared, never copied.
 /// TypeMismatch (showing both definitions) unless type names and structures agree or one port is of any type;
 /// AlreadyExists for the same ports and policy; InvalidArgument for an invalid policy. Any thread, also while
-/// both tasks run.
+/// both tasks run. With a gate it is dormant until that opens.
 Result<std::shared_ptr<PortConnection>> connect(task::OutputPortBase& from, task::InputPortBase& to,
-                                                const Policy& policy);
+                                                const Policy& policy, task::CommitGatePtr gate = nullptr);
 
 /// Whether samples of `from` fit `to`; the error shows both definitions.
 Result<void> check_types(const task::OutputPortBase& from, const task::InputPortBase& to);

@@ -83,7 +83,7 @@ OutputOrigin describe_output(const SharedMemory& memory, const task::OutputPortB
 }
 
 Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origin, task::InputPortBase& port,
-                                 const Policy& policy) {
+                                 const Policy& policy, task::CommitGatePtr gate) {
   if (auto checked = check_shared_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_samples(port); !checked) return std::move(checked.error());
   const auto state = SharedState::of(memory);
@@ -97,7 +97,7 @@ Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origi
   }
   auto ring = std::make_shared<OwnedRing>(std::move(place), policy, state->next_generation());
   auto endpoint = std::make_shared<SharedInput>(state, std::move(*writer), std::move(ring), port, policy,
-                                                origin.sample_size == 0);
+                                                origin.sample_size == 0, std::move(gate));
   if (auto opened = endpoint->open(); !opened) return std::move(opened.error());
   return InputEndpoint{endpoint, endpoint->place()};
 }
@@ -107,7 +107,8 @@ void release_input(SharedMemory& memory, const InputPlace& place) {
 }
 
 Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, const InputPlace& place,
-                                                      task::OutputPortBase& port, const Policy& policy) {
+                                                      task::OutputPortBase& port, const Policy& policy,
+                                                      task::CommitGatePtr gate) {
   if (auto checked = check_shared_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_place_type(place, port); !checked) return std::move(checked.error());
   if (auto checked = check_samples(port); !checked) return std::move(checked.error());
@@ -116,11 +117,12 @@ Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, cons
   if (!reader) return std::move(reader.error());
   auto ring = find_ring(**reader, place, policy);
   if (!ring) return std::move(ring.error());
-  state->settle();
+  state->drop_ended();
   if (form_of(port.type()) == SampleForm::Raw && !place.any_type) {
     if (auto shared = port.share(state->payload()); !shared) return std::move(shared.error());
   }
-  auto endpoint = std::make_shared<SharedOutput>(state, std::move(*reader), *ring, place, port, policy);
+  auto endpoint =
+      std::make_shared<SharedOutput>(state, std::move(*reader), *ring, place, port, policy, std::move(gate));
   if (auto attached = endpoint->attach(); !attached) return std::move(attached.error());
   return std::shared_ptr<SharedEndpoint>(std::move(endpoint));
 }

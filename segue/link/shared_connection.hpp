@@ -57,19 +57,20 @@ struct InputEndpoint {
   InputPlace place;
 };
 
-/// Opens the reader's endpoint; samples arrive once the writer's is attached. The writer's process must have
-/// been admitted. The place of the ring is reused only after the writer's process has confirmed that its
-/// endpoint is closed (release_input) or is gone.
+/// Opens the reader's endpoint; samples arrive once the writer's is attached. Both endpoints get the gate, if
+/// any. The writer's process must have been admitted. The place of the ring is reused only after the writer's
+/// process has confirmed that its endpoint is closed (release_input) or is gone.
 Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origin, task::InputPortBase& port,
-                                 const Policy& policy);
+                                 const Policy& policy, task::CommitGatePtr gate = nullptr);
 
 /// Confirms that the writer's endpoint is closed or never existed, so the place of a disconnected reader's
 /// endpoint may be reused.
 void release_input(SharedMemory& memory, const InputPlace& place);
 
 /// Attaches the writer's endpoint. TypeMismatch shows both definitions. The place is untrusted and checked.
-/// With policy.init the last sample written is sent at once.
+/// With policy.init the last sample written is sent at once, or with a gate by settle().
 Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, const InputPlace& place,
-                                                      task::OutputPortBase& port, const Policy& policy);
+                                                      task::OutputPortBase& port, const Policy& policy,
+                                                      task::CommitGatePtr gate = nullptr);
 
 }  // namespace segue::link

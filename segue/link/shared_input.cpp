@@ -22,7 +22,7 @@ constexpr Duration kLongestPush = std::chrono::seconds(2);
 
 SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
                          std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy,
-                         bool untyped)
+                         bool untyped, task::CommitGatePtr gate)
     : state_(std::move(state)),
       writer_(std::move(writer)),
       port_(port),
@@ -33,7 +33,8 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
       offset_(*state_->control()->offset_of(&(*ring)->header())),
       generation_((*ring)->generation()),
       port_name_(port.full_name()),
-      ring_(std::move(ring)) {
+      ring_(std::move(ring)),
+      gate_(std::move(gate)) {
   if (form_ == SampleForm::Flat) {
     decoded_ = task::SamplePool::create(info_);
     decoded_->reserve(policy.size + SharedRing::kExtra);
@@ -258,7 +259,36 @@ void SharedInput::abandon() {
   disconnect();
 }
 
-bool SharedInput::settle() {
+void SharedInput::end_at(task::CommitGatePtr gate) {
+  const std::lock_guard lock(mutex_);
+  if (!open_) return;
+  port_.end_at(*this, gate);
+  end_ = std::move(gate);
+}
+
+void SharedInput::settle() {
+  const std::lock_guard lock(mutex_);
+  if (!open_) return;
+  port_.settle();
+  if (gate_ && gate_->open()) gate_.reset();
+}
+
+bool SharedInput::carries() const {
+  const std::lock_guard lock(mutex_);
+  return !(gate_ && !gate_->open()) && !(end_ && end_->open());
+}
+
+bool SharedInput::dormant() const {
+  const std::lock_guard lock(mutex_);
+  return gate_ && !gate_->open();
+}
+
+bool SharedInput::owes_samples() const {
+  const std::lock_guard lock(mutex_);
+  return open_ && end_ && end_->open() && (*ring_)->counters().waiting() > 0;
+}
+
+bool SharedInput::reclaim_rest() {
   const std::lock_guard lock(mutex_);
   if (open_ || !released_) return false;
   ring_.reset();

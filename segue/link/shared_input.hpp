@@ -22,7 +22,8 @@ class SharedInput final : public RegisteredEndpoint,
                           public std::enable_shared_from_this<SharedInput> {
  public:
   SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> writer,
-              std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy, bool untyped);
+              std::shared_ptr<OwnedRing> ring, task::InputPortBase& port, const Policy& policy, bool untyped,
+              task::CommitGatePtr gate);
   Result<void> open();
   [[nodiscard]] InputPlace place() const;
 
@@ -38,9 +39,14 @@ class SharedInput final : public RegisteredEndpoint,
   [[nodiscard]] Incarnation peer() const override { return writer_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool damaged() override;
+  void end_at(task::CommitGatePtr gate) override;
+  void settle() override;
+  [[nodiscard]] bool dormant() const override;
+  [[nodiscard]] bool carries() const override;
+  [[nodiscard]] bool owes_samples() const override;
 
   void abandon() override;
-  bool settle() override;
+  bool reclaim_rest() override;
   [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& /*port*/) const override { return 0; }
   void release(const InputPlace& place) override;
 
@@ -80,6 +86,8 @@ class SharedInput final : public RegisteredEndpoint,
   TimePoint stalled_since_{};
   std::shared_ptr<task::Doorbell> doorbell_;
   unsigned line_ = 0;
+  task::CommitGatePtr gate_;  ///< nullptr: samples arrive already
+  task::CommitGatePtr end_;   ///< the gate with which it ends
   Counters final_;
 };
 

@@ -106,7 +106,7 @@ void SharedState::forget(Incarnation incarnation) {
       if (endpoint->peer() == incarnation) endpoint->abandon();
     }
   }
-  settle();
+  drop_ended();
 }
 
 void SharedState::forget_all() {
@@ -139,12 +139,12 @@ void SharedState::end(const RegisteredEndpoint& endpoint) {
       connected_.erase(found);
     }
   }
-  settle();
+  drop_ended();
 }
 
-void SharedState::settle() {
+void SharedState::drop_ended() {
   for (const auto& endpoint : snapshot(ended_)) {
-    if (!endpoint->settle()) continue;
+    if (!endpoint->reclaim_rest()) continue;
     const std::lock_guard lock(mutex_);
     std::erase(ended_, endpoint);
   }
@@ -157,7 +157,7 @@ void SharedState::release(const InputPlace& place) {
     for (const auto& endpoint : snapshot(*some))
       endpoint->release(place);
   }
-  settle();
+  drop_ended();
 }
 
 std::size_t SharedState::in_flight(const task::OutputPortBase& port) const {
@@ -178,7 +178,7 @@ std::shared_ptr<PayloadSource> SharedState::source_of(const task::OutputPortBase
 }
 
 MemoryUsage SharedState::usage() {
-  settle();
+  drop_ended();
   MemoryUsage usage;
   usage.payload_used = payload_->blocks().used();
   usage.payload_touched = payload_->blocks().cut();

@@ -13,7 +13,7 @@ constexpr std::size_t kWordsPerPush = 4;
 
 SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> reader,
                            std::byte* ring, const InputPlace& place, task::OutputPortBase& port,
-                           const Policy& policy)
+                           const Policy& policy, task::CommitGatePtr gate)
     : state_(std::move(state)),
       reader_(std::move(reader)),
       port_(port),
@@ -24,7 +24,8 @@ SharedOutput::SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<c
       source_(state_->source_of(port)),
       ring_(ring, policy, place.generation),
       in_flight_before_(state_->in_flight(port)),
-      lent_(std::make_unique<LentEntry[]>(ring_.entries().size())) {
+      lent_(std::make_unique<LentEntry[]>(ring_.entries().size())),
+      gate_(std::move(gate)) {
   // The last entry is reserved for offer_last().
   const std::size_t count = ring_.entries().size() - (policy.init ? 1 : 0);
   free_.reserve(ring_.entries().size());
@@ -41,12 +42,41 @@ Result<void> SharedOutput::attach() {
 Result<void> SharedOutput::attach_to_port() {
   const std::lock_guard lock(mutex_);
   if (auto kept = state_->keep(shared_from_this()); !kept) return kept;
-  if (auto attached = port_.attach(shared_from_this(), reader_port_); !attached) return attached;
+  if (auto attached = port_.attach(shared_from_this(), reader_port_, gate_); !attached) return attached;
   attached_ = true;
-  if (policy_.init) {
-    port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
-  }
+  if (!gate_) show_last();
   return {};
+}
+
+/// Requires mutex_ and that it is attached.
+void SharedOutput::show_last() {
+  if (policy_.init) port_.show_last([this](task::SampleSlot& last) { offer_last(last); });
+}
+
+void SharedOutput::end_at(task::CommitGatePtr gate) {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return;
+  port_.end_at(*this, gate);
+  end_ = std::move(gate);
+}
+
+void SharedOutput::settle() {
+  const std::lock_guard lock(mutex_);
+  if (!attached_) return;
+  port_.settle();
+  if (!gate_ || !gate_->open()) return;
+  gate_.reset();
+  show_last();
+}
+
+bool SharedOutput::carries() const {
+  const std::lock_guard lock(mutex_);
+  return !(gate_ && !gate_->open()) && !(end_ && end_->open());
+}
+
+bool SharedOutput::dormant() const {
+  const std::lock_guard lock(mutex_);
+  return gate_ && !gate_->open();
 }
 
 std::size_t SharedOutput::capacity() const {
@@ -201,7 +231,7 @@ void SharedOutput::abandon() {
 }
 
 /// The reader may use the samples that it holds and read those that wait until its endpoint has ended, too.
-bool SharedOutput::settle() {
+bool SharedOutput::reclaim_rest() {
   const std::lock_guard lock(mutex_);
   if (attached_) return false;
   if (abandoned_ || !ring_.current()) {

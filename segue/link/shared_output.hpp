@@ -25,7 +25,8 @@ class SharedOutput final : public RegisteredEndpoint,
  public:
   /// `ring`: the checked address of the ring in the mapping of the reader's memory.
   SharedOutput(std::shared_ptr<SharedState> state, std::shared_ptr<const PeerMemory> reader, std::byte* ring,
-               const InputPlace& place, task::OutputPortBase& port, const Policy& policy);
+               const InputPlace& place, task::OutputPortBase& port, const Policy& policy,
+               task::CommitGatePtr gate);
   Result<void> attach();
 
   bool push(task::SampleSlot& sample) noexcept override;
@@ -39,9 +40,14 @@ class SharedOutput final : public RegisteredEndpoint,
   [[nodiscard]] Incarnation peer() const override { return reader_->incarnation(); }
   [[nodiscard]] std::uint64_t corrupt() const override { return corrupt_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool damaged() override { return corrupt() > 0; }
+  void end_at(task::CommitGatePtr gate) override;
+  void settle() override;
+  [[nodiscard]] bool dormant() const override;
+  [[nodiscard]] bool carries() const override;
+  [[nodiscard]] bool owes_samples() const override { return false; }  // the reader's endpoint knows
 
   void abandon() override;
-  bool settle() override;
+  bool reclaim_rest() override;
   [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& port) const override;
   void release(const InputPlace& /*place*/) override {}
 
@@ -62,6 +68,7 @@ class SharedOutput final : public RegisteredEndpoint,
   void collect(std::size_t most_words) noexcept;
   void collect_all() noexcept;
   [[nodiscard]] std::size_t count_lent() const noexcept;
+  void show_last();
   void offer_last(task::SampleSlot& last) noexcept;
   void ring_reader() const noexcept;
   [[nodiscard]] bool anybody_there() const noexcept;
@@ -77,7 +84,8 @@ class SharedOutput final : public RegisteredEndpoint,
   SharedRing ring_;
   std::size_t in_flight_before_;  ///< samples of the port that ended connections had not got back at first
 
-  // Used by the writing task while attached; afterwards under mutex_ by settle(). detach() separates the two.
+  // Used by the writing task while attached; afterwards under mutex_ by reclaim_rest(). detach() separates
+  // the two.
   std::unique_ptr<LentEntry[]> lent_;
   std::vector<std::uint32_t> free_;  ///< entries that are not lent
   std::size_t next_word_ = 0;        ///< of the returned bits, to be checked next
@@ -86,6 +94,8 @@ class SharedOutput final : public RegisteredEndpoint,
   mutable std::mutex mutex_;  ///< guards the members below
   bool attached_ = false;
   bool abandoned_ = false;
+  task::CommitGatePtr gate_;  ///< nullptr: it carries samples already
+  task::CommitGatePtr end_;   ///< the gate with which it ends
   Counters final_;
 };
 

@@ -21,7 +21,7 @@ class RegisteredEndpoint : public SharedEndpoint {
   /// Disconnects; the peer is dead and gives nothing back any more.
   virtual void abandon() = 0;
   /// After its end: reclaims what the peer has given back meanwhile. True: nothing is outstanding.
-  virtual bool settle() = 0;
+  virtual bool reclaim_rest() = 0;
   /// Samples of `port` that the reader still holds after this endpoint has ended.
   [[nodiscard]] virtual std::size_t in_flight(const task::OutputPortBase& port) const = 0;
   /// The peer will not touch the ring at this place any more.
@@ -49,12 +49,13 @@ class SharedState final {
   void forget(Incarnation incarnation);
   void forget_all();
 
-  /// Keeps an endpoint until it has ended and settled. NotFound where its peer has been forgotten meanwhile.
+  /// Keeps an endpoint until it has ended and nothing is outstanding. NotFound where its peer has been
+  /// forgotten meanwhile.
   Result<void> keep(std::shared_ptr<RegisteredEndpoint> endpoint);
   /// Called by an endpoint that has ended.
   void end(const RegisteredEndpoint& endpoint);
-  /// Drops the endpoints that have ended and settled.
-  void settle();
+  /// Drops the endpoints that have ended and to which nothing is outstanding.
+  void drop_ended();
   void release(const InputPlace& place);
   /// Samples of a port that readers of ended endpoints still hold.
   [[nodiscard]] std::size_t in_flight(const task::OutputPortBase& port) const;

@@ -6,7 +6,6 @@
 #include <segue/runtime/network_sets.hpp>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <set>
 #include <utility>
@@ -14,8 +13,6 @@
 namespace segue::runtime::detail {
 
 namespace {
-
-constexpr std::array kPhases = {model::Phase::Prepare, model::Phase::Commit, model::Phase::Retire};
 
 /// Tasks of the target that are in Fatal in the runtime's own process, where no transition can replace them.
 std::set<model::TaskId> stuck_tasks(const model::Network& target, const model::Network& observed) {
@@ -162,21 +159,17 @@ void Transaction::forward(SwitchResult& result) {
   const auto execution = begin(plan_.transition);
   const bool prepared = enter(Stage::Prepare) && execution->run(model::Phase::Prepare);
   const TimePoint created = RealClock::instance().now();
-  if (prepared) {
-    context_.host.get_ready(plan_.target);
-  }
-  const Duration getting_ready = RealClock::instance().now() - created;
-  const bool committed = prepared && enter(Stage::Commit) && execution->run(model::Phase::Commit);
+  const auto armed = prepared ? arm(plan_.transition, plan_.target) : Result<void>();
+  const Duration arming = RealClock::instance().now() - created;
+  const bool committed = prepared && armed && enter(Stage::Commit) && execution->run(model::Phase::Commit);
   if (committed) {
+    context_.host.commit();
     retire(*execution, result);
   }
-  result.prepare = execution->window(model::Phase::Prepare) + getting_ready;
+  result.prepare = execution->window(model::Phase::Prepare) + arming;
   result.commit = execution->window(model::Phase::Commit);
   result.retire = execution->window(model::Phase::Retire);
-  std::optional<ActionRecord> failed;
-  if (execution->failure() != nullptr) {
-    failed = *execution->failure();
-  }
+  const auto failed = failure_of(*execution, armed);
   result.actions = execution->take_records();
   if (committed) {
     return;
@@ -188,6 +181,24 @@ void Transaction::forward(SwitchResult& result) {
     result.error = failed->error;
     result.undo = undo(*failed);
   }
+}
+
+Result<void> Transaction::arm(const model::Transition& transition, const model::Network& target) {
+  context_.host.get_ready(target);
+  return context_.host.arm_commit(transition, RealClock::instance().now() + options_.action_deadline);
+}
+
+std::optional<Transaction::Failure> Transaction::failure_of(const Execution& execution,
+                                                            const Result<void>& armed) {
+  if (const ActionRecord* failed = execution.failure()) {
+    const model::Action& action = failed->action;
+    return Failure{quote(action.label()), error_of(*failed),
+                   action.phase == model::Phase::Commit && takes_down(action.kind)};
+  }
+  if (!armed) {
+    return Failure{"preparing the commit", armed.error()};
+  }
+  return std::nullopt;
 }
 
 void Transaction::retire(Execution& execution, SwitchResult& result) {
@@ -216,13 +227,13 @@ void Transaction::end_early(SwitchResult& result) {
   }
 }
 
-bool Transaction::replan(const ActionRecord& failed, SwitchResult& result) {
-  if (failed.action.phase != model::Phase::Commit || !takes_down(failed.action.kind)) {
+bool Transaction::replan(const Failure& failed, SwitchResult& result) {
+  if (!failed.took_down) {
     return false;
   }
   context_.host.withdraw();
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                   quote(failed.action.label()) + " failed; replanning from the observed network");
+                   failed.what + " failed; replanning from the observed network");
   const TimePoint started = RealClock::instance().now();
   const auto error = bring_to(plan_.target, result.actions);
   result.commit += RealClock::instance().now() - started;
@@ -236,18 +247,18 @@ bool Transaction::replan(const ActionRecord& failed, SwitchResult& result) {
         fail(ErrorCode::DeadlineExceeded,
              "hung when the transition was planned again and has returned since; it is removed next",
              rest.front().id.str())
-            .because_of(error_of(failed));
+            .because_of(failed.error);
   }
   return true;
 }
 
-Undo Transaction::undo(const ActionRecord& failed) {
+Undo Transaction::undo(const Failure& failed) {
   const TimePoint started = RealClock::instance().now();
   Undo undo;
   enter(Stage::Undo);
   context_.host.withdraw();
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
-                   quote(failed.action.label()) + " failed; going back to " + quoted_name(before_.name));
+                   failed.what + " failed; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
   const model::Network observed = context_.host.observe();
   undo.restored = is_restored(before_, observed);
@@ -274,15 +285,18 @@ std::optional<Error> Transaction::bring_to(const model::Network& target, std::ve
   }
   context_.host.begin_transition(observed, target);
   const auto execution = begin(*way);
-  bool done = true;
-  for (const auto phase : kPhases) {
-    done = done && execution->run(phase);
+  const bool prepared = execution->run(model::Phase::Prepare);
+  const auto armed = prepared ? arm(*way, target) : Result<void>();
+  bool done = prepared && armed && execution->run(model::Phase::Commit);
+  if (done) {
+    context_.host.commit();
+    done = execution->run(model::Phase::Retire);
   }
   // Only after success may the host let plain ids mean the new incarnations and forget removed tasks.
   done ? context_.host.conclude(*way) : context_.host.withdraw();
   std::optional<Error> error;
-  if (const ActionRecord* failed = execution->failure()) {
-    error = error_of(*failed);
+  if (const auto failed = failure_of(*execution, armed)) {
+    error = failed->error;
   } else if (!done) {
     error = fail(ErrorCode::Cancelled, "the runtime ended", target.name.str());
   }

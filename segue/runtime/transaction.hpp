@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 
 namespace segue::runtime::detail {
 
@@ -54,12 +55,22 @@ class Transaction {
   /// Begins a stage; false if the transaction was cancelled or superseded.
   bool enter(Stage stage);
   std::shared_ptr<Execution> begin(const model::Transition& transition);
+  /// What kept a transition from being committed.
+  struct Failure {
+    std::string what;  ///< the action, for messages
+    Error error;
+    bool took_down = false;  ///< an action of commit failed that only takes something down
+  };
   void forward(SwitchResult& result);
+  /// Between prepare and commit; an error where the transition cannot commit.
+  Result<void> arm(const model::Transition& transition, const model::Network& target);
+  [[nodiscard]] static std::optional<Failure> failure_of(const Execution& execution,
+                                                         const Result<void>& armed);
   void retire(Execution& execution, SwitchResult& result);
   /// Solves again after an action failed that takes something down; true if that led to the target.
-  bool replan(const ActionRecord& failed, SwitchResult& result);
+  bool replan(const Failure& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
-  Undo undo(const ActionRecord& failed);
+  Undo undo(const Failure& failed);
   /// Solves from the observed network to `target` and executes that; appends to `actions`.
   std::optional<Error> bring_to(const model::Network& target, std::vector<ActionRecord>& actions);
   void on_action(const ActionRecord& record);

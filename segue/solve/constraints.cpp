@@ -174,8 +174,6 @@ class Finder {
     const IndexedConnection& connection = index_.connections[kCurrent][number];
     before_its_end_goes(end, connection.from, connection.from_dynamic);
     before_its_end_goes(end, connection.to, connection.to_dynamic);
-    if (connection.partner == kNone || !(is_kept(connection.from) || is_kept(connection.to))) return;
-    add(end, nodes_.connect[as_index(connection.partner)]);
   }
 
   /// The action that removes a connection: its disconnect, or the end of a killed process.

@@ -106,11 +106,17 @@ class Lister {
     }
   }
 
-  /// The connections between members, whose numbers stand in their slots.
+  /// The connections between members, whose numbers stand in their slots. In the seamless order only those
+  /// that carry samples while tasks start or stop: others begin or end with the commit.
   std::vector<OrderEdge> flow_between(ActionKind kind) {
     const bool stop = kind == ActionKind::Stop;
+    const auto& connections = index_.connections[stop ? kCurrent : kTarget];
+    const std::vector<bool>& changes = stop ? plan_.disconnect : plan_.connect;
+    const bool seamless = plan_.options.order == model::Order::Seamless;
     std::vector<OrderEdge> flow;
-    for (const IndexedConnection& connection : index_.connections[stop ? kCurrent : kTarget]) {
+    for (std::size_t i = 0; i < connections.size(); ++i) {
+      if (seamless && changes[i]) continue;
+      const IndexedConnection& connection = connections[i];
       const int from = slot(connection.from, kind);
       const int to = slot(connection.to, kind);
       if (from == kNone || to == kNone || from == to || (stop && !exists(index_, connection))) continue;

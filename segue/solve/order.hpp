@@ -26,7 +26,8 @@ struct ActionNodes {
   std::vector<int> undeploy, deploy;         ///< per process
   std::vector<int> disconnect;               ///< per connection of the current network
   std::vector<int> connect;                  ///< per connection of the target
-  std::vector<OrderEdge> start_and_stop;  ///< producers stop before consumers, which start before producers
+  /// Where samples flow meanwhile, producers stop before consumers, which start before producers.
+  std::vector<OrderEdge> start_and_stop;
 
   [[nodiscard]] int of(int task, model::ActionKind kind) const {
     return of_task[as_index(task)][static_cast<std::size_t>(kind)];

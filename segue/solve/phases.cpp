@@ -29,12 +29,13 @@ class PhaseRule {
       case ActionKind::ApplyConfig:
       case ActionKind::Configure:
         return can_coexist(node.subject) ? Phase::Prepare : Phase::Commit;
-      case ActionKind::Connect:
-        return joins_new(node.subject) ? Phase::Prepare : Phase::Commit;
-      case ActionKind::Disconnect:
-        if (reader_goes(node.subject)) return Phase::Retire;
-        return joins_idle(node.subject) ? Phase::Prepare : Phase::Commit;
-      case ActionKind::Stop:
+      case ActionKind::Connect:  // begins with the commit
+        return Phase::Prepare;
+      case ActionKind::Disconnect:  // ends with the commit
+        return joins_idle(node.subject) ? Phase::Prepare : Phase::Retire;
+      case ActionKind::Stop:  // what goes, or need not run any more; a task that changes has to stop in
+                              // Commit
+        return Phase::Retire;
       case ActionKind::HandOver:
       case ActionKind::Start:
       case ActionKind::CallOperation:
@@ -83,17 +84,6 @@ class PhaseRule {
     if (is_idle(task)) return index_.task(task).target().task != nullptr;
     const int occupant = constraints_.in_place[as_index(task)];
     return has_new(plan_.task(task).fate) && (occupant == kNone || is_idle(occupant));
-  }
-
-  [[nodiscard]] bool joins_new(int number) const {
-    const IndexedConnection& connection = index_.connections[kTarget][as_index(number)];
-    return can_coexist(connection.from) && can_coexist(connection.to);
-  }
-
-  /// A connection to a removed reader is unused once that is stopped. A reader that stays must be
-  /// disconnected from the old writer before the new writer starts.
-  [[nodiscard]] bool reader_goes(int number) const {
-    return has_old(plan_.task(index_.connections[kCurrent][as_index(number)].to).fate);
   }
 
   const ChangeSet& plan_;

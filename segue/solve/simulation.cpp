@@ -168,7 +168,7 @@ Result<> Simulation::connect(const model::Connection& connection) {
   }
   for (const int number : connections_between(connection)) {
     const StoredConnection& stored = connections_[as_index(number)];
-    if (stored.from == from || stored.to == to) {
+    if (stored.from == from && stored.to == to && stored.connection->policy == connection.policy) {
       return refuse("the two ports are connected already: " + quote(to_string(*stored.connection)));
     }
   }

@@ -209,7 +209,13 @@ Result<model::Network> Simulation::network() const {
     network.deployments.back().tasks = std::move(placements[i]);
   }
   for (const StoredConnection& connection : connections_) {
-    if (connection.exists) network.connections.push_back(*connection.connection);
+    if (!connection.exists) continue;
+    // While a transition replaces a connection by one with another policy, both exist.
+    if (connections_between(*connection.connection).size() > 1) {
+      const std::string name = to_string(*connection.connection);
+      return fail(ErrorCode::InvalidState, "the two ports are left connected twice", name);
+    }
+    network.connections.push_back(*connection.connection);
   }
   return network;
 }

@@ -87,7 +87,7 @@ TEST(Diff, CopesWithAVeryLongChain) {
   for (std::size_t i = 1; i < target.tasks.size(); ++i) {
     target.connections.push_back({{target.tasks[i - 1].id, "out"}, {target.tasks[i].id, "in"}, {}, {}});
   }
-  const auto found = diff(Network{}, target, {});
+  const auto found = diff(Network{}, target, {}, {model::Order::Paper});
   ASSERT_TRUE(found);
   EXPECT_EQ(found->actions.back().label(), "start t0");
 }

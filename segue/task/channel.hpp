@@ -6,9 +6,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <mutex>
-#include <vector>
 
 namespace segue::task {
 
@@ -64,92 +61,5 @@ namespace detail {
 /// processor.
 void wait_until_left(const std::atomic<std::uint64_t>& section, std::uint64_t begin) noexcept;
 }  // namespace detail
-
-/// The connections of a port: read by one real-time thread at a time without ever waiting, changed by any
-/// other. When add() or remove() return, the reader has stopped using the previous list.
-///
-/// Memory order: the reader stores section_ (odd) and then loads ends_; a change exchanges ends_ and then
-/// loads section_. All four are sequentially consistent, so either the reader loads the new list or the
-/// change sees it inside and waits. Leaving a section releases and the change acquires, so the old list is
-/// deleted after its last use. Readers that are different threads over time are ordered by their owner (a
-/// task's ownership).
-template <class End>
-class ConnectionList {
- public:
-  using Ends = std::vector<std::shared_ptr<End>>;
-
-  ConnectionList() = default;
-  ConnectionList(const ConnectionList&) = delete;
-  ConnectionList& operator=(const ConnectionList&) = delete;
-  ~ConnectionList() { delete ends_.load(std::memory_order_relaxed); }
-
-  /// The reader's view, valid as long as this object lives. One at a time.
-  class Section {
-   public:
-    explicit Section(ConnectionList& list) noexcept
-        : section_(list.section_), count_(list.section_.load(std::memory_order_relaxed)) {
-      section_.store(count_ + 1, std::memory_order_seq_cst);
-      ends_ = list.ends_.load(std::memory_order_seq_cst);
-    }
-    Section(const Section&) = delete;
-    Section& operator=(const Section&) = delete;
-    ~Section() { section_.store(count_ + 2, std::memory_order_release); }
-    [[nodiscard]] std::size_t size() const noexcept { return ends_ == nullptr ? 0 : ends_->size(); }
-    End& operator[](std::size_t index) const noexcept { return *(*ends_)[index]; }
-
-   private:
-    std::atomic<std::uint64_t>& section_;
-    std::uint64_t count_;
-    const Ends* ends_;
-  };
-
-  void add(std::shared_ptr<End> end) {
-    const std::lock_guard lock(mutex_);
-    auto next = std::make_unique<Ends>();
-    const Ends* now = ends_.load(std::memory_order_relaxed);
-    next->reserve((now == nullptr ? 0 : now->size()) + 1);
-    if (now != nullptr) *next = *now;
-    next->push_back(std::move(end));
-    swap(next.release());
-  }
-
-  /// False if `end` is not in the list.
-  bool remove(const End* end) {
-    const std::lock_guard lock(mutex_);
-    const Ends* now = ends_.load(std::memory_order_relaxed);
-    auto next = std::make_unique<Ends>();
-    for (std::size_t i = 0; now != nullptr && i < now->size(); ++i) {
-      if ((*now)[i].get() != end) next->push_back((*now)[i]);
-    }
-    if (now == nullptr || next->size() == now->size()) return false;
-    swap(next->empty() ? nullptr : next.release());
-    return true;
-  }
-
-  /// A copy of the list, for any thread but the real-time reader.
-  [[nodiscard]] Ends snapshot() const {
-    const std::lock_guard lock(mutex_);
-    const Ends* now = ends_.load(std::memory_order_relaxed);
-    return now == nullptr ? Ends{} : *now;
-  }
-
-  /// Waits until the reader has left the section that it is in, if any.
-  void wait_for_reader() const noexcept {
-    const std::uint64_t seen = section_.load(std::memory_order_seq_cst);
-    if (seen % 2 == 1) detail::wait_until_left(section_, seen);
-  }
-
-  [[nodiscard]] bool empty() const noexcept { return ends_.load(std::memory_order_acquire) == nullptr; }
-
- private:
-  void swap(const Ends* next) {
-    const std::unique_ptr<const Ends> old(ends_.exchange(next, std::memory_order_seq_cst));
-    wait_for_reader();
-  }
-
-  alignas(64) std::atomic<std::uint64_t> section_{0};  ///< odd: the reader is inside
-  std::atomic<const Ends*> ends_{nullptr};             ///< nullptr: no connections
-  mutable std::mutex mutex_;                           ///< serializes changes of ends_
-};
 
 }  // namespace segue::task

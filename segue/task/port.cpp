@@ -28,6 +28,22 @@ void increment(std::atomic<std::uint64_t>& counter) {
   counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
+/// Pulls from the connection `from`, but first from those that end with a commit; `from` becomes the one that
+/// the sample came from. A writer that moves from one connection to another writes to the old one first:
+/// where a sample waits in the new one, all that it wrote before waits in the old one.
+SampleRef pull_in_order(const ConnectionList<ReaderEnd>::Section& ends, std::size_t& from) noexcept {
+  if (ends.lifetime(from) != Lifetime::Always) return ends[from].pull();
+  if (!ends[from].pending()) return {};
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends.lifetime(i) == Lifetime::Always) continue;
+    if (SampleRef sample = ends[i].pull()) {
+      from = i;
+      return sample;
+    }
+  }
+  return ends[from].pull();
+}
+
 }  // namespace
 
 PortBase::PortBase(Component& component, Direction direction, std::string name, const type::TypeInfo* type,
@@ -89,11 +105,13 @@ void OutputPortBase::disconnect_all() {
   std::size_t count = 0;
   {
     const ConnectionList<WriterEnd>::Section ends(ends_);
-    count = ends.size();
     {
       const detail::WakeBatch wakes;
-      for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        if (!ends.carries(i)) continue;
         refused |= !ends[i].push(*slot);
+        ++count;
+      }
     }
     // Within the section, so that attach() waits for it: show_last() then finds the sample if the new
     // connection did not get it.
@@ -132,7 +150,8 @@ Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
   return publish(slot);
 }
 
-Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader) {
+Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
+                                    CommitGatePtr gate) {
   const std::lock_guard lock(attach_mutex_);
   std::size_t slots = kWriterSlots + end->capacity();
   for (const auto& other : ends_.snapshot()) {
@@ -143,7 +162,7 @@ Result<void> OutputPortBase::attach(std::shared_ptr<WriterEnd> end, const std::s
     slots += other->capacity();
   }
   if (!pool_->reserve(slots)) return out_of_memory();
-  ends_.add(std::move(end));
+  ends_.add(std::move(end), std::move(gate));
   return {};
 }
 
@@ -210,10 +229,10 @@ void InputPortBase::detach(const ReaderEnd& end) {
   const std::size_t count = ends.size();
   for (std::size_t i = 0; i < count; ++i) {
     if (turn_ >= count) turn_ = 0;
-    ReaderEnd& end = ends[turn_++];
-    SampleRef sample = end.pull();
+    std::size_t from = turn_++;
+    SampleRef sample = ends.steady() ? ends[from].pull() : pull_in_order(ends, from);
     if (!sample) continue;
-    last_connection_ = end.number();
+    last_connection_ = ends[from].number();
     increment(read_);
     return sample;
   }

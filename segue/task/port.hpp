@@ -2,7 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
-#include <segue/task/channel.hpp>
+#include <segue/task/connection_list.hpp>
 #include <segue/task/sample.hpp>
 #include <segue/type/type_info.hpp>
 
@@ -96,9 +96,13 @@ class OutputPortBase : public PortBase {
   /// Writes a copy of an object of the port's type. Real-time safe as far as the type's assignment is.
   WriteResult write_object(const void* object);
 
-  /// For links: adds an end (AlreadyExists if one leads to the same `reader`, "task.port", with the same
-  /// policy); removes it and waits for the write in progress.
-  Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader);
+  /// For links: adds an end, which with a gate gets samples once that opens (AlreadyExists if one leads to
+  /// the same `reader`, "task.port", with the same policy); lets it end when a gate opens; drops gates of a
+  /// transition that has ended; removes it and waits for the write in progress.
+  Result<void> attach(std::shared_ptr<WriterEnd> end, const std::string& reader,
+                      CommitGatePtr gate = nullptr);
+  void end_at(const WriterEnd& end, CommitGatePtr gate) { ends_.end_at(&end, std::move(gate)); }
+  void settle() { ends_.settle(); }
   void detach(const WriterEnd& end);
   /// For links: waits until a write or show_last() that is in progress has ended.
   void wait_until_written();
@@ -155,8 +159,10 @@ class InputPortBase : public PortBase {
   /// Whether a sample waits. The reader's thread only; real-time safe.
   [[nodiscard]] bool pending() noexcept;
 
-  /// For links.
+  /// For links. What waits in an end that ends when a gate opens is read before anything newer.
   void attach(std::shared_ptr<ReaderEnd> end);
+  void end_at(const ReaderEnd& end, CommitGatePtr gate) { ends_.end_at(&end, std::move(gate)); }
+  void settle() { ends_.settle(); }
   void detach(const ReaderEnd& end);
   /// For links: wakes the task if this port triggers it. Real-time safe. Sequentially consistent: a link
   /// stores the sample and then loads the listener, a task that starts stores the listener and then checks

@@ -81,6 +81,8 @@ class FakeDeployment final : public deploy::DeploymentService {
   deploy::Snapshot now{};
   model::Network expected{};
   model::Transition concluded{};
+  deploy::ArmCommit armed{};
+  int settled = 0;
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
   type::Value value{};
@@ -116,6 +118,16 @@ class FakeDeployment final : public deploy::DeploymentService {
       if (action.task() != nullptr && action.task()->str() == "throws") throw std::runtime_error("a defect");
     }
     actions_.begin(std::move(actions), deadline, std::move(completed));
+  }
+  Result<void> arm_commit(const deploy::ArmCommit& what, TimePoint /*deadline*/) override {
+    const std::lock_guard lock(fields_);
+    armed = what;
+    return {};
+  }
+  Result<void> settle(TimePoint /*deadline*/) override {
+    const std::lock_guard lock(fields_);
+    ++settled;
+    return {};
   }
   Result<void> conclude(const model::Transition& transition, TimePoint /*deadline*/) override {
     const std::lock_guard lock(fields_);

@@ -72,11 +72,16 @@ Result<Snapshot> FakeService::snapshot() {
       snapshot.tasks.push_back(report);
     }
     snapshot.network.deployments.push_back(deployment);
-    snapshot.network.connections = process_->connections;
     for (const auto& connection : process_->connections) {
-      snapshot.connections.push_back({connection, 0, 0, 0});
+      if (process_->carries(connection)) {
+        snapshot.network.connections.push_back(connection);
+        snapshot.connections.push_back({connection, 0, 0, 0});
+      }
     }
     snapshot.endpoints = process_->endpoints;
+    for (auto& endpoint : snapshot.endpoints) {
+      endpoint.carries = process_->carries(endpoint);
+    }
     snapshot.hanging.assign(process_->hanging.begin(), process_->hanging.end());
     return snapshot;
   });
@@ -149,12 +154,40 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
       return fail(ErrorCode::AlreadyExists, "is already connected");
     }
     all.push_back(connection);
+    if (action.phase == model::Phase::Prepare) {
+      process_->dormant.push_back(connection);
+    }
   } else if (found == all.end()) {
     return no_such("connection");
   } else {
     all.erase(found);
   }
   return {};
+}
+
+Result<void> FakeService::arm_commit(const ArmCommit& what, TimePoint /*deadline*/) {
+  return answer<void>("arm_commit", [&]() -> Result<void> {
+    process_->gate = std::make_shared<task::CommitGate>();
+    process_->gate->arm(what.page->word(what.number), what.number);
+    return {};
+  });
+}
+
+Result<void> FakeService::settle(TimePoint /*deadline*/) {
+  return answer<void>("settle", [&]() -> Result<void> {
+    const bool committed = process_->committed();
+    for (const auto& connection : process_->dormant) {
+      if (!committed) {
+        std::erase(process_->connections, connection);
+      }
+    }
+    for (auto& endpoint : process_->endpoints) {
+      endpoint.carries = endpoint.carries || committed;
+    }
+    process_->dormant.clear();
+    process_->gate.reset();
+    return {};
+  });
 }
 
 Result<void> FakeService::conclude(const model::Transition& transition, TimePoint /*deadline*/) {
@@ -291,6 +324,7 @@ std::vector<Result<link::InputPlace>> FakeService::open_inputs(std::span<const O
         endpoint.place.reader = process_->incarnation;
         endpoint.place.offset = world_.next_place();
         endpoint.place.generation = 1;
+        endpoint.carries = !input.at_commit;
         process_->endpoints.push_back(endpoint);
         return endpoint.place;
       });
@@ -312,6 +346,7 @@ std::vector<Result<void>> FakeService::attach_outputs(std::span<const AttachOutp
       }
     }
     process_->endpoints.push_back({output.connection, Side::Output, output.place.reader, output.place, {}});
+    process_->endpoints.back().carries = !output.at_commit;
     return {};
   });
 }

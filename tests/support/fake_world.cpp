@@ -111,16 +111,18 @@ model::Network FakeWorld::truth() const {
       continue;
     }
     for (const auto& connection : process->connections) {
-      network.connections.push_back(connection);
+      if (process->carries(connection)) {
+        network.connections.push_back(connection);
+      }
     }
     for (const auto& endpoint : process->endpoints) {
       const auto peer = of(endpoint.peer);
       const bool whole =
           endpoint.side == Side::Output && peer != nullptr && !peer->hangs &&
           std::any_of(peer->endpoints.begin(), peer->endpoints.end(), [&](const EndpointReport& other) {
-            return other.side == Side::Input && same_place(endpoint, other);
+            return other.side == Side::Input && same_place(endpoint, other) && peer->carries(other);
           });
-      if (whole) {
+      if (whole && process->carries(endpoint)) {
         network.connections.push_back(endpoint.connection);
       }
     }

@@ -3,6 +3,7 @@
 
 #include <segue/deploy/deployed_task_host.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <future>
 #include <map>
@@ -36,7 +37,14 @@ struct FakeProcess {
   std::set<model::TaskId> hanging;
   std::map<model::TaskId, task::SavedState> states;  ///< states saved by tasks
   std::vector<model::Connection> connections;
+  std::vector<model::Connection> dormant;  ///< among `connections`
   std::vector<EndpointReport> endpoints;
+  std::shared_ptr<task::CommitGate> gate;  ///< of the transition that dormant connections wait for
+  [[nodiscard]] bool committed() const { return gate != nullptr && gate->open(); }
+  [[nodiscard]] bool carries(const model::Connection& connection) const {
+    return committed() || std::find(dormant.begin(), dormant.end(), connection) == dormant.end();
+  }
+  [[nodiscard]] bool carries(const EndpointReport& endpoint) const { return committed() || endpoint.carries; }
   std::set<link::Incarnation> admitted;
   DeploymentService::Listener listener;
   std::function<void()> gone;
@@ -110,6 +118,8 @@ class FakeService final : public DeploymentService {
   Result<Snapshot> snapshot() override;
   Result<void> expect(const model::Network& network) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) override;
+  Result<void> settle(TimePoint deadline) override;
   Result<void> conclude(const model::Transition& transition, TimePoint deadline) override;
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
   Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,

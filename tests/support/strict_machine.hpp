@@ -15,7 +15,7 @@
 /// An independent check of transitions: a simulated robot that is stricter than any real one and shares no
 /// code with the solver. It refuses the first action that is not graceful: cleaning up while a connection
 /// would be lost, undeploying a process with connections or running tasks, starting a task twice or with an
-/// old configuration, two holders of a device, two connections between the same ports; and, as an option, a
+/// old configuration, two holders of a device, two equal connections; and, as an option, a
 /// task in two processes. Slow and simple on purpose.
 namespace segue::testing {
 
@@ -192,7 +192,8 @@ class StrictMachine {
     for (const Wire& other : wires_) {
       const bool same_ports =
           other.connection.from == connection.from && other.connection.to == connection.to;
-      if (same_ports && (other.from == wire.from || other.to == wire.to)) return "connected already";
+      const bool same_ends = other.from == wire.from && other.to == wire.to;
+      if (same_ports && same_ends && other.connection.policy == connection.policy) return "connected already";
     }
     for (const Place& place : {wire.from, wire.to}) {
       if (at(place).state == TaskState::Running && began_here_.contains(place))

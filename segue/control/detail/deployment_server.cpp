@@ -109,6 +109,31 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     });
   }
 
+  kj::Promise<void> armCommit(ArmCommitContext context) override {
+    const auto params = context.getParams();
+    deploy::ArmCommit what;
+    what.number = params.getNumber();
+    what.within = decode_list<model::Connection>(params.getWithin(), kDecode);
+    what.endpoints = decode_list<deploy::ArmCommit::Endpoint>(params.getEndpoints(), kDecode);
+    return in_time(decode(params.getPage()))
+        .then([this, context, what = std::move(what)](Result<Descriptor>&& page) mutable {
+          auto held = std::make_shared<Result<Descriptor>>(std::move(page));
+          return caller_.answer(context,
+                                [&service = service(), held, what = std::move(what)]() -> Result<void> {
+                                  if (!*held) return held->error();
+                                  auto mapped = link::CommitPage::map((*held)->get());
+                                  if (!mapped) return mapped.error();
+                                  auto armed = what;
+                                  armed.page = std::move(*mapped);
+                                  return service.arm_commit(armed, soon());
+                                });
+        });
+  }
+
+  kj::Promise<void> settle(SettleContext context) override {
+    return caller_.answer(context, [&service = service()] { return service.settle(soon()); });
+  }
+
   kj::Promise<void> saveState(SaveStateContext context) override {
     const auto params = context.getParams();
     return caller_.answer(
@@ -183,12 +208,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   }
 
   kj::Promise<void> admit(AdmitContext context) override {
-    auto late = caller_.core().loop.timer().afterDelay(kOfferTimeout).then([] {
-      return Result<link::MemoryOffer>(
-          fail(ErrorCode::DeadlineExceeded, "a memory offer did not come whole"));
-    });
-    return decode(context.getParams().getOffer())
-        .exclusiveJoin(kj::mv(late))
+    return in_time(decode(context.getParams().getOffer()))
         .then([this, context](Result<link::MemoryOffer>&& offer) mutable {
           auto held = std::make_shared<Result<link::MemoryOffer>>(std::move(offer));
           return caller_.answer(context, [&service = service(), held]() -> Result<void> {
@@ -266,6 +286,15 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   }
 
  private:
+  /// What comes with file descriptors, or DeadlineExceeded.
+  template <class T>
+  kj::Promise<Result<T>> in_time(kj::Promise<Result<T>> offer) {
+    auto late = caller_.core().loop.timer().afterDelay(kOfferTimeout).then([] {
+      return Result<T>(fail(ErrorCode::DeadlineExceeded, "a memory offer did not come whole"));
+    });
+    return offer.exclusiveJoin(kj::mv(late));
+  }
+
   using Listener = Broadcast<host::TaskEvent>::Listener;
   [[nodiscard]] DeploymentService& service() const { return caller_.core().service<DeploymentService>(); }
 

@@ -87,6 +87,7 @@ void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointRepor
   builder.setOverwritten(endpoint.counters.overwritten);
   builder.setCorrupt(endpoint.corrupt);
   builder.setDamaged(endpoint.damaged);
+  builder.setCarries(endpoint.carries);
 }
 
 deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
@@ -98,6 +99,7 @@ deploy::EndpointReport decode_endpoint(wire::EndpointReport::Reader reader) {
   endpoint.counters = {reader.getWritten(), reader.getRead(), reader.getDropped(), reader.getOverwritten()};
   endpoint.corrupt = reader.getCorrupt();
   endpoint.damaged = reader.getDamaged();
+  endpoint.carries = reader.getCarries();
   return endpoint;
 }
 
@@ -210,19 +212,31 @@ Result<link::InputPlace> decode(wire::PlaceOutcome::Reader reader) {
 void encode(const deploy::OpenInput& input, wire::OpenInput::Builder builder) {
   encode(input.connection, builder.initConnection());
   encode(input.origin, builder.initOrigin());
+  builder.setAtCommit(input.at_commit);
 }
 
 deploy::OpenInput decode(wire::OpenInput::Reader reader) {
-  return {decode(reader.getConnection()), decode(reader.getOrigin())};
+  return {decode(reader.getConnection()), decode(reader.getOrigin()), reader.getAtCommit()};
 }
 
 void encode(const deploy::AttachOutput& output, wire::AttachOutput::Builder builder) {
   encode(output.connection, builder.initConnection());
   encode(output.place, builder.initPlace());
+  builder.setAtCommit(output.at_commit);
 }
 
 deploy::AttachOutput decode(wire::AttachOutput::Reader reader) {
-  return {decode(reader.getConnection()), decode(reader.getPlace())};
+  return {decode(reader.getConnection()), decode(reader.getPlace()), reader.getAtCommit()};
+}
+
+void encode(const deploy::ArmCommit::Endpoint& endpoint, wire::EndingEndpoint::Builder builder) {
+  encode(endpoint.connection, builder.initConnection());
+  builder.setSide(static_cast<std::uint8_t>(endpoint.side));
+  builder.setPeer(endpoint.peer);
+}
+
+deploy::ArmCommit::Endpoint decode(wire::EndingEndpoint::Reader reader) {
+  return {decode(reader.getConnection()), enum_from(reader.getSide(), deploy::Side::Input), reader.getPeer()};
 }
 
 void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder) {

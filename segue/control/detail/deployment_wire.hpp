@@ -35,6 +35,9 @@ deploy::OpenInput decode(wire::OpenInput::Reader reader);
 void encode(const deploy::AttachOutput& output, wire::AttachOutput::Builder builder);
 deploy::AttachOutput decode(wire::AttachOutput::Reader reader);
 
+void encode(const deploy::ArmCommit::Endpoint& endpoint, wire::EndingEndpoint::Builder builder);
+deploy::ArmCommit::Endpoint decode(wire::EndingEndpoint::Reader reader);
+
 void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder);
 deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader);
 

@@ -18,7 +18,13 @@ class MemoryServer final : public wire::Memory::Server {
   Descriptor descriptor_;
 };
 
-kj::Promise<Result<Descriptor>> descriptor_of(wire::Memory::Client memory) {
+}  // namespace
+
+wire::Memory::Client encode(Descriptor descriptor) {
+  return kj::heap<MemoryServer>(std::move(descriptor));
+}
+
+kj::Promise<Result<Descriptor>> decode(wire::Memory::Client memory) {
   auto descriptor = memory.getFd();
   return descriptor.then([memory = kj::mv(memory)](kj::Maybe<int>&& fd) -> Result<Descriptor> {
     KJ_IF_MAYBE (number, fd) {
@@ -30,17 +36,15 @@ kj::Promise<Result<Descriptor>> descriptor_of(wire::Memory::Client memory) {
   });
 }
 
-}  // namespace
-
 void encode(link::MemoryOffer offer, wire::Offer::Builder builder) {
   builder.setIncarnation(offer.incarnation);
-  builder.setPayload(kj::heap<MemoryServer>(std::move(offer.payload)));
-  builder.setControl(kj::heap<MemoryServer>(std::move(offer.control)));
+  builder.setPayload(encode(std::move(offer.payload)));
+  builder.setControl(encode(std::move(offer.control)));
 }
 
 kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader) {
-  auto control = descriptor_of(reader.getControl());
-  return descriptor_of(reader.getPayload())
+  auto control = decode(reader.getControl());
+  return decode(reader.getPayload())
       .then([incarnation = reader.getIncarnation(), control = kj::mv(control)](
                 Result<Descriptor>&& payload) mutable -> kj::Promise<Result<link::MemoryOffer>> {
         if (!payload) return Result<link::MemoryOffer>(payload.error());

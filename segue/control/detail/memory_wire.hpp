@@ -17,4 +17,8 @@ void encode(link::MemoryOffer offer, wire::Offer::Builder builder);
 /// system has none left. `reader` is only used until this returns.
 kj::Promise<Result<link::MemoryOffer>> decode(wire::Offer::Reader reader);
 
+/// A single file.
+wire::Memory::Client encode(Descriptor descriptor);
+kj::Promise<Result<Descriptor>> decode(wire::Memory::Client memory);
+
 }  // namespace segue::control::detail
