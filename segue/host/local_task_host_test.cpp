@@ -118,6 +118,33 @@ TEST_F(LocalHost, connects_once_and_disconnects_what_is_connected) {
   expect_refused(on_connection(ActionKind::Connect, shared), ErrorCode::Unsupported, "inside one process");
 }
 
+/// Of a process that is killed while actions on its tasks are carried out, nothing remains.
+TEST_F(LocalHost, forgets_the_tasks_and_connections_of_a_process_that_dies_during_actions) {
+  auto kill = on_process(ActionKind::Undeploy, "p");
+  std::get<model::DeploymentAction>(kill.what).kill = true;
+  const auto connection = wire("a", "out", "b", "in");
+  bring_to_running("b");
+  for (int round = 0; round < 300; ++round) {
+    SCOPED_TRACE(round);
+    expect_done(on_process(ActionKind::Deploy, "p"));
+    expect_done(apply(task_of("a", "any::Thing"), "p"));
+    expect_done(on_connection(ActionKind::Connect, connection));
+    std::thread actor([&] {
+      for (int value = 0; value < 20; ++value) {
+        const auto properties = type::Value::map({{"value", value}});
+        static_cast<void>(perform(apply(task_of("a", "any::Thing", properties), "p")));
+        static_cast<void>(perform(on_connection(ActionKind::Connect, wire("b", "out", "a", "in"))));
+      }
+    });
+    std::this_thread::sleep_for(std::chrono::microseconds(round));
+    expect_done(kill);
+    actor.join();
+    const auto left = host_.observe();
+    ASSERT_EQ(left.find_task(model::TaskId("a")), nullptr);
+    ASSERT_THAT(left.connections, ::testing::IsEmpty());
+  }
+}
+
 TEST_F(LocalHost, observes_properties_that_were_changed_from_outside) {
   expect_done(apply(
       task_of("a", "any::Thing", type::Value::map({{"range", type::Value::map({{"min", 1}, {"max", 2}})}}))));

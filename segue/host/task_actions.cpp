@@ -298,10 +298,8 @@ Result<void> TaskActions::undeploy(const model::DeploymentKey& key, bool kill) {
                                                "; stop it and clean it up first");
     }
   }
-  table_.remove_process(key);
-  for (const TaskEntry& entry : tasks) {
-    table_.take_connections_of(entry.definition.id);
-    abandoned_.destroy(table_.take(entry.definition.id));
+  for (auto& task : table_.take_process(key)) {
+    abandoned_.destroy(std::move(task));
   }
   return {};
 }
@@ -354,7 +352,11 @@ Result<void> TaskActions::create(const model::ConfigAction& action, const Proces
     return set;
   }
   listen_to(*entry);
-  abandoned_.destroy(table_.put(std::move(*entry)));
+  auto replaced = table_.put(std::move(*entry));
+  if (!replaced) {
+    return std::move(replaced.error());
+  }
+  abandoned_.destroy(std::move(*replaced));
   return {};
 }
 
@@ -389,8 +391,8 @@ Result<void> TaskActions::reapply(TaskEntry entry, const model::ConfigAction& ac
   }
   entry.definition = wanted;
   entry.name = action.name;
-  table_.put(std::move(entry));
-  return {};
+  const task::Task* const present = entry.task.get();
+  return table_.update(present, std::move(entry));
 }
 
 Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, const ProcessEntry* process,
@@ -403,10 +405,9 @@ Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, cons
   if (!task) {
     return std::move(task.error());
   }
-  entry.task = std::move(*task);
+  const auto present = std::exchange(entry.task, std::move(*task));
   listen_to(entry);
-  table_.put(entry);
-  return {};
+  return table_.update(present.get(), entry);
 }
 
 void TaskActions::conclude(const model::Transition& transition) {

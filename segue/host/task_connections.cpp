@@ -62,7 +62,11 @@ Result<void> TaskConnections::connect(const model::Connection& connection, bool 
   if (!handle) {
     return std::move(handle.error());
   }
-  return table_.add_connection({connection, std::move(*handle)});
+  auto added = table_.add_connection({connection, *handle}, from->task.get(), to->task.get());
+  if (!added) {
+    handle->disconnect();
+  }
+  return added;
 }
 
 Result<void> TaskConnections::disconnect(const model::Connection& connection, TimePoint deadline) {

@@ -3,12 +3,18 @@
 
 #include <segue/base/text.hpp>
 
+#include <utility>
+
 namespace segue::host::detail {
 
 namespace {
 
 bool ends_at(const model::Connection& connection, const model::TaskId& id) {
   return connection.from.task == id || connection.to.task == id;
+}
+
+Error removed_meanwhile(const model::TaskId& id) {
+  return fail(ErrorCode::NotFound, "task " + quote(id.str()) + " has been removed meanwhile", id.str());
 }
 
 }  // namespace
@@ -59,12 +65,31 @@ std::vector<TaskEntry> TaskTable::in_process(const model::DeploymentKey& process
   return entries;
 }
 
-std::shared_ptr<task::Task> TaskTable::put(TaskEntry entry) {
+Result<std::shared_ptr<task::Task>> TaskTable::put(TaskEntry entry) {
   const std::unique_lock lock(mutex_);
+  if (!entry.process.is_runtime() && !processes_.contains(entry.process)) {
+    const std::string process = quote(to_string(entry.process));
+    return fail(ErrorCode::NotFound, "process " + process + " has ended meanwhile", entry.definition.id.str());
+  }
   auto& place = tasks_[entry.definition.id];
   std::shared_ptr<task::Task> old = std::move(place.task);
   place = std::move(entry);
   return old;
+}
+
+Result<void> TaskTable::update(const task::Task* present, TaskEntry entry) {
+  const std::unique_lock lock(mutex_);
+  const model::TaskId id = entry.definition.id;
+  if (!holds(id, present)) {
+    return removed_meanwhile(id);
+  }
+  std::swap(tasks_.at(id), entry);
+  return {};
+}
+
+bool TaskTable::holds(const model::TaskId& id, const task::Task* task) const {
+  const auto found = tasks_.find(id);
+  return found != tasks_.end() && found->second.task.get() == task;
 }
 
 std::shared_ptr<task::Task> TaskTable::take(const model::TaskId& id) {
@@ -102,9 +127,20 @@ std::optional<ProcessEntry> TaskTable::find_process(const model::DeploymentKey& 
   return found == processes_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void TaskTable::remove_process(const model::DeploymentKey& key) {
+std::vector<std::shared_ptr<task::Task>> TaskTable::take_process(const model::DeploymentKey& key) {
   const std::unique_lock lock(mutex_);
+  std::vector<std::shared_ptr<task::Task>> taken;
   processes_.erase(key);
+  for (auto place = tasks_.begin(); place != tasks_.end();) {
+    if (place->second.process != key) {
+      ++place;
+      continue;
+    }
+    erase_connections_of(place->first);
+    taken.push_back(std::move(place->second.task));
+    place = tasks_.erase(place);
+  }
+  return taken;
 }
 
 std::vector<model::Deployment> TaskTable::processes() const {
@@ -116,9 +152,14 @@ std::vector<model::Deployment> TaskTable::processes() const {
   return deployments;
 }
 
-Result<void> TaskTable::add_connection(ConnectionEntry entry) {
+Result<void> TaskTable::add_connection(ConnectionEntry entry, const task::Task* from, const task::Task* to) {
   const std::unique_lock lock(mutex_);
   const model::Connection connection = entry.connection;
+  for (const auto& [id, task] : {std::pair(connection.from.task, from), std::pair(connection.to.task, to)}) {
+    if (!holds(id, task)) {
+      return removed_meanwhile(id);
+    }
+  }
   const auto found = connections_.find(connection);
   if (found != connections_.end() && found->second.handle.is_connected()) {
     const std::string name = to_string(connection);
@@ -147,6 +188,11 @@ void TaskTable::drop_ended_connections() {
 
 std::vector<ConnectionEntry> TaskTable::take_connections_of(const model::TaskId& id) {
   const std::unique_lock lock(mutex_);
+  return erase_connections_of(id);
+}
+
+/// With the lock held. Dropping a handle calls no task.
+std::vector<ConnectionEntry> TaskTable::erase_connections_of(const model::TaskId& id) {
   std::vector<ConnectionEntry> taken;
   for (auto place = connections_.begin(); place != connections_.end();) {
     if (!ends_at(place->first, id)) {

@@ -65,18 +65,24 @@ class TaskTable {
   [[nodiscard]] Result<TaskEntry> find(const model::TaskId& id) const;
   [[nodiscard]] std::vector<TaskEntry> all() const;
   [[nodiscard]] std::vector<TaskEntry> in_process(const model::DeploymentKey& process) const;
-  /// Adds or replaces a task. Returns the replaced one, so that it is destroyed without the lock.
-  std::shared_ptr<task::Task> put(TaskEntry entry);
+  /// Adds a task, or puts it in the place of another one, which is returned, so that it is destroyed without
+  /// the lock. NotFound where its process has ended meanwhile.
+  Result<std::shared_ptr<task::Task>> put(TaskEntry entry);
+  /// Replaces the entry of `present`, which nobody destroys here. NotFound where that has been removed
+  /// meanwhile.
+  Result<void> update(const task::Task* present, TaskEntry entry);
   std::shared_ptr<task::Task> take(const model::TaskId& id);
   /// Changes the definition of a task that is still there.
   void redefine(const model::TaskId& id, const std::function<void(model::Task&)>& change);
 
   Result<void> add_process(const model::Deployment& deployment);
   [[nodiscard]] std::optional<ProcessEntry> find_process(const model::DeploymentKey& key) const;
-  void remove_process(const model::DeploymentKey& key);
+  /// Removes the process with its tasks and their connections; returns the tasks.
+  std::vector<std::shared_ptr<task::Task>> take_process(const model::DeploymentKey& key);
   [[nodiscard]] std::vector<model::Deployment> processes() const;
 
-  Result<void> add_connection(ConnectionEntry entry);
+  /// NotFound where one of the two tasks has been removed meanwhile.
+  Result<void> add_connection(ConnectionEntry entry, const task::Task* from, const task::Task* to);
   /// Removes the connection from the table.
   Result<ConnectionEntry> take_connection(const model::Connection& connection);
   /// Those that have not ended.
@@ -90,6 +96,9 @@ class TaskTable {
   void clear();
 
  private:
+  [[nodiscard]] bool holds(const model::TaskId& id, const task::Task* task) const;
+  std::vector<ConnectionEntry> erase_connections_of(const model::TaskId& id);
+
   mutable std::shared_mutex mutex_;  ///< protects all below; no task is called while it is held
   std::map<model::TaskId, TaskEntry> tasks_;
   std::map<model::DeploymentKey, ProcessEntry> processes_;
