@@ -63,7 +63,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   }
   [[nodiscard]] bool owes_samples() const override {
     const std::lock_guard lock(mutex_);
-    return attached_ && end_ && end_->open() && counters().waiting() > 0;
+    return policy_.kind != BufferKind::Data && attached_ && end_ && end_->open() && counters().waiting() > 0;
   }
 
  private:

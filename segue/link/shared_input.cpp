@@ -285,7 +285,8 @@ bool SharedInput::dormant() const {
 
 bool SharedInput::owes_samples() const {
   const std::lock_guard lock(mutex_);
-  return open_ && end_ && end_->open() && (*ring_)->counters().waiting() > 0;
+  const bool promised = policy_.kind != BufferKind::Data;
+  return promised && open_ && end_ && end_->open() && (*ring_)->counters().waiting() > 0;
 }
 
 bool SharedInput::reclaim_rest() {
