@@ -67,7 +67,7 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   }
 
   kj::Promise<void> snapshot(SnapshotContext context) override {
-    return caller_.answer(
+    return caller_.answer_here(
         context, [&service = service()] { return service.snapshot(); },
         [](deploy::Snapshot& snapshot, auto results) { encode(snapshot, results.initSnapshot()); });
   }
@@ -117,21 +117,22 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     what.endpoints = decode_list<deploy::ArmCommit::Endpoint>(params.getEndpoints(), kDecode);
     return in_time(decode(params.getPage()))
         .then([this, context, what = std::move(what)](Result<Descriptor>&& page) mutable {
-          auto held = std::make_shared<Result<Descriptor>>(std::move(page));
-          return caller_.answer(context,
-                                [&service = service(), held, what = std::move(what)]() -> Result<void> {
-                                  if (!*held) return held->error();
-                                  auto mapped = link::CommitPage::map((*held)->get());
-                                  if (!mapped) return mapped.error();
-                                  auto armed = what;
-                                  armed.page = std::move(*mapped);
-                                  return service.arm_commit(armed, soon());
-                                });
+          return caller_.answer_here(
+              context,
+              [&]() -> Result<void> {
+                if (!page) return page.error();
+                auto mapped = link::CommitPage::map(page->get());
+                if (!mapped) return mapped.error();
+                what.page = std::move(*mapped);
+                return service().arm_commit(what, soon());
+              },
+              [](auto) {});
         });
   }
 
   kj::Promise<void> settle(SettleContext context) override {
-    return caller_.answer(context, [&service = service()] { return service.settle(soon()); });
+    return caller_.answer_here(
+        context, [&service = service()] { return service.settle(soon()); }, [](auto) {});
   }
 
   kj::Promise<void> saveState(SaveStateContext context) override {
