@@ -2,7 +2,7 @@
 // Switches as seen by a user: the twelve transitions of the Artemis rover with actions that take time, and a
 // 1 kHz task that is in no transition.
 //
-//   switch_bench [artemis|untouched]      default: both
+//   switch_bench [artemis|untouched [SWITCHES]]      default: both, and a thousand switches
 #include "support/measure.hpp"
 #include "support/robot.hpp"
 
@@ -97,7 +97,7 @@ void artemis() {
 }
 
 /// A producer and a consumer at 1 kHz that every network has, and some of twenty relays.
-model::Network random_network(std::mt19937& random) {
+model::Network random_network(std::mt19937& random, bool producer_alone) {
   model::Network network;
   network.name = model::NetworkName("random");
   const auto task = [&](const std::string& id, const char* component) {
@@ -131,6 +131,12 @@ model::Network random_network(std::mt19937& random) {
     if (i % 2 == 0) worker.tasks.push_back({model::TaskId(id), id});
   }
   if (!worker.tasks.empty()) network.deployments.push_back(std::move(worker));
+  if (producer_alone) {
+    model::Deployment control;
+    control.process = model::ProcessName("control");
+    control.tasks.push_back({model::TaskId("producer"), "producer"});
+    network.deployments.push_back(std::move(control));
+  }
   return network;
 }
 
@@ -147,8 +153,8 @@ Cycles cycles_of(runtime::Runtime& runtime) {
   return cycles;
 }
 
-void untouched(runtime::TaskPlacement placement, const char* name) {
-  constexpr int kSwitches = 1000;
+/// Its connections begin and end with every commit.
+void untouched(runtime::TaskPlacement placement, bool producer_alone, const char* name, int switches) {
   const Scratch scratch;
   runtime::EmbeddedOptions options;
   options.placement = placement;
@@ -159,18 +165,18 @@ void untouched(runtime::TaskPlacement placement, const char* name) {
                "robot: segue-switch-bench\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n"),
            options);
   std::mt19937 random(20261122);
-  done(robot->runtime().switch_to(random_network(random)));
+  done(robot->runtime().switch_to(random_network(random, producer_alone)));
   const Cycles before = cycles_of(robot->runtime());
   const TimePoint begin = RealClock::instance().now();
-  for (int i = 0; i < kSwitches; ++i)
-    done(robot->runtime().switch_to(random_network(random)));
+  for (int i = 0; i < switches; ++i)
+    done(robot->runtime().switch_to(random_network(random, producer_alone)));
   const Duration busy = RealClock::instance().now() - begin;
   const Cycles between = cycles_of(robot->runtime());
   std::this_thread::sleep_for(busy);
   const Cycles after = cycles_of(robot->runtime());
   std::printf(
       "%s: %d random switches in %.1f s: %llu of %llu cycles missed; idle for as long: %llu of %llu\n", name,
-      kSwitches, std::chrono::duration<double>(busy).count(),
+      switches, std::chrono::duration<double>(busy).count(),
       static_cast<unsigned long long>(between.missed - before.missed),
       static_cast<unsigned long long>(between.run - before.run),
       static_cast<unsigned long long>(after.missed - between.missed),
@@ -186,8 +192,10 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what.empty() || what == "artemis") artemis();
   if (what.empty() || what == "untouched") {
+    const int switches = argc > 2 ? std::atoi(argv[2]) : 1000;
     std::printf("\nA task at 1 kHz that no transition names\n");
-    untouched(runtime::TaskPlacement::InProcess, "one process");
-    untouched(runtime::TaskPlacement::Processes, "two processes");
+    untouched(runtime::TaskPlacement::InProcess, false, "one process", switches);
+    untouched(runtime::TaskPlacement::Processes, false, "two processes", switches);
+    untouched(runtime::TaskPlacement::Processes, true, "in a process of its own", switches);
   }
 }
