@@ -698,6 +698,18 @@ TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
   EXPECT_EQ(robot.host.observe().connections.size(), 20U);
 }
 
+TEST(DeployedTaskHost, OpensAnInputAgainWhereTheOutputHasNoType) {
+  FakeWorld world;
+  Robot robot(world);
+  model::Network target = network_of(kOne);
+  target.connections.at(1).from.port = testing::kPortWithoutType;
+  ASSERT_EQ(text(robot.switch_to(target)), "done");
+  EXPECT_TRUE(equivalent(robot.host.observe(), target)) << text(robot.wrong());
+  const int opened = world.calls("open_inputs");
+  EXPECT_EQ(opened, world.calls("describe_outputs") + 1);
+  EXPECT_EQ(world.calls("close_endpoints"), 1);
+}
+
 TEST(DeployedTaskHost, MapsPeersBeforeTheyAreConnected) {
   FakeWorld world;
   Robot robot(world);

@@ -137,8 +137,8 @@ class DeploymentService {
                                                                 std::size_t buffer) = 0;
 
   /// Connections between processes. To connect: exchange memory() and admit() between both processes once,
-  /// then describe_outputs(), open_inputs(), attach_outputs(). To disconnect: close the output, then the
-  /// input. forget() ends all connections with a process that has ended.
+  /// then describe_outputs() and open_inputs(), then attach_outputs(). To disconnect: close the output, then
+  /// the input. forget() ends all connections with a process that has ended.
   virtual Result<link::MemoryOffer> memory(TimePoint deadline) = 0;
   virtual Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) = 0;
   virtual Result<void> forget(link::Incarnation peer) = 0;

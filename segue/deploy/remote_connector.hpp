@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/deploy/connection_batch.hpp>
 #include <segue/deploy/connection_claims.hpp>
 #include <segue/deploy/fleet.hpp>
 #include <segue/deploy/peer_mapping.hpp>
@@ -14,15 +15,6 @@
 
 namespace segue::deploy::detail {
 
-/// A connection between two processes, with plain task ids. When it is to be disconnected, a process that has
-/// ended may be null.
-struct RemoteConnection {
-  model::Connection connection;
-  RecordPtr writer;
-  RecordPtr reader;
-  bool at_commit = false;  ///< made by Prepare of a transition: it begins with its commit
-};
-
 /// Connects and disconnects tasks of different processes, many connections in a few rounds of messages. Each
 /// batch claims its connections, since remove_orphaned() would take the first endpoint of one that is just
 /// being made for an orphan; batches with other connections go on beside it. Thread safe; functions block
@@ -34,11 +26,9 @@ class RemoteConnector {
   /// Makes processes map each other's memory ahead of connecting them. Failures are ignored: connect() tries
   /// again.
   void map_peers(const std::vector<ProcessPair>& pairs, TimePoint deadline);
-  /// Makes processes map each other's memory where they have not yet, then connects in three rounds: outputs
-  /// are described, inputs opened, outputs attached. An input whose output fails is closed again. Endpoints
-  /// that a dead process left in the way are removed first.
+  /// As connect_all(). Endpoints that a dead process left in the way are removed first.
   std::vector<Result<void>> connect(std::span<const RemoteConnection> connections, TimePoint deadline);
-  /// Closes the writers' endpoints, then the readers'. NotFound where neither existed.
+  /// As disconnect_all().
   std::vector<Result<void>> disconnect(std::span<const RemoteConnection> connections, TimePoint deadline);
   /// Closes endpoints whose counterparts are gone and dormant ones, but none of a connection that is just
   /// being worked on or that waits for the commit of the present transition.

@@ -300,6 +300,7 @@ std::vector<Result<link::OutputOrigin>> FakeService::describe_outputs(std::span<
                                           }
                                           link::OutputOrigin origin;
                                           origin.writer = process_->incarnation;
+                                          origin.sample_size = port.port == kPortWithoutType ? 0 : 8;
                                           return origin;
                                         });
 }

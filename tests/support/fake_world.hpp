@@ -26,6 +26,9 @@ struct Fault {
   FaultKind kind = FaultKind::Fail;
 };
 
+/// Output ports of this name have no type.
+inline constexpr const char* kPortWithoutType = "any";
+
 struct FakeProcess {
   process::ProcessInfo info;
   model::Deployment deployment;
