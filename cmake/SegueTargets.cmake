@@ -13,9 +13,12 @@ add_custom_target(benchmarks)
 add_custom_target(concurrency_tests)
 add_custom_target(fuzzers)
 
+# Clones in different folders share what ccache keeps: paths below the clone count as relative. (Debugging information then
+# names the folder in which an object was compiled first.)
 find_program(SEGUE_CCACHE ccache)
 if(SEGUE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${SEGUE_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
+                                  ${SEGUE_CCACHE})
 endif()
 
 # What every target of ours is compiled with.
@@ -99,6 +102,21 @@ function(segue_embed TARGET)
   endif()
 endfunction()
 
+# segue_paths(TARGET NAME path ...)
+# Gives a test program paths as constants (tests/support/paths.hpp) from a source of their own. As definitions they would
+# be part of the command that compiles everything else, so that nothing compiled for one clone would serve in another.
+function(segue_paths TARGET)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${TARGET}_${ARGV1}.cpp)
+  set(text "namespace segue::paths {\n")
+  while(ARGN)
+    list(POP_FRONT ARGN name path)
+    string(APPEND text "extern const char* const ${name};\nconst char* const ${name} = \"${path}\";\n")
+  endwhile()
+  file(GENERATE OUTPUT ${file} CONTENT "${text}}\n")
+  target_sources(${TARGET} PRIVATE ${file})
+  set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [LABELS ...] [TIMEOUT seconds])
 # A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer. SEPARATE
 # sources are compiled on their own in unity builds too, because they define names that another source defines as well.
@@ -112,7 +130,8 @@ function(segue_test NAME)
   add_executable(${NAME} ${ARG_SOURCES} ${ARG_SEPARATE})
   set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
-  target_compile_definitions(${NAME} PRIVATE SEGUE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_include_directories(${NAME} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  segue_paths(${NAME} kSourceFolder ${CMAKE_SOURCE_DIR})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if("concurrency" IN_LIST ARG_LABELS)
     add_dependencies(concurrency_tests ${NAME})

@@ -3,6 +3,8 @@
 // The shipped components, in the networks of the examples.
 #include <segue/runtime/embedded_robot.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,10 +15,10 @@
 namespace segue {
 namespace {
 
-constexpr const char* kExamples = SEGUE_SOURCE_DIR "/examples/";
+const std::string kExamples = segue::paths::in_sources("/examples/");
 
 std::unique_ptr<runtime::EmbeddedRobot> open(const std::string& example) {
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_COMPONENT_FOLDER, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
   Diagnostics diagnostics;
   auto robot = runtime::EmbeddedRobot::open(kExamples + example + "/robot.yaml", diagnostics);
   EXPECT_TRUE(robot) << to_string(diagnostics);

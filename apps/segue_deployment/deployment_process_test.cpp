@@ -5,6 +5,8 @@
 #include <segue/process/assignment.hpp>
 #include <segue/process/process_server.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -31,7 +33,7 @@ class DeploymentProcessTest : public testing::Test {
     std::string pattern = "/tmp/segue-test-XXXXXX";
     folder_ = ::mkdtemp(pattern.data());
     ::setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
-    ::setenv("SEGUE_LIBRARY_PATH", SEGUE_COMPONENT_FOLDER, 1);
+    ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
   }
   void TearDown() override {
     for (const int pid : pids_)
@@ -42,7 +44,7 @@ class DeploymentProcessTest : public testing::Test {
   }
 
   void serve(process::ProcessServerOptions options = {}) {
-    options.program = SEGUE_DEPLOYMENT_PROGRAM;
+    options.program = segue::paths::kDeploymentProgram;
     auto made = process::ProcessServer::create(options);
     ASSERT_TRUE(made.has_value()) << to_string(made.error());
     processes_ = std::move(*made);
@@ -124,7 +126,7 @@ TEST_F(DeploymentProcessTest, TheLogEndsWithAMissingLibrary) {
 }
 
 TEST_F(DeploymentProcessTest, ALibraryThatThrowsWhileLoadingEndsTheProcessWithAMessage) {
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   serve();
   process::Launch wrong = launch();
   wrong.libraries = {"segue_test_throws"};
@@ -136,7 +138,7 @@ TEST_F(DeploymentProcessTest, ALibraryThatThrowsWhileLoadingEndsTheProcessWithAM
 }
 
 TEST_F(DeploymentProcessTest, ALibraryThatNeedsAPartOfTheProgramUsesTheProgramsOwn) {
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_TEST_LIBRARIES, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   serve();
   process::Launch linked = launch();
   linked.libraries = {"segue_test_links"};

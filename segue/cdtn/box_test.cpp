@@ -5,6 +5,8 @@
 #include <segue/cdtn/flat_file.hpp>
 #include <segue/cdtn/sequential.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include <array>
@@ -18,7 +20,7 @@ class Boxes : public testing::TestWithParam<int> {
  protected:
   void SetUp() override {
     const std::filesystem::path file =
-        SEGUE_SOURCE_DIR "/examples/07_boxes/boxes_" + std::to_string(GetParam()) + ".json";
+        segue::paths::in_sources("/examples/07_boxes/boxes_") + std::to_string(GetParam()) + ".json";
     Diagnostics diagnostics;
     flat_ = load_flat_network(file, diagnostics);
     ASSERT_TRUE(flat_) << to_string(diagnostics);

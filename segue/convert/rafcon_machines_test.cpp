@@ -6,6 +6,8 @@
 #include <segue/mission/script_runner.hpp>
 #include <segue/type/json.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +21,7 @@ using ::testing::HasSubstr;
 using type::Value;
 using type::ValueMap;
 
-const std::filesystem::path kMachines = SEGUE_SOURCE_DIR "/tests/rafcon";
+const std::filesystem::path kMachines = segue::paths::in_sources("/tests/rafcon");
 
 /// What came of a run.
 struct Ran {

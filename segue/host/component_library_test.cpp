@@ -6,6 +6,8 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -42,7 +44,7 @@ class ComponentLibrary : public ::testing::Test {
  protected:
   ComponentLibrary() {
     fs::create_directories(folder_);
-    const std::string path = folder_.string() + "::" SEGUE_TEST_LIBRARIES;
+    const std::string path = folder_.string() + "::" + segue::paths::kTestLibraries;
     ::setenv("SEGUE_LIBRARY_PATH", path.c_str(), 1);
   }
   ~ComponentLibrary() override {
@@ -81,7 +83,7 @@ TEST_F(ComponentLibrary, a_text_file_is_refused_in_the_words_of_the_loader) {
 }
 
 TEST_F(ComponentLibrary, a_library_without_components_is_refused) {
-  fs::create_symlink(SEGUE_EMPTY_LIBRARY, folder_ / "libempty.so");
+  fs::create_symlink(segue::paths::kEmptyLibrary, folder_ / "libempty.so");
   const auto loaded = libraries_.load("empty");
   ASSERT_FALSE(loaded);
   EXPECT_THAT(loaded.error().message, HasSubstr("offers no components"));
@@ -108,7 +110,7 @@ TEST_F(ComponentLibrary, two_that_offer_the_same_component_cannot_both_be_loaded
 }
 
 TEST_F(ComponentLibrary, its_exported_models_can_be_read_without_it) {
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_COMPONENT_FOLDER, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
   model::ComponentCatalog catalog;
   const auto read = read_library_models("segue_components_demo", catalog);
   ASSERT_TRUE(read) << to_string(read.error());

@@ -3,6 +3,8 @@
 
 #include <segue/type/yaml.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include <vector>
@@ -42,7 +44,7 @@ void live_through(const model::ComponentCatalog& catalog, int& count) {
 }
 
 TEST(StandIn, every_rock_component_lives_through_its_life_cycle) {
-  const fs::path rock = fs::path(SEGUE_SOURCE_DIR) / ".." / "shared" / "data" / "rock";
+  const fs::path rock = fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock";
   if (!fs::exists(rock)) {
     GTEST_SKIP() << "no " << rock;
   }

@@ -69,7 +69,8 @@ Result<std::shared_ptr<task::Task>> TaskTable::put(TaskEntry entry) {
   const std::unique_lock lock(mutex_);
   if (!entry.process.is_runtime() && !processes_.contains(entry.process)) {
     const std::string process = quote(to_string(entry.process));
-    return fail(ErrorCode::NotFound, "process " + process + " has ended meanwhile", entry.definition.id.str());
+    return fail(ErrorCode::NotFound, "process " + process + " has ended meanwhile",
+                entry.definition.id.str());
   }
   auto& place = tasks_[entry.definition.id];
   std::shared_ptr<task::Task> old = std::move(place.task);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/journal/journal_test_support.hpp>
 
+#include <support/paths.hpp>
+
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -27,7 +29,7 @@ class Writer {
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
-    std::string program = JOURNAL_TEST_PROCESS;
+    std::string program = segue::paths::kTestProcess;
     std::string file = path;
     std::string number = std::to_string(first);
     std::array<char*, 4> arguments = {program.data(), file.data(), number.data(), nullptr};

@@ -51,9 +51,9 @@ class PortConnection {
   [[nodiscard]] virtual bool dormant() const = 0;
   /// Not dormant, and not ended with a commit.
   [[nodiscard]] virtual bool carries() const = 0;
-  /// Whether it has ended with a commit and samples that its buffer promised still wait for the reader; policy
-  /// data promises only the newest value, which others replace. Exact after settle(), for the writer's endpoint
-  /// too.
+  /// Whether it has ended with a commit and samples that its buffer promised still wait for the reader;
+  /// policy data promises only the newest value, which others replace. Exact after settle(), for the writer's
+  /// endpoint too.
   [[nodiscard]] virtual bool owes_samples() const = 0;
 };
 

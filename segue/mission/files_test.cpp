@@ -2,6 +2,8 @@
 #include <segue/base/file.hpp>
 #include <segue/mission/files.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +16,8 @@ namespace {
 using ::testing::HasSubstr;
 
 /// One of everything that a mission file can hold.
-const std::filesystem::path kEverything = SEGUE_SOURCE_DIR "/tests/fuzz/corpus/mission/everything.yaml";
+const std::filesystem::path kEverything =
+    segue::paths::in_sources("/tests/fuzz/corpus/mission/everything.yaml");
 
 TEST(MissionFile, isWrittenBackEqual) {
   Diagnostics loading;

@@ -4,6 +4,8 @@
 #include <segue/mission/rafcon.hpp>
 #include <segue/type/json.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,8 +20,8 @@ using std::filesystem::path;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const path kOurs = SEGUE_SOURCE_DIR "/tests/rafcon";
-const path kReal = SEGUE_SOURCE_DIR "/../shared/data/rafcon/DLR-RM+RAFCON";
+const path kOurs = segue::paths::in_sources("/tests/rafcon");
+const path kReal = segue::paths::in_sources("/../shared/data/rafcon/DLR-RM+RAFCON");
 
 /// Where RAFCON's own tests look for libraries.
 std::vector<RafconLibraryPath> real_paths() {

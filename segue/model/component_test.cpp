@@ -3,6 +3,8 @@
 #include <segue/model/files.hpp>
 #include <segue/model/port_pattern.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -263,7 +265,7 @@ TEST(RockModelTest, theTransformerAddsPortsAndProperties) {
 }
 
 TEST(RealModelsTest, everyInterfaceAndExportedModelReads) {
-  const fs::path rock = fs::path(SEGUE_SOURCE_DIR) / ".." / "shared" / "data" / "rock";
+  const fs::path rock = fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock";
   if (!fs::exists(rock)) GTEST_SKIP() << "no real inputs here";
   ComponentCatalog catalog;
   Diagnostics diagnostics;
@@ -292,7 +294,8 @@ TEST(RealModelsTest, everyInterfaceAndExportedModelReads) {
 }
 
 TEST(RealModelsTest, everyTypelibRegistryReads) {
-  const fs::path typelib = fs::path(SEGUE_SOURCE_DIR) / ".." / "shared" / "data" / "rock" / "typelib";
+  const fs::path typelib =
+      fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data" / "rock" / "typelib";
   if (!fs::exists(typelib)) GTEST_SKIP() << "no real inputs here";
   for (const auto& entry : fs::directory_iterator(typelib)) {
     ComponentCatalog catalog;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/files.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -276,7 +278,7 @@ TEST(KindOfFileTest, byContentThenByName) {
 }
 
 fs::path real_inputs() {
-  return fs::path(SEGUE_SOURCE_DIR) / ".." / "shared" / "data";
+  return fs::path(segue::paths::kSourceFolder) / ".." / "shared" / "data";
 }
 
 TEST(RealFilesTest, everyCndFileReads) {

@@ -4,6 +4,8 @@
 #include <segue/process/process_log.hpp>
 #include <segue/process/process_server.hpp>
 
+#include <support/paths.hpp>
+
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -103,7 +105,7 @@ class ProcessServerTest : public testing::Test {
 
   static ProcessServerOptions options() {
     ProcessServerOptions options;
-    options.program = SEGUE_TEST_PROCESS;
+    options.program = segue::paths::kTestProcess;
     return options;
   }
 

@@ -4,6 +4,7 @@
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/test_support.hpp>
 
+#include <support/paths.hpp>
 #include <support/random_networks.hpp>
 
 #include <gmock/gmock.h>
@@ -22,7 +23,7 @@ using testing::entries;
 using testing::runnable;
 using testing::why;
 
-constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
+const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robot.yaml");
 
 TEST(Artemis, all_twelve_transitions_reach_their_targets) {
   Diagnostics diagnostics;

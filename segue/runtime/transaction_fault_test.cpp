@@ -7,6 +7,7 @@
 #include <segue/runtime/test_support.hpp>
 
 #include <support/faulty_host.hpp>
+#include <support/paths.hpp>
 #include <support/random_networks.hpp>
 
 #include <gmock/gmock.h>
@@ -25,7 +26,7 @@ using segue::testing::kFaults;
 using testing::runnable;
 using testing::why;
 
-constexpr const char* kArtemis = SEGUE_SOURCE_DIR "/examples/04_artemis/robot.yaml";
+const std::string kArtemis = segue::paths::in_sources("/examples/04_artemis/robot.yaml");
 
 /// A runtime whose tasks are all stand-ins, and whose host may fail.
 struct FaultyRobot {

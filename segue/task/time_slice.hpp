@@ -10,8 +10,8 @@ namespace segue::task::detail {
 /// waits for each of its threads in turn.
 inline constexpr Duration kTimeSlice = std::chrono::microseconds(300);
 
-/// Asks the kernel for time slices of kTimeSlice for the calling thread, and changes nothing else of how it is
-/// scheduled. Needs no permission. Linux before 6.12 ignores it, as do real-time schedulers.
+/// Asks the kernel for time slices of kTimeSlice for the calling thread, and changes nothing else of how it
+/// is scheduled. Needs no permission. Linux before 6.12 ignores it, as do real-time schedulers.
 void ask_for_short_time_slices() noexcept;
 
 }  // namespace segue::task::detail

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/type/typelib.hpp>
 
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -15,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::filesystem::path kRealFiles = SEGUE_SOURCE_DIR "/../shared/data/rock/typelib";
+const std::filesystem::path kRealFiles = segue::paths::in_sources("/../shared/data/rock/typelib");
 
 std::string in_typelib(const std::string& content) {
   return "<?xml version=\"1.0\"?>\n<typelib>\n" + content + "\n</typelib>\n";

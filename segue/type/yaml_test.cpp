@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/type/yaml.hpp>
+#include <support/paths.hpp>
 #include <support/random_values.hpp>
 
 #include <gmock/gmock.h>
@@ -260,7 +261,7 @@ RC_GTEST_PROP(YamlWriter, WritingTwiceChangesNothing, ()) {
 
 // Rock's property files hold several documents and are read by the model importer; all others are one.
 TEST(YamlRealFiles, AreReadAndWrittenBackEqual) {
-  const std::filesystem::path data = SEGUE_SOURCE_DIR "/../shared/data";
+  const std::filesystem::path data = segue::paths::in_sources("/../shared/data");
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
   int read = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(data)) {

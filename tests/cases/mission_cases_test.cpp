@@ -3,6 +3,7 @@
 #include <segue/mission/files.hpp>
 #include <segue/type/yaml.hpp>
 #include <support/expected_diagnostics.hpp>
+#include <support/paths.hpp>
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 using type::Value;
 
-const std::filesystem::path kCases = SEGUE_SOURCE_DIR "/tests/cases/mission";
+const std::filesystem::path kCases = segue::paths::in_sources("/tests/cases/mission");
 
 Diagnostics examine(const std::string& text) {
   Diagnostics found;

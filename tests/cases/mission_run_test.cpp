@@ -9,6 +9,8 @@
 #include <segue/type/json.hpp>
 #include <segue/type/yaml.hpp>
 
+#include <support/paths.hpp>
+
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -27,7 +29,7 @@ namespace {
 using type::Value;
 using type::ValueMap;
 
-const std::filesystem::path kCases = SEGUE_SOURCE_DIR "/tests/cases/mission/run/*.yaml";
+const std::filesystem::path kCases = segue::paths::in_sources("/tests/cases/mission/run/*.yaml");
 
 std::string json(const Value& value) {
   return type::to_json(value, -1);

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <support/paths.hpp>
 #include <support/strict_machine.hpp>
 
 #include <filesystem>
@@ -22,9 +23,10 @@ using model::Transition;
 using type::Value;
 using Labels = std::vector<std::string>;
 
-const std::filesystem::path kFolder = std::filesystem::path(SEGUE_SOURCE_DIR) / "tests/cases/solve";
+const std::filesystem::path kFolder =
+    std::filesystem::path(segue::paths::kSourceFolder) / "tests/cases/solve";
 const std::filesystem::path kControllers =
-    std::filesystem::path(SEGUE_SOURCE_DIR) / "examples/04_artemis/controllers";
+    std::filesystem::path(segue::paths::kSourceFolder) / "examples/04_artemis/controllers";
 
 Labels texts(const Value* list) {
   Labels found;

@@ -4,6 +4,7 @@
 #include <segue/model/validate.hpp>
 #include <segue/type/yaml.hpp>
 #include <support/expected_diagnostics.hpp>
+#include <support/paths.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,7 +73,7 @@ TEST_P(ValidateCase, reportsExactlyWhatItExpects) {
 }
 
 std::vector<std::filesystem::path> case_files() {
-  return glob_files(std::filesystem::path(SEGUE_SOURCE_DIR) / "tests/cases/validate/*.yaml");
+  return glob_files(std::filesystem::path(segue::paths::kSourceFolder) / "tests/cases/validate/*.yaml");
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, ValidateCase, ::testing::ValuesIn(case_files()),

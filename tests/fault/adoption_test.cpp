@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Deployment processes outlive their runtime and are adopted by the next one.
+#include <support/paths.hpp>
+
 #include <fstream>
 #include <iterator>
 
@@ -15,7 +17,7 @@ class Adoption : public DeployedRobotTest {
   /// Starts the process by another version of Segue.
   void start_other_version(const std::string& deployment) {
     process::ProcessServerOptions options;
-    options.program = SEGUE_OTHER_VERSION;
+    options.program = segue::paths::kOtherVersionProgram;
     auto server = process::ProcessServer::create(options);
     ASSERT_TRUE(server) << to_string(server.error());
     process::Launch launch = launch_;

@@ -12,6 +12,8 @@
 #include <segue/link/shared_memory.hpp>
 #include <segue/model/files.hpp>
 
+#include <support/paths.hpp>
+
 #include <csignal>
 #include <cstdlib>
 
@@ -53,7 +55,7 @@ RobotLife::RobotLife(const process::Launch& launch, std::unique_ptr<process::Pro
 
 std::unique_ptr<process::ProcessService> DeployedRobotTest::make_processes() {
   process::ProcessServerOptions options;
-  options.program = SEGUE_DEPLOYMENT_PROGRAM;
+  options.program = segue::paths::kDeploymentProgram;
   auto server = process::ProcessServer::create(options);
   EXPECT_TRUE(server) << to_string(server.error());
   return std::move(*server);
@@ -64,7 +66,7 @@ void DeployedRobotTest::SetUp() {
   ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
   folder_ = pattern;
   ::setenv("XDG_RUNTIME_DIR", folder_.c_str(), 1);
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_FAULT_LIBRARIES, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   collect_sanitizer_reports(folder_);
   launch_.robot = "patient";
   launch_.libraries = {kLibrary};

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <support/paths.hpp>
+
 #include "fault_test.hpp"
 
 namespace segue::testing {
@@ -11,7 +13,7 @@ using type::Value;
 
 void FaultTest::SetUp() {
   SystemTest::SetUp();
-  ::setenv("SEGUE_LIBRARY_PATH", SEGUE_FAULT_LIBRARIES, 1);
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kTestLibraries, 1);
   write("robot/robot.yaml", "robot: patient\nlibraries: [segue_test_faults]\ncontrollers: [\"*.net\"]\n");
 }
 

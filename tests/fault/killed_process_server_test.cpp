@@ -3,6 +3,8 @@
 // finds the processes again.
 #include <segue/runtime/daemon_processes.hpp>
 
+#include <support/paths.hpp>
+
 #include <csignal>
 
 #include "../system/process.hpp"
@@ -31,7 +33,7 @@ class KilledProcessServer : public DisturbedTransition {
     return std::move(*connected);
   }
   void start() {
-    daemon_ = std::make_unique<Process>(std::vector<std::string>{SEGUE_PROGRAM, "host"}, folder_);
+    daemon_ = std::make_unique<Process>(std::vector<std::string>{segue::paths::kProgram, "host"}, folder_);
     ASSERT_TRUE(daemon_->wait_for("the process server is running"));
   }
   void kill_server() {

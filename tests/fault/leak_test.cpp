@@ -3,6 +3,8 @@
 // after each exactly the controller exists, and at the end no resource has grown.
 #include <segue/model/files.hpp>
 
+#include <support/paths.hpp>
+
 #include <algorithm>
 #include <random>
 #include <set>
@@ -35,7 +37,7 @@ class Leaks : public DeployedRobotTest {
     for (const char* name : {"search_explore", "goal_navigation", "manipulation", "manipulator_teleop"}) {
       Diagnostics diagnostics;
       const std::string file =
-          std::string(SEGUE_SOURCE_DIR) + "/examples/04_artemis/controllers/" + name + ".cnd";
+          std::string(segue::paths::kSourceFolder) + "/examples/04_artemis/controllers/" + name + ".cnd";
       auto network = model::load_network(file, diagnostics);
       ASSERT_TRUE(network) << to_string(diagnostics);
       networks_.push_back(std::move(*network));

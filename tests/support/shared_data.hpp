@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <support/paths.hpp>
+
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -11,7 +13,7 @@ namespace segue {
 
 inline std::filesystem::path shared_data(const std::string& part) {
   const char* given = std::getenv("SEGUE_SHARED_DATA");
-  return std::filesystem::path(given != nullptr ? given : SEGUE_SOURCE_DIR "/../shared/data") / part;
+  return std::filesystem::path(given != nullptr ? given : segue::paths::in_sources("/../shared/data")) / part;
 }
 
 }  // namespace segue

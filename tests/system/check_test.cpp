@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `segue check` takes every kind of file that another verb reads.
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include "system_test.hpp"
@@ -43,7 +45,7 @@ TEST_F(Check, AStandInFileIsChecked) {
 }
 
 TEST_F(Check, TheFolderOfARafconMachineIsChecked) {
-  const std::filesystem::path machines = SEGUE_SOURCE_DIR "/tests/rafcon";
+  const std::filesystem::path machines = segue::paths::in_sources("/tests/rafcon");
   const auto good = segue({"check", machines / "side_by_side"});
   EXPECT_EQ(good.status, 0) << good.errors;
   std::filesystem::copy(machines / "side_by_side", folder_ / "machine",

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <support/paths.hpp>
+
 #include <sstream>
 
 #include "system_test.hpp"
@@ -102,8 +104,8 @@ TEST_F(Files, EveryVerbPrintsJsonWhereItIsAsked) {
       {"mission", "convert", "m.yaml", "--svg"},
       {"mission", "convert", "m.yaml", "--dot"},
       {"mission", "convert", "m.yaml", "--svg", "-o", "c.svg"},
-      {"mission", "import", "--rafcon", SEGUE_SOURCE_DIR "/tests/rafcon/race"},
-      {"mission", "import", "--rafcon", SEGUE_SOURCE_DIR "/tests/rafcon/race", "-o", "race.yaml"}};
+      {"mission", "import", "--rafcon", segue::paths::in_sources("/tests/rafcon/race")},
+      {"mission", "import", "--rafcon", segue::paths::in_sources("/tests/rafcon/race"), "-o", "race.yaml"}};
   for (const auto& arguments : lines) {
     const auto value = json(arguments);
     EXPECT_TRUE(value.is_map() || value.is_list()) << arguments[0] << ' ' << arguments[1];

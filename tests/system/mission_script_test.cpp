@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <support/paths.hpp>
+
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -17,7 +19,7 @@ using ::testing::HasSubstr;
 using type::Value;
 
 /// Machines as RAFCON stores them.
-const std::filesystem::path kMachines = SEGUE_SOURCE_DIR "/tests/rafcon";
+const std::filesystem::path kMachines = segue::paths::in_sources("/tests/rafcon");
 const std::string kOwnLibraries = "own=" + (kMachines / "libraries").string();
 
 bool wait_until(const std::function<bool()>& condition) {

@@ -4,6 +4,8 @@
 #include <segue/type/json.hpp>
 #include <segue/type/value.hpp>
 
+#include <support/paths.hpp>
+
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -39,7 +41,7 @@ class SystemTest : public ::testing::Test {
   }
 
   static std::vector<std::string> command(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), SEGUE_PROGRAM);
+    arguments.insert(arguments.begin(), segue::paths::kProgram);
     return arguments;
   }
   Finished segue(std::vector<std::string> arguments) { return run(command(std::move(arguments)), folder_); }
