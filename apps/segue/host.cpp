@@ -24,6 +24,7 @@ int run_host(const HostOptions& options, const Context& context) {
   const auto folder = control::socket_folder();
   if (!folder) return failed(context, folder.error());
   process::ProcessServerOptions chosen;
+  chosen.zygote = true;
   chosen.zygote_libraries = options.zygote;
   const auto processes = process::ProcessServer::create(chosen);
   if (!processes) return failed(context, processes.error());
@@ -50,8 +51,9 @@ void add_host(Verb& app, Context& context) {
   Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
                         "  segue host\n  segue host --zygote segue_components_demo",
                         [options, &context] { return run_host(*options, context); });
-  verb.option("--zygote LIBRARY", options->zygote,
-              "load this component library once, so that deployments start faster; may be repeated");
+  verb.option(
+      "--zygote LIBRARY", options->zygote,
+      "load this component library once for all deployments, so that they start faster; may be repeated");
 }
 
 }  // namespace segue::cli

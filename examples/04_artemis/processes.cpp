@@ -32,13 +32,21 @@ int parent_of(const fs::path& process) {
   return parent;
 }
 
-/// "rover_io", from its arguments "segue-deployment", "artemis/rover_io"; "" for any other program.
+/// A child of this process, or of its zygote.
+bool is_ours(const fs::path& process) {
+  const int parent = parent_of(process);
+  return parent == ::getpid() || parent_of(fs::path("/proc") / std::to_string(parent)) == ::getpid();
+}
+
+/// "rover_io", from its arguments "segue-deployment", "artemis/rover_io"; "" for any other program, and for
+/// the zygote and its spare child.
 std::string deployment_name(const fs::path& process) {
   const std::string command = content(process / "cmdline");
   const auto program = command.find('\0');
   if (program == std::string::npos || command.find("segue-deployment") > program) return {};
   const std::string name = command.substr(program + 1, command.find('\0', program + 1) - program - 1);
-  return name.substr(name.find('/') + 1);
+  const auto slash = name.find('/');
+  return slash == std::string::npos ? std::string() : name.substr(slash + 1);
 }
 
 void add_pools(const fs::path& process, std::set<std::string>& inodes) {
@@ -64,7 +72,7 @@ Processes look_at_processes() {
     const std::string number = entry.path().filename();
     const bool is_process =
         std::all_of(number.begin(), number.end(), [](unsigned char c) { return std::isdigit(c); });
-    if (!is_process || parent_of(entry.path()) != ::getpid()) continue;
+    if (!is_process || !is_ours(entry.path())) continue;
     const std::string name = deployment_name(entry.path());
     if (name.empty()) continue;
     found.names.insert(name);

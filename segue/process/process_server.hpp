@@ -15,7 +15,8 @@ struct ProcessServerOptions {
   std::filesystem::path program{};
   /// Component libraries that a zygote preloads once; deployment processes are then forked from it.
   std::vector<std::string> zygote_libraries{};
-  bool zygote = false;  ///< use a zygote even without libraries to preload
+  /// Use a zygote even without libraries to preload, as programs of users do: it suits all libraries.
+  bool zygote = false;
   /// In bytes; beyond it the output of a process goes on in a new file.
   std::size_t log_size = std::size_t{10} << 20;
   int log_files = 3;  ///< older files that are kept

@@ -61,7 +61,7 @@ Result<std::unique_ptr<process::ProcessService>> connect_daemon() {
 
 Result<std::unique_ptr<process::ProcessService>> open_processes(const std::string& robot, bool daemon) {
   if (!daemon) {
-    auto server = process::ProcessServer::create();
+    auto server = process::ProcessServer::create({.zygote = true});
     if (!server) {
       return std::move(server.error());
     }

@@ -74,12 +74,14 @@ std::map<std::string, pid_t> deployments_of(const fs::path& runtime_folder) {
     if (program != "segue-deployment") {
       continue;
     }
-    // "segue-deployment\0robot/process\0"
+    // "segue-deployment\0robot/process\0"; a zygote and its spare child have no robot
     std::istringstream words(text_of(folder_of(pid) / "cmdline"));
     std::string title;
     std::getline(words, title, '\0');
     std::getline(words, title, '\0');
-    found.emplace(title.substr(title.find('/') + 1), pid);
+    if (const auto slash = title.find('/'); slash != std::string::npos) {
+      found.emplace(title.substr(slash + 1), pid);
+    }
   }
   return found;
 }
