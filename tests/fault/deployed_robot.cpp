@@ -109,6 +109,16 @@ void DeployedRobotTest::switch_to(const model::Network& target) {
       << ::testing::PrintToString(differences(host().observe(), target));
 }
 
+int DeployedRobotTest::number_of_switches() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr int kSwitches = 12;
+#else
+  constexpr int kSwitches = 100;
+#endif
+  const char* wanted = std::getenv("SEGUE_FAULT_SWITCHES");
+  return wanted == nullptr ? kSwitches : std::atoi(wanted);
+}
+
 void DeployedRobotTest::recover_to(const model::Network& target) {
   runtime::SwitchResult last;
   const bool recovered = eventually([&] {

@@ -71,6 +71,9 @@ class DeployedRobotTest : public ::testing::Test {
   runtime::SwitchResult try_switch(const model::Network& target,
                                    Duration action_deadline = std::chrono::seconds(60));
   void switch_to(const model::Network& target);
+  /// How often a test that switches again and again does so: SEGUE_FAULT_SWITCHES, or 100 times, with a
+  /// sanitizer 12 times.
+  static int number_of_switches();
   /// Switches until the robot is in the wanted state; the first attempt may fail because of a process that
   /// has just died.
   void recover_to(const model::Network& target);

@@ -15,17 +15,6 @@
 namespace segue::testing {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kSwitches = 12;
-#else
-constexpr int kSwitches = 100;
-#endif
-
-int number_of_switches() {
-  const char* wanted = std::getenv("SEGUE_FAULT_SWITCHES");
-  return wanted == nullptr ? kSwitches : std::atoi(wanted);
-}
-
 /// The process of an endpoint of a connection.
 using Place = std::tuple<link::Incarnation, std::uint64_t, std::uint64_t>;
 
