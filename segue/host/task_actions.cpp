@@ -391,8 +391,7 @@ Result<void> TaskActions::reapply(TaskEntry entry, const model::ConfigAction& ac
   }
   entry.definition = wanted;
   entry.name = action.name;
-  const task::Task* const present = entry.task.get();
-  return table_.update(present, std::move(entry));
+  return table_.update(entry.task.get(), entry);  // a copy, since `shape` is a lock of its mutex
 }
 
 Result<void> TaskActions::renew(TaskEntry& entry, const Activity& activity, const ProcessEntry* process,
