@@ -118,8 +118,9 @@ function(segue_paths TARGET)
 endfunction()
 
 # segue_test(NAME SOURCES ... [SEPARATE ...] LINK targets... [LABELS ...] [TIMEOUT seconds])
-# A GoogleTest (and rapidcheck) program, one ctest entry. Label `concurrency`: also run under thread sanitizer. SEPARATE
-# sources are compiled on their own in unity builds too, because they define names that another source defines as well.
+# A GoogleTest (and rapidcheck) program, one ctest entry, which may include <support/...>. Label `concurrency`: also run under
+# thread sanitizer. SEPARATE sources are compiled on their own in unity builds too, because they define names that another
+# source defines as well.
 function(segue_test NAME)
   if(NOT BUILD_TESTING)
     return()

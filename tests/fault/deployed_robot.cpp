@@ -14,6 +14,8 @@
 
 #include <support/paths.hpp>
 
+#include <cstdlib>
+
 #include <csignal>
 #include <cstdlib>
 

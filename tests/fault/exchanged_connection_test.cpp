@@ -9,7 +9,7 @@ namespace {
 
 class ExchangedConnections : public DeployedRobotTest {
  protected:
-  /// `far` and `near` hear the beater in any case, through buffers of random sizes, which hold the beats of
+  /// `far` and `near` hear `quick` in any case, through buffers of random sizes, which hold the beats of
   /// some seconds. Guests are there by chance.
   model::Network random_network() {
     std::string tasks =

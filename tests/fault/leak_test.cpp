@@ -25,8 +25,7 @@ class Leaks : public DeployedRobotTest {
     DeployedRobotTest::SetUp();
     for (const char* name : {"search_explore", "goal_navigation", "manipulation", "manipulator_teleop"}) {
       Diagnostics diagnostics;
-      const std::string file =
-          std::string(segue::paths::kSourceFolder) + "/examples/04_artemis/controllers/" + name + ".cnd";
+      const std::string file = segue::paths::in_sources("/examples/04_artemis/controllers/") + name + ".cnd";
       auto network = model::load_network(file, diagnostics);
       ASSERT_TRUE(network) << to_string(diagnostics);
       networks_.push_back(std::move(*network));
