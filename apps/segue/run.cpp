@@ -37,6 +37,7 @@ struct RunOptions {
   bool stand_in = false;
   bool in_process = false;
   bool daemon = false;
+  bool take_over = false;
   bool no_journal = false;
   std::string journal;
   bool verbose = false;
@@ -202,6 +203,7 @@ int run_robot(const RunOptions& options, const Context& context) {
   embedded.placement =
       options.in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
   embedded.daemon = options.daemon;
+  embedded.take_over = options.take_over;
   embedded.journal = !options.no_journal;
   embedded.journal_file = options.journal;
   embedded.log_level = level_of(options.log_level);
@@ -237,6 +239,8 @@ void add_run(Verb& app, Context& context) {
   const Option in_process =
       verb.flag("--in-process", options->in_process,
                 "run all tasks in this process, whatever the network's deployments say");
+  verb.flag("--take-over", options->take_over,
+            "command the robot although another runtime still does, on other hosts");
   verb.flag("--daemon", options->daemon,
             "let the process server of this computer (`segue host`) start the processes")
       .excludes(in_process);

@@ -84,6 +84,10 @@ Result<void> Workshop::load_models(const std::vector<std::string>& files) {
 }
 
 Result<void> Workshop::load(const Launch& launch) {
+  for (const std::string& library : launch.deployment.libraries) {
+    if (auto loaded = load_library(library, false); !loaded) return loaded;
+  }
+  options.never_stand_ins = libraries.components();
   options.stand_in = launch.stand_in;
   options.only_stand_ins = launch.only_stand_ins;
   const bool may_lack = launch.stand_in || launch.only_stand_ins;

@@ -2,12 +2,11 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/control/detail/batch_client.hpp>
 #include <segue/control/detail/callback_slot.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
-#include <segue/control/detail/stream_client.hpp>
+#include <segue/control/detail/task_access_client.hpp>
 
 #include <fcntl.h>
 
@@ -57,20 +56,6 @@ class ListenerServer final : public wire::TaskListener::Server {
   std::string who_;
 };
 
-/// A stream of samples as the reader of a port; what cannot be read any more has no samples.
-class ClientReader final : public host::PortReader {
- public:
-  explicit ClientReader(std::unique_ptr<SampleStream> stream) : stream_(std::move(stream)) {}
-  std::vector<Value> read(std::size_t limit) override {
-    auto samples = stream_->read(limit);
-    return samples ? std::move(*samples) : std::vector<Value>();
-  }
-  [[nodiscard]] std::string type_name() const override { return stream_->type_name(); }
-
- private:
-  std::unique_ptr<SampleStream> stream_;
-};
-
 RpcChannel::Reply<deploy::DeploymentInfo> ask_for_info(Process::Client process) {
   auto request = process.infoRequest();
   return RpcChannel::send<deploy::DeploymentInfo>(request,
@@ -79,16 +64,20 @@ RpcChannel::Reply<deploy::DeploymentInfo> ask_for_info(Process::Client process) 
 
 using EventSlot = detail::CallbackSlot<host::TaskEvent>;
 
-class DeploymentClient final : public deploy::DeploymentService {
+wire::TaskAccess::Client service_of(RpcChannel::Connection& connection) {
+  return connection.as<Process>();
+}
+
+class DeploymentClient final : public detail::TaskAccessClient<deploy::DeploymentService> {
  public:
   /// `listener` gets the events of the process already.
   DeploymentClient(std::shared_ptr<RpcChannel> channel, std::shared_ptr<EventSlot> listener,
                    std::function<void()> gone)
-      : channel_(std::move(channel)), listener_(std::move(listener)) {
-    channel_->watch(std::move(gone));
+      : TaskAccessClient(std::move(channel), &service_of), listener_(std::move(listener)) {
+    this->channel().watch(std::move(gone));
   }
   ~DeploymentClient() override {
-    channel_->unwatch();
+    channel().unwatch();
     listener_->set(nullptr);
   }
 
@@ -110,11 +99,6 @@ class DeploymentClient final : public deploy::DeploymentService {
       encode(network, request.initNetwork());
       return RpcChannel::send<void>(request, kNothing);
     });
-  }
-
-  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                 host::Completion completed) override {
-    batches_.begin(std::move(actions), deadline, std::move(completed));
   }
 
   Result<void> arm_commit(const deploy::ArmCommit& what, TimePoint deadline) override {
@@ -145,88 +129,6 @@ class DeploymentClient final : public deploy::DeploymentService {
       encode(transition, request.initTransition());
       return RpcChannel::send<void>(request, kNothing);
     });
-  }
-
-  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
-    using State = std::optional<task::SavedState>;
-    const Duration left = time_left(deadline);
-    return ask<State>(left + kGrace, [&](Process::Client process) {
-      auto request = process.saveStateRequest();
-      request.setTask(as_text(task.str()));
-      request.setTimeout(left.count());
-      return RpcChannel::send<State>(request, [](auto& results) {
-        return results.hasState() ? State(decode(results.getState())) : State();
-      });
-    });
-  }
-
-  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
-                             TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return ask<void>(left + kGrace, [&](Process::Client process) {
-      auto request = process.restoreStateRequest();
-      request.setTask(as_text(task.str()));
-      request.setTimeout(left.count());
-      encode(state, request.initState());
-      return RpcChannel::send<void>(request, kNothing);
-    });
-  }
-
-  Result<model::ComponentModel> describe(const model::TaskId& task) override {
-    return ask<model::ComponentModel>(kLookTimeout, [&](Process::Client process) {
-      auto request = process.describeRequest();
-      request.setTask(as_text(task.str()));
-      return RpcChannel::send<model::ComponentModel>(
-          request, [](auto& results) { return decode(results.getModel()); });
-    });
-  }
-
-  Result<Value> properties(const model::TaskId& task) override {
-    return ask<Value>(kLookTimeout, [&](Process::Client process) {
-      auto request = process.propertiesRequest();
-      request.setTask(as_text(task.str()));
-      return RpcChannel::send(request);
-    });
-  }
-
-  Result<void> set_property(const model::TaskId& task, std::string_view path, const Value& value,
-                            TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return ask<void>(left + kGrace, [&](Process::Client process) {
-      auto request = process.setPropertyRequest();
-      request.setTask(as_text(task.str()));
-      request.setPath(as_text(std::string(path)));
-      request.setTimeout(left.count());
-      detail::put(value, request.initValue());
-      return RpcChannel::send<void>(request, kNothing);
-    });
-  }
-
-  Result<Value> call(const model::TaskId& task, std::string_view operation, const Value& arguments,
-                     TimePoint deadline) override {
-    const Duration left = time_left(deadline);
-    return ask<Value>(left + kGrace, [&](Process::Client process) {
-      auto request = process.callRequest();
-      request.setTask(as_text(task.str()));
-      request.setOperation(as_text(std::string(operation)));
-      request.setTimeout(left.count());
-      detail::put(arguments, request.initArguments());
-      return RpcChannel::send(request);
-    });
-  }
-
-  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                        std::size_t buffer) override {
-    const RpcChannel::StreamId id = channel_->new_stream_id();
-    auto type = channel_->ask(kLookTimeout, [&, id](RpcChannel::Connection& connection) {
-      auto request = connection.as<Process>().openReaderRequest();
-      encode(port, request.initPort());
-      request.setBuffer(static_cast<std::uint32_t>(std::min<std::size_t>(buffer, UINT32_MAX)));
-      return connection.open(id, request);
-    });
-    auto stream = detail::opened_stream(channel_, id, type);
-    if (!stream) return stream.error();
-    return std::make_unique<ClientReader>(std::move(*stream));
   }
 
   Result<link::MemoryOffer> memory(TimePoint deadline) override {
@@ -303,7 +205,7 @@ class DeploymentClient final : public deploy::DeploymentService {
  private:
   template <class T, class Build>
   Result<T> ask(Duration timeout, const Build& build) {
-    return channel_->ask<T>(
+    return channel().ask<T>(
         timeout, [&](RpcChannel::Connection& connection) { return build(connection.as<Process>()); });
   }
 
@@ -322,11 +224,9 @@ class DeploymentClient final : public deploy::DeploymentService {
     if (!outcomes) return Outcomes(items.size(), Result<T>(outcomes.error()));
     if (outcomes->size() == items.size()) return std::move(*outcomes);
     return Outcomes(items.size(), Result<T>(fail(ErrorCode::Internal,
-                                                 channel_->who() + " did not answer for everything asked")));
+                                                 channel().who() + " did not answer for everything asked")));
   }
 
-  std::shared_ptr<RpcChannel> channel_;
-  detail::BatchClient batches_{channel_};
   const std::shared_ptr<EventSlot> listener_;
 };
 

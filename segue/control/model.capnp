@@ -76,6 +76,7 @@ struct Deployment {
   environment @8 :List(Pair);
   limits @9 :Limits;
   onFailure @10 :UInt8;  # as a task's
+  libraries @11 :List(Text);
 }
 
 struct Network {
@@ -99,6 +100,7 @@ struct Action {
     handOver @10 :HandOver;
   }
   kill @9 :Bool;  # the process of an undeploy, instead of shutting it down
+  atOnce @11 :Bool;  # a connection, whatever the commit
 
   struct Config {
     definition @0 :Task;

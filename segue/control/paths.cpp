@@ -16,6 +16,8 @@ constexpr std::string_view kExtension = ".sock";
 
 /// The socket of the computer's process server; no robot may have this name.
 constexpr std::string_view kProcessServer = "host";
+/// The socket of the computer's daemon; no identifier, so never a robot.
+constexpr std::string_view kDaemon = "@host";
 
 }  // namespace
 
@@ -38,6 +40,12 @@ Result<std::filesystem::path> socket_path(std::string_view robot) {
   return *folder / (std::string(robot) + std::string(kExtension));
 }
 
+Result<std::filesystem::path> daemon_socket() {
+  const auto folder = socket_folder();
+  if (!folder) return folder.error();
+  return *folder / (std::string(kDaemon) + std::string(kExtension));
+}
+
 std::vector<std::string> running_robots() {
   std::vector<std::string> names;
   const auto folder = socket_folder();
@@ -45,7 +53,10 @@ std::vector<std::string> running_robots() {
   std::error_code failed;
   for (std::filesystem::directory_iterator entry(*folder, failed), end; !failed && entry != end;
        entry.increment(failed)) {
-    if (entry->path().extension() != kExtension || entry->path().stem() == kProcessServer) continue;
+    if (entry->path().extension() != kExtension || entry->path().stem() == kProcessServer ||
+        entry->path().stem() == kDaemon) {
+      continue;
+    }
     if (!detail::remove_if_stale(entry->path())) names.push_back(entry->path().stem().string());
   }
   std::sort(names.begin(), names.end());

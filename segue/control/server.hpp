@@ -18,6 +18,9 @@ class DeploymentService;
 namespace segue::process {
 class ProcessService;
 }
+namespace segue::hosts {
+class HostService;
+}
 
 namespace segue::control {
 
@@ -26,12 +29,15 @@ namespace segue::control {
 Result<std::filesystem::path> socket_folder();
 /// The socket of the robot of that name.
 Result<std::filesystem::path> socket_path(std::string_view robot);
+/// The socket of this computer's daemon (`segue host`), which serves HostService.
+Result<std::filesystem::path> daemon_socket();
 /// Names of robots whose sockets answer, sorted. Removes sockets without a server.
 std::vector<std::string> running_robots();
 
 /// The service that a server offers; never null. The server sets the one listener of a deployment or process
 /// service.
-using Served = std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*>;
+using Served =
+    std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*, hosts::HostService*>;
 
 /// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
 /// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the

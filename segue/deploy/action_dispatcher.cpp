@@ -207,7 +207,7 @@ Result<void> ActionDispatcher::place_config(std::size_t index, const model::Conf
 
 Result<void> ActionDispatcher::place_connection(std::size_t index, const model::Action& action,
                                                 Plan& plan) const {
-  const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
+  const auto& [connection, at_once] = std::get<model::ConnectionAction>(action.what);
   auto from = fleet_.locate(connection.from.task, which_of(action.kind));
   auto to = fleet_.locate(connection.to.task, which_of(action.kind));
   if (action.kind == ActionKind::Connect) {
@@ -221,7 +221,8 @@ Result<void> ActionDispatcher::place_connection(std::size_t index, const model::
   }
   const RecordPtr writer = from ? from->record : nullptr;
   const RecordPtr reader = to ? to->record : nullptr;
-  const bool at_commit = action.kind == ActionKind::Connect && action.phase == model::Phase::Prepare;
+  const bool at_commit = 
+      action.kind == ActionKind::Connect && action.phase == model::Phase::Prepare && !at_once;
   if (at_commit) {
     commits_.note_waiting({writer, reader});
   }

@@ -69,15 +69,18 @@ Result<void> CommitCoordinator::arm(const model::Transition& transition, TimePoi
 CommitCoordinator::Parts CommitCoordinator::parts_of(const model::Transition& transition) const {
   Parts parts;
   for (const auto& action : transition.actions) {
+    const auto* what = std::get_if<model::ConnectionAction>(&action.what);
+    if (what == nullptr || what->at_once) {
+      continue;
+    }
     if (action.kind == model::ActionKind::Connect && action.phase == model::Phase::Prepare) {
-      const auto& connection = std::get<model::ConnectionAction>(action.what).connection;
-      for (const auto* end : {&connection.from, &connection.to}) {
+      for (const auto* end : {&what->connection.from, &what->connection.to}) {
         if (const auto located = fleet_.locate(end->task, Which::Next)) {
           parts[located->record].begins = true;
         }
       }
     } else if (action.kind == model::ActionKind::Disconnect && action.phase == model::Phase::Retire) {
-      add_ending(std::get<model::ConnectionAction>(action.what).connection, parts);
+      add_ending(what->connection, parts);
     }
   }
   return parts;

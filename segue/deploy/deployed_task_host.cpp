@@ -62,9 +62,9 @@ struct DeployedTaskHost::Implementation {
 
   /// Calls `ask` with the service of the process where the task lives, and its plain id.
   template <class Ask>
-  auto at(const model::TaskId& task, Ask ask) const
+  auto at(const model::TaskId& task, Ask ask, detail::Which which = detail::Which::Current) const
       -> decltype(ask(std::declval<DeploymentService&>(), task)) {
-    const auto located = fleet->locate(task);
+    const auto located = fleet->locate(task, which);
     if (!located) {
       return located.error();
     }
@@ -162,8 +162,9 @@ Result<void> DeployedTaskHost::arm_commit(const model::Transition& transition, T
   return implementation_->commits.arm(transition, deadline);
 }
 
-void DeployedTaskHost::commit() {
+Result<void> DeployedTaskHost::commit() {
   implementation_->commits.commit();
+  return {};
 }
 
 void DeployedTaskHost::conclude(const model::Transition& transition) {
@@ -193,6 +194,28 @@ std::vector<host::TaskReport> DeployedTaskHost::tasks() const {
 
 std::vector<host::ConnectionReport> DeployedTaskHost::connections() const {
   return implementation_->fleet->poll_merged().connections;
+}
+
+DeployedTaskHost::View DeployedTaskHost::look() const {
+  auto merged = implementation_->fleet->poll_merged();
+  return {std::move(merged.network), std::move(merged.tasks), std::move(merged.connections)};
+}
+
+Result<std::optional<task::SavedState>> DeployedTaskHost::save_state(const model::TaskId& task,
+                                                                     TimePoint deadline) {
+  return implementation_->at(task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.save_state(id, deadline);
+  });
+}
+
+Result<void> DeployedTaskHost::restore_state(const model::TaskId& task, const task::SavedState& state,
+                                             TimePoint deadline) {
+  return implementation_->at(
+      task,
+      [&](DeploymentService& service, const model::TaskId& id) {
+        return service.restore_state(id, state, deadline);
+      },
+      detail::Which::Next);
 }
 
 Result<model::ComponentModel> DeployedTaskHost::describe(const model::TaskId& task) const {

@@ -60,7 +60,7 @@ class DeployedTaskHost final : public host::TaskHost {
   void begin_transition(const model::Network& before, const model::Network& target) override;
   void get_ready(const model::Network& target) override;
   Result<void> arm_commit(const model::Transition& transition, TimePoint deadline) override;
-  void commit() override;
+  Result<void> commit() override;
   [[nodiscard]] bool side_by_side() const override { return true; }
   void conclude(const model::Transition& transition) override;
   void withdraw() override;
@@ -77,6 +77,18 @@ class DeployedTaskHost final : public host::TaskHost {
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
   void set_listener(Listener listener) override;
+
+  /// observe(), tasks() and connections() of one moment.
+  struct View {
+    model::Network network;
+    std::vector<host::TaskReport> tasks;
+    std::vector<host::ConnectionReport> connections;
+  };
+  [[nodiscard]] View look() const;
+  /// The halves of a hand-over whose other half is on another computer: of the current incarnation, and to
+  /// the next one where there is one.
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline);
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state, TimePoint deadline);
 
   /// Ends all processes but the runtime's own, whether or not they answer and whatever tasks they hold; for a
   /// robot that no transition brings to the empty network. Blocks until they have ended, until `deadline` at

@@ -141,7 +141,7 @@ struct Robot {
       host.withdraw();
       return done;
     }
-    host.commit();
+    if (auto stored = host.commit(); !stored) return stored;
     done = perform(*transition, model::Phase::Retire, action_deadline);
     host.conclude(*transition);
     return done;
@@ -453,7 +453,7 @@ TEST(DeployedTaskHost, ShowsNewConnectionsFromTheCommitOn) {
     });
   };
   EXPECT_FALSE(has(robot.host.observe(), "a", "c")) << "dormant";
-  robot.host.commit();
+  ASSERT_TRUE(robot.host.commit());
   EXPECT_TRUE(has(robot.host.observe(), "a", "c"));
 }
 

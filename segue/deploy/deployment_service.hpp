@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/deploy/task_access.hpp>
 #include <segue/host/task_host.hpp>
 #include <segue/link/commit_page.hpp>
 #include <segue/link/shared_connection.hpp>
@@ -91,25 +92,15 @@ struct ArmCommit {
 };
 
 /// The interface of a process that holds tasks: LocalDeployment in the process itself, a client (control/)
-/// elsewhere. Functions may be called from any thread and block until their deadline at most. Those without a
-/// deadline return quickly; a client answers Unavailable where the process is gone and DeadlineExceeded where
-/// it does not answer. Lists of outcomes have one entry for each request, in the order of the requests.
-class DeploymentService {
+/// elsewhere. As TaskAccess says; lists of outcomes have one entry for each request, in the order of the
+/// requests.
+class DeploymentService : public TaskAccess {
  public:
-  virtual ~DeploymentService() = default;
-
   virtual Result<DeploymentInfo> info() = 0;
   virtual Result<Snapshot> snapshot() = 0;
 
   /// Stand-ins that are created from now on get the ports that `network` (the part for this process) names.
   virtual Result<void> expect(const model::Network& network) = 0;
-  /// Begins to carry out actions on tasks and connections of this process that do not depend on each other,
-  /// and returns without waiting for hooks; `completed` as TaskHost::begin_all says. Where this is destroyed
-  /// before all are reported, its destructor waits for them or reports them as Unavailable.
-  virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline,
-                         host::Completion completed) = 0;
-  /// Carries out actions as begin_all() does and waits for all; outcomes in the order of `actions`.
-  std::vector<Result<void>> perform(std::span<const model::Action> actions, TimePoint deadline);
   /// Lets connections begin and end with the store that commits a transition; before its first action of
   /// Commit.
   virtual Result<void> arm_commit(const ArmCommit& what, TimePoint deadline) = 0;
@@ -118,23 +109,6 @@ class DeploymentService {
   virtual Result<void> settle(TimePoint deadline) = 0;
   /// Removes and redefines tasks as TaskHost::conclude() does.
   virtual Result<void> conclude(const model::Transition& transition, TimePoint deadline) = 0;
-
-  /// Transfer a task's state to a task of another process: save_state() reads it from a Stopped task (nothing
-  /// where its component has no state), restore_state() gives it to a task that is configured and does not
-  /// run.
-  virtual Result<std::optional<task::SavedState>> save_state(const model::TaskId& task,
-                                                             TimePoint deadline) = 0;
-  virtual Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
-                                     TimePoint deadline) = 0;
-
-  virtual Result<model::ComponentModel> describe(const model::TaskId& task) = 0;
-  virtual Result<type::Value> properties(const model::TaskId& task) = 0;
-  virtual Result<void> set_property(const model::TaskId& task, std::string_view path,
-                                    const type::Value& value, TimePoint deadline) = 0;
-  virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
-                                   const type::Value& arguments, TimePoint deadline) = 0;
-  virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
-                                                                std::size_t buffer) = 0;
 
   /// Connections between processes. To connect: exchange memory() and admit() between both processes once,
   /// then describe_outputs() and open_inputs(), then attach_outputs(). To disconnect: close the output, then

@@ -108,9 +108,10 @@ Result<void> LocalTaskHost::arm_commit(const model::Transition& transition, Time
   return {};
 }
 
-void LocalTaskHost::commit() {
+Result<void> LocalTaskHost::commit() {
   implementation_->word->store(implementation_->transitions);
   settle();
+  return {};
 }
 
 void LocalTaskHost::withdraw() {

@@ -23,6 +23,8 @@ struct LocalOptions {
   bool only_stand_ins = false;
   /// How they behave; see stand_in.hpp.
   StandInTable stand_ins{};
+  /// Components that are real all the same.
+  std::vector<model::ComponentName> never_stand_ins{};
 };
 
 /// The tasks of this process. Deployments are only names here: the tasks of all of them live in this process
@@ -42,7 +44,7 @@ class LocalTaskHost final : public TaskHost {
   /// A stand-in without a model gets the ports that connections of expected networks name.
   void expect(const model::Network& target) override;
   Result<void> arm_commit(const model::Transition& transition, TimePoint deadline) override;
-  void commit() override;
+  Result<void> commit() override;
   void conclude(const model::Transition& transition) override;
   void withdraw() override;
 

@@ -55,6 +55,18 @@ std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> a
   });
 }
 
+std::vector<ComputerReport> TaskHost::computers() const {
+  return {};
+}
+
+model::Network TaskHost::expanded(model::Network network) const {
+  return network;
+}
+
+model::Network TaskHost::condensed(model::Network network) const {
+  return network;
+}
+
 void TaskHost::expect(const model::Network& /*target*/) {}
 
 void TaskHost::begin_transition(const model::Network& /*before*/, const model::Network& target) {
@@ -67,7 +79,9 @@ Result<void> TaskHost::arm_commit(const model::Transition& /*transition*/, TimeP
   return {};
 }
 
-void TaskHost::commit() {}
+Result<void> TaskHost::commit() {
+  return {};
+}
 
 void TaskHost::conclude(const model::Transition& /*transition*/) {}
 

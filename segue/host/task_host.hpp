@@ -35,6 +35,7 @@ struct TaskReport {
   bool stand_in = false;
   Activity activity;
   task::Timing timing;
+  bool unknown = false;  ///< its computer cannot be reached: all this is what was known last
 };
 
 /// Counts of samples since the connection was made.
@@ -59,7 +60,27 @@ struct ProcessEvent {
   bool gone = false;  ///< it has ended, and its tasks with it
 };
 
-using HostEvent = std::variant<TaskEvent, ProcessEvent>;
+/// The connection to a computer was lost, or is there again.
+struct ComputerEvent {
+  model::HostName host;
+  bool reachable = false;
+  std::string message;
+};
+
+using HostEvent = std::variant<TaskEvent, ProcessEvent, ComputerEvent>;
+
+/// A computer that may hold deployments of the robot, as its runtime sees it.
+struct ComputerReport {
+  model::HostName name;
+  bool reachable = true;
+  bool optional = false;  ///< what it holds may be missing
+  std::string state;      ///< "connected", or why it cannot be reached
+  Duration since{0};      ///< for how long it has been so
+  std::string address;
+  std::string software;                    ///< version of Segue
+  std::optional<Duration> round_trip{};    ///< of a message there and back; the shortest of late
+  std::optional<Duration> clock_offset{};  ///< how far its wall clock is ahead of this computer's
+};
 
 /// How one action of a batch has ended.
 struct Completed {
@@ -114,8 +135,9 @@ class TaskHost {
   /// made carry samples, and those that actions of Retire disconnect carry none any more; not before. With
   /// Order::Paper nothing waits for commit(). An error: the transition cannot commit.
   virtual Result<void> arm_commit(const model::Transition& transition, TimePoint deadline);
-  /// All actions of Commit are done. Connections begin and end, all at the same instant.
-  virtual void commit();
+  /// All actions of Commit are done. Connections begin and end, all at the same instant of a computer. An
+  /// error: they have not, or not on all computers; what runs then must be observed.
+  virtual Result<void> commit();
   /// Whether a task that moves to another process can be created there while its old incarnation still runs.
   [[nodiscard]] virtual bool side_by_side() const { return false; }
   /// All actions of the transition are done. From now on plain ids denote the new incarnations. Removed tasks
@@ -125,6 +147,13 @@ class TaskHost {
   /// The transition is given up, before commit(): what would have begun with that is removed. Plain ids
   /// denote the previous incarnations again; new ones remain, under their full ids, until they are removed.
   virtual void withdraw();
+
+  /// The computers of the robot, where it has others than the runtime's own.
+  [[nodiscard]] virtual std::vector<ComputerReport> computers() const;
+  /// A network as it runs here: with the tasks that carry samples between computers, which observe() shows,
+  /// too. condensed() is the reverse. Both leave other networks as they are.
+  [[nodiscard]] virtual model::Network expanded(model::Network network) const;
+  [[nodiscard]] virtual model::Network condensed(model::Network network) const;
 
   /// Carries out one action in the caller's thread. The result of CallOperation is dropped; call() returns
   /// it. DeadlineExceeded: the true state must be observed.

@@ -63,6 +63,10 @@ void TaskMaker::expect(const model::Network& network) {
 }
 
 bool TaskMaker::wants_stand_in(const model::ComponentName& component) const {
+  const auto& real = options_.never_stand_ins;
+  if (std::find(real.begin(), real.end(), component) != real.end()) {
+    return false;
+  }
   return options_.only_stand_ins || (options_.stand_in && !libraries_.has(component));
 }
 

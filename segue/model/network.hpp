@@ -103,6 +103,9 @@ struct Deployment {
   /// Of its tasks and of the process itself; nothing: the robot's policy. It does not affect what runs, so
   /// same_process() and differences() ignore it; it is read from the requested network.
   std::optional<FailurePolicy> on_failure{};
+  /// Component libraries that only this process loads, beside those of the robot. Their components are never
+  /// replaced by stand-ins.
+  std::vector<std::string> libraries{};
   SourceLocation where;
 
   [[nodiscard]] DeploymentKey key() const { return {host, process}; }

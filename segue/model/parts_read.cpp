@@ -321,6 +321,7 @@ void read_process(Fields& fields, Deployment& deployment, const Source& source) 
     deployment.limits = read_limits(*limits, "the limits of " + fields.what(), source);
   }
   deployment.on_failure = read_failure_policy(fields);
+  deployment.libraries = fields.texts("libraries");
   const Value* environment = fields.find("environment", Value::Kind::Map);
   if (environment == nullptr) return;
   for (const auto& [key, value] : environment->as_map()) {

@@ -79,6 +79,9 @@ void write_process(ValueMap& map, const Deployment& deployment) {
   if (deployment.optional) map.append("optional", true);
   if (!deployment.limits.empty()) map.append("limits", write_limits(deployment.limits));
   if (deployment.on_failure) map.append("on_failure", to_string(*deployment.on_failure));
+  if (!deployment.libraries.empty()) {
+    map.append("libraries", Value::List(deployment.libraries.begin(), deployment.libraries.end()));
+  }
   if (deployment.environment.empty()) return;
   ValueMap environment;
   for (const auto& [key, text] : deployment.environment)

@@ -17,7 +17,7 @@ namespace {
 /// "local", "tcp://10.0.0.2:7447" or "tcp://[fe80::1]:7447".
 bool is_address(std::string_view address) {
   constexpr std::string_view kScheme = "tcp://";
-  if (address == "local") return true;
+  if (address == "local" || address.starts_with("unix:/")) return true;
   if (!address.starts_with(kScheme)) return false;
   address.remove_prefix(kScheme.size());
   const auto colon = address.rfind(':');
@@ -41,6 +41,7 @@ Host read_host(const std::string& name, const Value& value, const Source& source
     fields.require("address", "'local' or an address such as 'tcp://10.0.0.2:7447'");
     host.address = fields.text("address");
     host.ca = fields.text("ca");
+    host.optional = fields.boolean("optional", false);
     fields.finish();
     if (host.address.empty()) return host;
   }

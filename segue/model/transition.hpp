@@ -53,6 +53,9 @@ struct TaskAction {
 /// Disconnect, Connect.
 struct ConnectionAction {
   Connection connection;
+  /// The connection carries samples as soon as it is made and until it is disconnected, whenever the
+  /// transition commits: what another computer sends begins and ends there.
+  bool at_once = false;
   friend bool operator==(const ConnectionAction&, const ConnectionAction&) = default;
 };
 /// Deploy (all attributes count), Undeploy (the key counts). The list of tasks is empty: apply_config places

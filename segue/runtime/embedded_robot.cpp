@@ -6,6 +6,7 @@
 #include <segue/base/text.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/host/stand_in.hpp>
+#include <segue/hosts/gateways.hpp>
 #include <segue/journal/journal.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
@@ -54,6 +55,11 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   }
   load_libraries(diagnostics, !options.stand_in && !options.only_stand_ins);
   load_models(diagnostics);
+  if (detail::has_other_hosts(robot)) {
+    for (auto& gateway : hosts::gateway_models()) {
+      catalog.add(std::move(gateway));
+    }
+  }
   diagnostics.append(model::validate(robot, read->controllers.controllers));
   if (diagnostics.has_errors()) {
     return false;

@@ -28,6 +28,7 @@ struct EmbeddedOptions {
   std::filesystem::path stand_ins{};  ///< file with their behaviour (host/stand_in.hpp); empty: the default
   TaskPlacement placement = TaskPlacement::InProcess;
   bool daemon = false;                   ///< processes are started by `segue host`, not by this process
+  bool take_over = false;                ///< from another runtime that commands the robot on other hosts
   LogLevel log_level = LogLevel::Info;   ///< of deployment processes
   bool journal = false;                  ///< keep a journal (RuntimeOptions::journal)
   std::filesystem::path journal_file{};  ///< its file; empty: journal::default_path()

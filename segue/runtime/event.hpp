@@ -27,7 +27,9 @@ enum class EventKind {
   GivenUp,
   Prepared,
   Journal,
-  Files  ///< files were applied, or those of before are in force again
+  HostLost,   ///< a computer cannot be reached any more
+  HostFound,  ///< it can again
+  Files       ///< files were applied, or those of before are in force again
 };
 std::string_view to_string(EventKind kind);
 

@@ -104,6 +104,21 @@ model::Network subtract(const model::Network& all, const model::Network& part) {
   return rest;
 }
 
+model::Network without_hosts(model::Network network, const std::set<model::HostName>& hosts) {
+  const auto processes = model::task_processes(network);
+  const auto is_there = [&](const model::TaskId& task) {
+    const auto process = processes.find(task);
+    return process != processes.end() && hosts.contains(process->second.host);
+  };
+  std::erase_if(network.connections, [&](const model::Connection& connection) {
+    return is_there(connection.from.task) || is_there(connection.to.task);
+  });
+  std::erase_if(network.tasks, [&](const model::Task& task) { return is_there(task.id); });
+  std::erase_if(network.deployments,
+                [&](const model::Deployment& deployment) { return hosts.contains(deployment.host); });
+  return network;
+}
+
 bool includes(const model::Network& all, const model::Network& part) {
   // The union equals `all` unless `part` has something that `all` lacks or has in another form.
   model::Network both = unite(part, all);

@@ -7,6 +7,7 @@
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/network_sets.hpp>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -72,6 +73,38 @@ Diagnostics check_runnable(const model::Network& network, const host::TaskHost& 
   return findings;
 }
 
+std::set<model::HostName> unreachable_hosts(const host::TaskHost& host) {
+  std::set<model::HostName> hosts;
+  for (const auto& computer : host.computers()) {
+    if (!computer.reachable) {
+      hosts.insert(computer.name);
+    }
+  }
+  return hosts;
+}
+
+model::Network reachable_part(model::Network network, const host::TaskHost& host) {
+  const auto lost = unreachable_hosts(host);
+  return lost.empty() ? std::move(network) : without_hosts(std::move(network), lost);
+}
+
+std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
+                                           const host::TaskHost& host) {
+  for (const auto& computer : host.computers()) {
+    const bool used =
+        std::any_of(network.deployments.begin(), network.deployments.end(),
+                    [&](const model::Deployment& deployment) { return deployment.host == computer.name; });
+    if (used && !computer.reachable && !computer.optional) {
+      return refuse(fail(ErrorCode::Unavailable,
+                         std::string(role) + " has tasks on host " + quote(computer.name.str()) +
+                             ", which cannot be reached (" + computer.state +
+                             "), so what runs there is unknown; nothing has changed. Once the host is back, "
+                             "try again; or say in the robot file that it is 'optional'"));
+    }
+  }
+  return std::nullopt;
+}
+
 solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force) {
   return {order, host.side_by_side(), force};
 }
@@ -87,10 +120,14 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
                                                const model::Network& keep, const host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
                                                solve::Options options) {
-  if (auto refusal = refusal_for(controller, host, catalog)) {
+  if (auto refusal = refusal_for(host.condensed(controller), host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  model::Network target = unite(controller, already_present(keep, current));
+  controller = host.expanded(std::move(controller));
+  if (auto refusal = refusal_for_unknown(controller, quoted_name(controller.name), host)) {
+    return tl::unexpected(std::move(*refusal));
+  }
+  model::Network target = unite(reachable_part(controller, host), already_present(keep, current));
   auto transition = solve_from_observed(current, target, catalog, std::move(options));
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));

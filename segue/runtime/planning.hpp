@@ -8,7 +8,10 @@
 #include <segue/runtime/runtime.hpp>
 #include <segue/solve/solve.hpp>
 
+#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 
 namespace segue::runtime::detail {
 
@@ -24,6 +27,16 @@ struct Refusal {
   Error error;
   Diagnostics diagnostics;
 };
+
+/// Computers that cannot be reached now.
+std::set<model::HostName> unreachable_hosts(const host::TaskHost& host);
+/// The network without what is on computers that cannot be reached now: tasks there, their connections and
+/// processes.
+model::Network reachable_part(model::Network network, const host::TaskHost& host);
+/// Why a request is refused before anything changes: a computer that `network` uses cannot be reached and is
+/// not optional. `role` begins the message: "the running controller".
+std::optional<Refusal> refusal_for_unknown(const model::Network& network, std::string_view role,
+                                           const host::TaskHost& host);
 
 /// Options of the solver for this host.
 solve::Options solve_options(const host::TaskHost& host, model::Order order, bool force);

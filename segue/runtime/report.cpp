@@ -220,7 +220,23 @@ Value to_value(const host::TaskReport& report) {
                      {"cpu_us", microseconds(report.timing.cpu)},
                      {"cycles", report.timing.cycles},
                      {"missed", report.timing.missed},
+                     {"unknown", report.unknown},
                      {"error", report.error}});
+}
+
+Value to_value(const host::ComputerReport& report) {
+  const auto optional_us = [](const std::optional<Duration>& duration) {
+    return duration ? Value(microseconds(*duration)) : Value();
+  };
+  return Value::map({{"name", report.name.str()},
+                     {"address", report.address},
+                     {"reachable", report.reachable},
+                     {"optional", report.optional},
+                     {"state", report.state},
+                     {"since_s", seconds(report.since)},
+                     {"software", report.software},
+                     {"round_trip_us", optional_us(report.round_trip)},
+                     {"clock_offset_us", optional_us(report.clock_offset)}});
 }
 
 Value to_value(const host::ConnectionReport& report) {
@@ -245,6 +261,7 @@ Value status_of(Runtime& runtime) {
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
+       {"hosts", list_of(runtime.host().computers(), [](const auto& report) { return to_value(report); })},
        {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
        {"connections",
         list_of(runtime.host().connections(), [](const auto& report) { return to_value(report); })},

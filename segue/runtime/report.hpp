@@ -44,6 +44,7 @@ type::Value to_value(const Event& event);
 type::Value to_value(const host::TaskReport& report);
 
 /// {"from", "to", "policy", "size", "written", "read", "dropped"}
+type::Value to_value(const host::ComputerReport& report);
 type::Value to_value(const host::ConnectionReport& report);
 
 /// {"robot", "controller", "version" (of what runs), "loaded_version" (of the controller of that name; null:

@@ -5,7 +5,9 @@
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
+#include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
+#include <segue/hosts/lease.hpp>
 #include <segue/process/process_server.hpp>
 #include <segue/runtime/daemon_processes.hpp>
 
@@ -13,7 +15,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
 namespace segue::runtime::detail {
@@ -24,6 +29,9 @@ namespace fs = std::filesystem;
 
 /// Time limit for killing processes.
 constexpr Duration kForce = std::chrono::seconds(10);
+/// How much longer than a lease to wait for one that nobody renews, and how often to look.
+constexpr Duration kLeaseGrace = std::chrono::seconds(2);
+constexpr Duration kLeasePoll = std::chrono::milliseconds(100);
 
 /// Only one runtime may own the processes of a robot: two would remove each other's connections.
 Result<Descriptor> lock_robot(const std::string& robot) {
@@ -115,7 +123,97 @@ deploy::DeployedOptions deployed_options(const model::Robot& robot) {
   return options;
 }
 
+/// One run of a runtime, in the leases that it holds.
+std::string holder_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) {
+    name.front() = '?';
+  }
+  const auto began = std::chrono::system_clock::now().time_since_epoch();
+  return std::string(name.data()) + "/" + std::to_string(::getpid()) + "/" +
+         std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(began).count());
+}
+
+/// Component models travel, since the files lie on this computer.
+Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const EmbeddedOptions& options) {
+  hosts::RobotRequest request;
+  request.holder = holder_name();
+  request.launch = launch;
+  request.launch.models.clear();
+  request.take_over = options.take_over;
+  if (options.stand_in || options.only_stand_ins) {
+    for (const auto& file : launch.models) {
+      auto text = read_input_file(file);
+      if (!text) {
+        return std::move(text.error());
+      }
+      request.models.push_back({fs::path(file).filename().string(), std::move(*text)});
+    }
+  }
+  return request;
+}
+
+constexpr std::string_view kUnixScheme = "unix:";
+constexpr std::string_view kTcpScheme = "tcp://";
+
+/// The address of a host without its port, where samples reach it.
+std::string data_address(const model::Host& host) {
+  if (!host.address.starts_with(kTcpScheme)) {
+    return "127.0.0.1";  // a Unix socket leads to this computer
+  }
+  const std::string rest = host.address.substr(kTcpScheme.size());
+  return rest.substr(0, rest.rfind(':'));
+}
+
+hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
+  hosts::GatewaySettings settings;
+  settings.robot = robot.name;
+  if (const char* domain = std::getenv("ROS_DOMAIN_ID")) {
+    settings.domain = std::atoi(domain);
+  }
+  bool all_here = true;
+  for (const auto& host : robot.hosts) {
+    if (host.is_local()) {
+      settings.own.push_back(host.name);
+    } else {
+      settings.addresses.emplace(host.name, data_address(host));
+      all_here = all_here && host.address.starts_with(kUnixScheme);
+    }
+  }
+  if (all_here) {
+    settings.addresses.emplace(model::kLocalHost, "127.0.0.1");
+  }
+  return settings;
+}
+
+hosts::ConnectHost connector_of(const model::Host& host) {
+  if (host.address.starts_with(kUnixScheme)) {
+    const fs::path socket = host.address.substr(kUnixScheme.size());
+    return [socket](TimePoint deadline, std::function<void()> gone) {
+      return control::connect_host(socket, deadline, std::move(gone));
+    };
+  }
+  return [](TimePoint, const std::function<void()>&) -> Result<std::unique_ptr<hosts::HostService>> {
+    return fail(ErrorCode::Unsupported, "hosts are reached by Unix sockets only");
+  };
+}
+
+std::vector<hosts::HostPlace> places(const model::Robot& robot) {
+  std::vector<hosts::HostPlace> all;
+  for (const auto& host : robot.hosts) {
+    if (!host.is_local()) {
+      all.push_back({host.name, host.address, host.optional, connector_of(host)});
+    }
+  }
+  return all;
+}
+
 }  // namespace
+
+bool has_other_hosts(const model::Robot& robot) {
+  return std::any_of(robot.hosts.begin(), robot.hosts.end(),
+                     [](const model::Host& host) { return !host.is_local(); });
+}
 
 Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot,
                                                        const host::LibrarySet& libraries,
@@ -124,14 +222,15 @@ Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot
                                                        const EmbeddedOptions& options) {
   std::unique_ptr<RobotTasks> tasks(new RobotTasks(libraries, catalog, std::move(local)));
   if (options.placement == TaskPlacement::Processes) {
-    if (auto spread = tasks->spread(robot, options); !spread) {
+    if (auto spread = tasks->spread(robot, catalog, options); !spread) {
       return std::move(spread.error());
     }
   }
   return tasks;
 }
 
-Result<void> RobotTasks::spread(const model::Robot& robot, const EmbeddedOptions& options) {
+Result<void> RobotTasks::spread(const model::Robot& robot, const model::ComponentCatalog& catalog,
+                                const EmbeddedOptions& options) {
   auto launch = launch_of(robot, options);
   if (!launch) {
     return std::move(launch.error());
@@ -153,16 +252,50 @@ Result<void> RobotTasks::spread(const model::Robot& robot, const EmbeddedOptions
   processes_ = std::move(*processes);
   own_ = std::make_unique<deploy::LocalDeployment>(own_info(robot, memory_->incarnation()), local_, memory_);
   deployed_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
-                                                         std::move(*launch), local_, deployed_options(robot));
+                                                         *launch, local_, deployed_options(robot));
+  return has_other_hosts(robot) ? reach_hosts(robot, catalog, *launch, options) : Result<void>();
+}
+
+Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::ComponentCatalog& catalog,
+                                     const process::Launch& launch, const EmbeddedOptions& options) {
+  auto request = robot_request(launch, options);
+  if (!request) {
+    return std::move(request.error());
+  }
+  hosts::DistributedOptions distributed;
+  distributed.request = std::move(*request);
+  distributed.gateways = gateway_settings(robot);
+  distributed.stand_in = options.stand_in;
+  distributed.only_stand_ins = options.only_stand_ins;
+  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, places(robot), catalog,
+                                                              std::move(distributed));
+  // The lease of a runtime that was killed runs out soon.
+  auto& clock = RealClock::instance();
+  const TimePoint give_up = clock.now() + hosts::Lease::kValidity + kLeaseGrace;
+  auto commands = distributed_->commands_all();
+  while (!commands && clock.now() < give_up) {
+    clock.sleep_until(clock.now() + kLeasePoll);
+    commands = distributed_->commands_all();
+  }
+  if (!commands) {
+    return fail(commands.error().code,
+                "the robot cannot be commanded; `segue run --take-over` takes it from the other runtime")
+        .because_of(std::move(commands.error()));
+  }
   return {};
 }
 
 host::TaskHost& RobotTasks::host() {
+  if (distributed_) {
+    return *distributed_;
+  }
   return deployed_ ? static_cast<host::TaskHost&>(*deployed_) : local_;
 }
 
 void RobotTasks::end_processes() {
-  if (deployed_) {
+  if (distributed_) {
+    distributed_->end_processes(RealClock::instance().now() + kForce);
+  } else if (deployed_) {
     deployed_->end_processes(RealClock::instance().now() + kForce);
   }
 }

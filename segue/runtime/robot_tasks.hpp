@@ -5,6 +5,7 @@
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/local_task_host.hpp>
+#include <segue/hosts/distributed_task_host.hpp>
 #include <segue/link/shared_memory.hpp>
 #include <segue/model/robot.hpp>
 #include <segue/runtime/embedded_robot.hpp>
@@ -12,6 +13,9 @@
 #include <memory>
 
 namespace segue::runtime::detail {
+
+/// Whether deployments of the robot may live on other computers than the runtime's.
+bool has_other_hosts(const model::Robot& robot);
 
 /// The task host of a robot: all tasks in this process, or some in processes of their own, as its options
 /// say.
@@ -34,14 +38,18 @@ class RobotTasks {
   RobotTasks(const host::LibrarySet& libraries, const model::ComponentCatalog& catalog,
              host::LocalOptions local)
       : local_(libraries, catalog, std::move(local)) {}
-  Result<void> spread(const model::Robot& robot, const EmbeddedOptions& options);
+  Result<void> spread(const model::Robot& robot, const model::ComponentCatalog& catalog,
+                      const EmbeddedOptions& options);
+  Result<void> reach_hosts(const model::Robot& robot, const model::ComponentCatalog& catalog,
+                           const process::Launch& launch, const EmbeddedOptions& options);
 
   Descriptor lock_;
   std::shared_ptr<link::SharedMemory> memory_;
   host::LocalTaskHost local_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<process::ProcessService> processes_;
-  std::unique_ptr<deploy::DeployedTaskHost> deployed_;  ///< null: all tasks live in this process
+  std::unique_ptr<deploy::DeployedTaskHost> deployed_;       ///< null: all tasks live in this process
+  std::unique_ptr<hosts::DistributedTaskHost> distributed_;  ///< null: all live on this computer
 };
 
 }  // namespace segue::runtime::detail

@@ -18,7 +18,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 19> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 21> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -36,6 +36,8 @@ std::string_view to_string(EventKind kind) {
                                                               "given_up",
                                                               "prepared",
                                                               "journal",
+                                                              "host_lost",
+                                                              "host_found",
                                                               "files"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
@@ -120,7 +122,7 @@ RuntimeState Runtime::state() const {
 }
 
 model::Network Runtime::belief() const {
-  return implementation_->belief.controller();
+  return implementation_->host.condensed(implementation_->belief.controller());
 }
 
 void Runtime::reset_belief(std::optional<model::Network> network) {
@@ -131,7 +133,9 @@ std::vector<std::string> Runtime::observed_differences() const {
   if (state() == RuntimeState::Executing) {
     return {};
   }
-  return differences(implementation_->belief.held().desired(), implementation_->host.observe());
+  const auto& host = implementation_->host;
+  const auto desired = detail::reachable_part(implementation_->belief.held().desired(), host);
+  return differences(host.condensed(desired), host.condensed(host.observe()));
 }
 
 std::future<std::vector<Readiness>> Runtime::prepare(std::vector<model::NetworkName> controllers) {

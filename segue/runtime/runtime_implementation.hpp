@@ -113,17 +113,21 @@ struct Runtime::Implementation {
                                      const model::Network& second) const;
   std::optional<model::Network> known(const model::NetworkName& name) const;
   std::optional<model::Network> fallback() const;
+  /// The network as the host runs it.
+  std::optional<model::Network> expanded(std::optional<model::Network> network) const;
   /// Runs `work` in the state Executing, unless a request waits. `work` returns the state to continue with.
   void run_if_idle(const std::function<RuntimeState(RuntimeState before)>& work);
   void settle(RuntimeState next);
   void reset(std::optional<model::Network> network);
   void on_event(const host::TaskEvent& event);
   void on_event(const host::ProcessEvent& event);
+  void on_event(const host::ComputerEvent& event);
   void wake_worker();
 
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
+  void bring_back_returned_hosts(const detail::Observation& seen);
   /// Both return what could not be resolved in as many attempts as the policy permits, as sentences.
   std::vector<std::string> handle_faults(const detail::Observation& seen);
   std::vector<std::string> collect_leftovers(const detail::Observation& seen);
@@ -170,6 +174,7 @@ struct Runtime::Implementation {
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
   std::vector<std::string> unresolved;
+  std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
 
   // Used by the worker thread only.

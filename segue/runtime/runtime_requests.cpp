@@ -103,17 +103,20 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
     }
     return plan;
   }
+  if (auto refusal = detail::refusal_for_unknown(belief.held().desired(), "the running controller", host)) {
+    return tl::unexpected(std::move(*refusal));
+  }
   auto how = detail::solve_options(host, request_options.order, request_options.force);
   how.idle = detail::idle_tasks(current, belief.controller());
   if (const auto* network = std::get_if<model::Network>(&request)) {
-    return detail::plan_network(current, *network, plan_ahead(*network).standby, host, catalog,
+    return detail::plan_network(current, *network, plan_ahead(host.expanded(*network)).standby, host, catalog,
                                 std::move(how));
   }
   auto network = resolve(std::get<model::NetworkName>(request));
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
   }
-  const model::Network keep = plan_ahead(*network).standby;
+  const model::Network keep = plan_ahead(host.expanded(*network)).standby;
   return detail::plan_network(current, std::move(*network), keep, host, catalog, std::move(how));
 }
 

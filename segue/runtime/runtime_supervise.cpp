@@ -34,8 +34,11 @@ std::uint64_t resident(int pid) {
 
 detail::MemoryOf memory_of(const host::TaskHost& host) {
   std::map<model::DeploymentKey, int> pids;
+  const bool alone = host.computers().empty();
   for (const auto& task : host.tasks()) {
-    pids.emplace(task.process, task.pid);
+    if (alone || task.process.host == model::kLocalHost) {  // other computers count their own
+      pids.emplace(task.process, task.pid);
+    }
   }
   return [pids = std::move(pids)](const model::DeploymentKey& process) {
     const auto found = pids.find(process);
@@ -117,6 +120,7 @@ void Runtime::Implementation::supervise() {
   }
   note_differences(seen.network);
   forget_ended(seen.network);
+  bring_back_returned_hosts(seen);
   auto left = handle_faults(seen);
   auto leftovers = collect_leftovers(seen);
   left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
@@ -144,12 +148,39 @@ void Runtime::Implementation::forget_ended(const model::Network& observed) {
   std::erase_if(ended, [&](const auto& entry) { return !missing.contains(entry.first); });
 }
 
+/// A computer that was away runs what it ran then, or less, whatever has been requested meanwhile.
+void Runtime::Implementation::bring_back_returned_hosts(const Observation& seen) {
+  std::set<model::HostName> hosts;
+  {
+    const std::lock_guard lock(mutex);
+    hosts.swap(returned_hosts);
+  }
+  const auto held = belief.held();
+  if (hosts.empty() || !held.wanted) {
+    return;
+  }
+  solve::RepairScope scope;
+  for (const auto* network : {&*held.wanted, &seen.network}) {
+    for (const auto& deployment : network->deployments) {
+      if (!hosts.contains(deployment.host)) {
+        continue;
+      }
+      scope.processes.push_back(deployment.key());
+      for (const auto& placement : deployment.tasks) {
+        scope.tasks.push_back(placement.task);
+      }
+    }
+  }
+  repair(Cause::Repair, seen, scope);
+}
+
 std::vector<std::string> Runtime::Implementation::handle_faults(const Observation& seen) {
   const auto held = belief.held();
   if (!held.wanted) {
     return {};
   }
-  const auto faults = detail::find_faults(*held.wanted, seen.network, options.policies.on_failure);
+  const auto faults = detail::find_faults(detail::reachable_part(*held.wanted, host), seen.network,
+                                          options.policies.on_failure);
   const auto decision = repairs.decide(faults, RealClock::instance().now());
   report_given_up(decision.given_up);
   if (decision.fallback) {
@@ -222,7 +253,7 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
   const auto held = belief.held();
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
-  plan.target = detail::unite(plan.controller, standby);
+  plan.target = detail::reachable_part(detail::unite(plan.controller, standby), host);
   auto transition = solve::repair(seen.network, plan.target, catalog,
                                   detail::solve_options(host, model::Order::Seamless, false), scope);
   if (!transition) {
@@ -246,8 +277,9 @@ std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_reque
   std::vector<detail::PrepareRequest> all;
   for (const auto& wanted : requests_to_prepare) {
     const auto found = definitions.controllers.find(wanted);
-    all.push_back(
-        {wanted, found == definitions.controllers.end() ? std::nullopt : std::optional(found->second)});
+    all.push_back({wanted, found == definitions.controllers.end()
+                               ? std::nullopt
+                               : std::optional(host.expanded(found->second))});
   }
   return all;
 }
@@ -266,7 +298,8 @@ void Runtime::Implementation::look_ahead() {
   plan.controller = held.wanted.value_or(held.controller);
   auto ahead = plan_ahead(plan.controller);
   const Observation seen = belief.starting_point();
-  plan.target = detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby);
+  plan.target = detail::reachable_part(
+      detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), host);
   auto how = detail::solve_options(host, model::Order::Seamless, false);
   how.idle = detail::idle_tasks(seen.network, held.controller);
   auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));
@@ -283,7 +316,7 @@ void Runtime::Implementation::look_ahead() {
       for (auto& one : ahead.readiness) {
         if (result.outcome != Outcome::Done) {
           one = {one.controller, false, 0, one.tasks, result.error ? to_string(*result.error) : ""};
-        } else if (const auto wished = one.prepared > 0 ? known(one.controller) : std::nullopt) {
+        } else if (const auto wished = one.prepared > 0 ? expanded(known(one.controller)) : std::nullopt) {
           host.get_ready(*wished);
         }
       }

@@ -129,7 +129,7 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
   log.add(EventKind::TransitionStarted, plan.controller.name.str(),
           way + ": " + std::to_string(plan.transition.actions.size()) + " actions");
   const auto running = std::make_shared<detail::Transaction>(
-      context, current, plan, detail::Transaction::Options{action_deadline, fallback()});
+      context, current, plan, detail::Transaction::Options{action_deadline, expanded(fallback())});
   {
     const std::lock_guard lock(mutex);
     transaction = running;
@@ -183,7 +183,7 @@ void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Obse
     adopt(seen, held.controller, held.wanted);
     runs = "it was undone: the robot runs " + quoted_name(held.controller.name) + " as before";
   } else if (result.undo && result.undo->fell_back) {
-    const auto fallback = known(*result.undo->fallback).value_or(model::Network{});
+    const auto fallback = expanded(known(*result.undo->fallback)).value_or(model::Network{});
     adopt(seen, fallback, fallback);
     runs = "it could not be undone: the robot now runs its fallback " + quoted_name(fallback.name);
   } else {
@@ -216,6 +216,10 @@ std::optional<model::Network> Runtime::Implementation::known(const model::Networ
   return found == definitions.controllers.end() ? std::nullopt : std::optional(found->second);
 }
 
+std::optional<model::Network> Runtime::Implementation::expanded(std::optional<model::Network> network) const {
+  return network ? std::optional(host.expanded(*std::move(network))) : std::nullopt;
+}
+
 std::optional<model::Network> Runtime::Implementation::fallback() const {
   const std::lock_guard lock(mutex);
   if (!definitions.fallback) {
@@ -234,9 +238,10 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
       return candidate->name;
     }
   }
+  const model::Network condensed = host.condensed(observed);
   const std::lock_guard lock(mutex);
   for (const auto& [candidate, network] : definitions.controllers) {
-    if (equivalent(observed, network)) {
+    if (equivalent(condensed, network)) {
       return candidate;
     }
   }
@@ -244,9 +249,9 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
 }
 
 void Runtime::Implementation::note_differences(const model::Network& observed) {
-  const model::Network shall = belief.held().desired();
+  const model::Network shall = host.condensed(detail::reachable_part(belief.held().desired(), host));
   std::set<std::string> now;
-  for (auto& sentence : differences(shall, observed)) {
+  for (auto& sentence : differences(shall, host.condensed(observed))) {
     if (!reported_differences.contains(sentence)) {
       log.add(EventKind::Difference, shall.name.str(), sentence);
       journal.drifted(shall.name.str(), sentence, "reported");
@@ -294,6 +299,15 @@ void Runtime::Implementation::on_event(const host::ProcessEvent& event) {
   log.add(EventKind::Process, to_string(event.process), event.message);
 }
 
+void Runtime::Implementation::on_event(const host::ComputerEvent& event) {
+  if (event.reachable) {
+    const std::lock_guard lock(mutex);
+    returned_hosts.insert(event.host);
+  }
+  wake_worker();
+  log.add(event.reachable ? EventKind::HostFound : EventKind::HostLost, event.host.str(), event.message);
+}
+
 void Runtime::Implementation::reset(std::optional<model::Network> network) {
   {
     const std::lock_guard lock(mutex);
@@ -311,7 +325,7 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     now.network.name = name_of_running(now.network, held.wanted.value_or(held.controller), {});
     log.add(EventKind::BeliefReset, now.network.name.str(), "observed: " + detail::summary(now.network));
     const model::Network all = now.network;
-    adopt(now, all, known(all.name));
+    adopt(now, all, expanded(known(all.name)));
   }
   const std::lock_guard lock(mutex);
   if (state == RuntimeState::Failed) {

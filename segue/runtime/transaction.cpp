@@ -161,15 +161,16 @@ void Transaction::forward(SwitchResult& result) {
   const TimePoint created = RealClock::instance().now();
   const auto armed = prepared ? arm(plan_.transition, plan_.target) : Result<void>();
   const Duration arming = RealClock::instance().now() - created;
-  const bool committed = prepared && armed && enter(Stage::Commit) && execution->run(model::Phase::Commit);
+  const bool acted = prepared && armed && enter(Stage::Commit) && execution->run(model::Phase::Commit);
+  const auto stored = acted ? context_.host.commit() : Result<void>();
+  const bool committed = acted && stored;
   if (committed) {
-    context_.host.commit();
     retire(*execution, result);
   }
   result.prepare = execution->window(model::Phase::Prepare) + arming;
   result.commit = execution->window(model::Phase::Commit);
   result.retire = execution->window(model::Phase::Retire);
-  const auto failed = failure_of(*execution, armed);
+  const auto failed = failure_of(*execution, armed, stored);
   result.actions = execution->take_records();
   if (committed) {
     return;
@@ -189,7 +190,8 @@ Result<void> Transaction::arm(const model::Transition& transition, const model::
 }
 
 std::optional<Transaction::Failure> Transaction::failure_of(const Execution& execution,
-                                                            const Result<void>& armed) {
+                                                            const Result<void>& armed,
+                                                            const Result<void>& stored) {
   if (const ActionRecord* failed = execution.failure()) {
     const model::Action& action = failed->action;
     return Failure{quote(action.label()), error_of(*failed),
@@ -197,6 +199,9 @@ std::optional<Transaction::Failure> Transaction::failure_of(const Execution& exe
   }
   if (!armed) {
     return Failure{"preparing the commit", armed.error()};
+  }
+  if (!stored) {
+    return Failure{"the commit", stored.error()};
   }
   return std::nullopt;
 }
@@ -261,7 +266,7 @@ Undo Transaction::undo(const Failure& failed) {
                    failed.what + " failed; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
   const model::Network observed = context_.host.observe();
-  undo.restored = is_restored(before_, observed);
+  undo.restored = is_restored(reachable_part(before_, context_.host), observed);
   if (!undo.restored && options_.fallback && options_.fallback->name != plan_.transition.to) {
     context_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
                      "the old network cannot be restored; trying the fallback network");
@@ -276,8 +281,9 @@ Undo Transaction::undo(const Failure& failed) {
   return undo;
 }
 
-std::optional<Error> Transaction::bring_to(const model::Network& target, std::vector<ActionRecord>& actions) {
+std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vector<ActionRecord>& actions) {
   const model::Network observed = context_.host.observe();
+  const model::Network target = reachable_part(whole, context_.host);
   const auto way = solve_from_observed(observed, reachable(target, observed), context_.catalog,
                                        solve_options(context_.host, model::Order::Seamless, false));
   if (!way) {
@@ -287,15 +293,13 @@ std::optional<Error> Transaction::bring_to(const model::Network& target, std::ve
   const auto execution = begin(*way);
   const bool prepared = execution->run(model::Phase::Prepare);
   const auto armed = prepared ? arm(*way, target) : Result<void>();
-  bool done = prepared && armed && execution->run(model::Phase::Commit);
-  if (done) {
-    context_.host.commit();
-    done = execution->run(model::Phase::Retire);
-  }
+  const bool acted = prepared && armed && execution->run(model::Phase::Commit);
+  const auto stored = acted ? context_.host.commit() : Result<void>();
+  const bool done = acted && stored && execution->run(model::Phase::Retire);
   // Only after success may the host let plain ids mean the new incarnations and forget removed tasks.
   done ? context_.host.conclude(*way) : context_.host.withdraw();
   std::optional<Error> error;
-  if (const auto failed = failure_of(*execution, armed)) {
+  if (const auto failed = failure_of(*execution, armed, stored)) {
     error = failed->error;
   } else if (!done) {
     error = fail(ErrorCode::Cancelled, "the runtime ended", target.name.str());

@@ -65,14 +65,16 @@ class Transaction {
   /// Between prepare and commit; an error where the transition cannot commit.
   Result<void> arm(const model::Transition& transition, const model::Network& target);
   [[nodiscard]] static std::optional<Failure> failure_of(const Execution& execution,
-                                                         const Result<void>& armed);
+                                                         const Result<void>& armed,
+                                                         const Result<void>& stored);
   void retire(Execution& execution, SwitchResult& result);
   /// Solves again after an action failed that takes something down; true if that led to the target.
   bool replan(const Failure& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
   Undo undo(const Failure& failed);
-  /// Solves from the observed network to `target` and executes that; appends to `actions`.
-  std::optional<Error> bring_to(const model::Network& target, std::vector<ActionRecord>& actions);
+  /// Solves from the observed network to what of `whole` can be reached and executes that; appends to
+  /// `actions`.
+  std::optional<Error> bring_to(const model::Network& whole, std::vector<ActionRecord>& actions);
   void on_action(const ActionRecord& record);
 
   const TransitionContext& context_;

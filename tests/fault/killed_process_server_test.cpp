@@ -34,7 +34,7 @@ class KilledProcessServer : public DisturbedTransition {
   }
   void start() {
     daemon_ = std::make_unique<Process>(std::vector<std::string>{segue::paths::kProgram, "host"}, folder_);
-    ASSERT_TRUE(daemon_->wait_for("the process server is running"));
+    ASSERT_TRUE(daemon_->wait_for(" is running (pid "));
   }
   void kill_server() {
     daemon_->signal(SIGKILL);

@@ -40,7 +40,7 @@ class ForwardingHost : public host::TaskHost {
   Result<void> arm_commit(const model::Transition& transition, TimePoint deadline) override {
     return inner_.arm_commit(transition, deadline);
   }
-  void commit() override { inner_.commit(); }
+  Result<void> commit() override { return inner_.commit(); }
   void conclude(const model::Transition& transition) override { inner_.conclude(transition); }
   [[nodiscard]] model::Network observe() const override { return inner_.observe(); }
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override { return inner_.tasks(); }

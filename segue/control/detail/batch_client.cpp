@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_client.hpp>
-#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/tasks_wire.hpp>
 #include <segue/host/batch_outcomes.hpp>
 
 #include <map>
@@ -9,8 +9,6 @@
 namespace segue::control::detail {
 
 namespace {
-
-using Process = wire::DeploymentProcess;
 
 constexpr auto kEncode = [](const auto& item, auto builder) { encode(item, builder); };
 
@@ -80,8 +78,8 @@ class FollowerServer final : public wire::BatchFollower::Server {
 
 }  // namespace
 
-BatchClient::BatchClient(std::shared_ptr<RpcChannel> channel)
-    : channel_(std::move(channel)), open_(std::make_shared<Open>()) {}
+BatchClient::BatchClient(std::shared_ptr<RpcChannel> channel, TasksOf tasks)
+    : channel_(std::move(channel)), tasks_(std::move(tasks)), open_(std::make_shared<Open>()) {}
 
 BatchClient::~BatchClient() {
   channel_->run([this] { open_->fail_all(fail(ErrorCode::Unavailable, "the connection is closed")); });
@@ -91,10 +89,10 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
   if (actions.empty()) return;
   const auto batch = std::make_shared<Batch>(std::move(actions), std::move(completed));
   const Duration left = time_left(deadline);
-  auto send = [batch, left, open = open_,
+  auto send = [batch, left, tasks = tasks_, open = open_,
                who = channel_->who()](RpcChannel::Connection& connection) -> kj::Promise<void> {
-    auto process = connection.as<Process>();
-    auto request = process.performRequest();
+    auto access = tasks(connection);
+    auto request = access.performRequest();
     encode_list(batch->actions, request.initActions(count_of(batch->actions)), kEncode);
     request.setTimeout(left.count());
     if (auto fits = check_request(request.totalSize().wordCount); !fits) {
@@ -105,7 +103,7 @@ void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, 
     kj::Promise<void> following = kj::READY_NOW;
     if (batch->actions.size() > 1) {  // nothing of a single one can be reported early
       if (open->follow()) {
-        auto follow = process.followRequest();
+        auto follow = access.followRequest();
         follow.setFollower(kj::heap<FollowerServer<Open>>(open));
         following = follow.send().ignoreResult();
       }

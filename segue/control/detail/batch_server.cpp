@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/control/detail/batch_server.hpp>
-#include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/tasks_wire.hpp>
 
 #include <utility>
 
@@ -83,7 +83,8 @@ class Batch final : private kj::TaskSet::ErrorHandler {
 
 }  // namespace
 
-kj::Promise<Result<Outcomes>> perform_batch(Caller caller, Follower follower, std::uint64_t ticket,
+kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks,
+                                            Follower follower, std::uint64_t ticket,
                                             std::vector<model::Action> actions, TimePoint deadline) {
   if (auto begun = caller.begin(); !begun) return Result<Outcomes>(begun.error());
   if (actions.empty()) {
@@ -95,12 +96,12 @@ kj::Promise<Result<Outcomes>> perform_batch(Caller caller, Follower follower, st
   const auto batch = std::make_shared<Batch>(caller, std::move(follower), ticket, count);
   auto answer = batch->answer();
   core.batches.add();
-  auto completed = [&core, batch](std::vector<host::Completed> ended) {
+  auto completed = [&core, batch, tasks](std::vector<host::Completed> ended) {
     core.loop.post(
         [batch, ended = std::move(ended)](kj::AsyncIoContext&) mutable { batch->take(std::move(ended)); });
   };
   try {
-    core.service<deploy::DeploymentService>().begin_all(std::move(actions), deadline, std::move(completed));
+    tasks->begin_all(std::move(actions), deadline, std::move(completed));
   } catch (...) {
     batch->finish(thrown_by_service(core.noun()));
   }

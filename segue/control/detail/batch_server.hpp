@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/control/deployment.capnp.h>
+#include <segue/control/tasks.capnp.h>
 #include <segue/control/detail/caller.hpp>
+#include <segue/deploy/task_access.hpp>
 
 #include <memory>
 #include <vector>
@@ -12,10 +13,11 @@ namespace segue::control::detail {
 /// Who gets early reports of a client's batches; nobody until the client says who.
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
-/// Has the caller's deployment service carry out a batch, on threads of the service: a quick batch is
+/// Has `tasks` carry out a batch for the caller, on threads of its own: a quick batch is
 /// answered at once, and of a slow one the follower gets what has ended meanwhile. Only in the event loop.
-kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller, Follower follower,
-                                                                std::uint64_t ticket,
+kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller,
+                                                                std::shared_ptr<deploy::TaskAccess> tasks,
+                                                                Follower follower, std::uint64_t ticket,
                                                                 std::vector<model::Action> actions,
                                                                 TimePoint deadline);
 

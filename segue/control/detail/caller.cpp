@@ -14,9 +14,9 @@ constexpr std::size_t kMaxCallsPerClient = 16;
 constexpr Duration kMaxTimeout = std::chrono::hours(24);
 
 /// In the order of Served.
-constexpr std::array<std::string_view, 3> kNouns = {"the robot", "the deployment process",
-                                                    "the process server"};
-constexpr std::array<std::string_view, 3> kKinds = {kRobotKind, kDeploymentKind, kProcessesKind};
+constexpr std::array<std::string_view, 4> kNouns = {"the robot", "the deployment process",
+                                                    "the process server", "the host"};
+constexpr std::array<std::string_view, 4> kKinds = {kRobotKind, kDeploymentKind, kProcessesKind, kHostKind};
 
 Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
   return fail(code, std::string(noun) + std::string(why));

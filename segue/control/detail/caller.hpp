@@ -10,6 +10,7 @@
 #include <segue/control/detail/wire.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/deployment_service.hpp>
+#include <segue/hosts/host_service.hpp>
 #include <segue/process/process_service.hpp>
 
 #include <atomic>
@@ -36,9 +37,9 @@ struct ServerCore {
   [[nodiscard]] Service& service() const {
     return *std::get<Service*>(served);
   }
-  /// "the robot", "the deployment process", "the process server".
+  /// "the robot", "the deployment process", "the process server", "the host".
   [[nodiscard]] std::string_view noun() const;
-  /// The name of the service in the protocol: "robot", "deployment", "processes".
+  /// The name of the service in the protocol: "robot", "deployment", "processes", "host".
   [[nodiscard]] std::string_view kind() const;
 
   const Served served;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/batch_server.hpp>
 #include <segue/control/detail/deployment_wire.hpp>
+#include <segue/control/detail/listing.hpp>
 #include <segue/control/detail/memory_wire.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/services.hpp>
-#include <segue/control/detail/stream_server.hpp>
+#include <segue/control/detail/task_access_server.hpp>
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -26,38 +25,19 @@ TimePoint soon() {
   return RealClock::instance().now() + kLookTimeout;
 }
 
-/// Offers the samples of a port as a stream, as all services do.
-class ReaderStream final : public SampleStream {
- public:
-  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
-  Result<std::vector<Value>> read(std::size_t limit) override { return reader_->read(limit); }
-  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
-
- private:
-  std::unique_ptr<host::PortReader> reader_;
-};
-
-/// Writes a list of outcomes into the list that `init` makes.
-template <class Outcome, class Init>
-auto listing(Init init) {
-  return [init](std::vector<Outcome>& outcomes, auto results) {
-    encode_list(outcomes, init(results, count_of(outcomes)),
-                [](const Outcome& outcome, auto builder) { encode(outcome, builder); });
-  };
-}
-
 template <class Outcome>
 Result<std::vector<Outcome>> all(std::vector<Outcome> outcomes) {
   return outcomes;
 }
 
-constexpr auto kInitEnded = [](auto results, unsigned size) { return results.initEnded(size); };
 constexpr auto kInitOutcomes = [](auto results, unsigned size) { return results.initOutcomes(size); };
 constexpr auto kDecode = [](const auto& part) { return decode(part); };
 
-class DeploymentServer final : public wire::DeploymentProcess::Server {
+class DeploymentServer final : public wire::DeploymentProcess::Server, public TaskAccessServer {
  public:
-  explicit DeploymentServer(Caller caller) : caller_(std::move(caller)) {}
+  explicit DeploymentServer(Caller caller)
+      : TaskAccessServer(caller, {std::shared_ptr<void>(), &caller.core().service<DeploymentService>()}),
+        caller_(std::move(caller)) {}
   ~DeploymentServer() noexcept { caller_.client()->listeners -= listeners_.size(); }
 
   kj::Promise<void> info(InfoContext context) override {
@@ -76,30 +56,6 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
     auto network = decode(context.getParams().getNetwork());
     return caller_.answer(
         context, [&service = service(), network = std::move(network)] { return service.expect(network); });
-  }
-
-  kj::Promise<void> perform(PerformContext context) override {
-    const auto params = context.getParams();
-    auto actions = decode_list<model::Action>(params.getActions(), kDecode);
-    const TimePoint deadline = deadline_after(params.getTimeout());
-    const std::uint64_t ticket = params.getTicket();
-    context.releaseParams();
-    context.allowCancellation();
-    return perform_batch(caller_, follower_, ticket, std::move(actions), deadline)
-        .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
-          auto results = context.getResults();
-          if (!outcomes) return encode(outcomes.error(), results.initError());
-          try {
-            listing<host::Completed>(kInitEnded)(*outcomes, results);
-          } catch (const WireError& failed) {
-            encode(failed.error(), results.initError());
-          }
-        });
-  }
-
-  kj::Promise<void> follow(FollowContext context) override {
-    *follower_ = context.getParams().getFollower();
-    return kj::READY_NOW;
   }
 
   kj::Promise<void> conclude(ConcludeContext context) override {
@@ -133,73 +89,6 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
   kj::Promise<void> settle(SettleContext context) override {
     return caller_.answer_here(
         context, [&service = service()] { return service.settle(soon()); }, [](auto) {});
-  }
-
-  kj::Promise<void> saveState(SaveStateContext context) override {
-    const auto params = context.getParams();
-    return caller_.answer(
-        context,
-        [&service = service(), task = model::TaskId(as_string(params.getTask())),
-         deadline = deadline_after(params.getTimeout())] { return service.save_state(task, deadline); },
-        [](std::optional<task::SavedState>& state, auto results) {
-          if (state) encode(*state, results.initState());
-        });
-  }
-
-  kj::Promise<void> restoreState(RestoreStateContext context) override {
-    const auto params = context.getParams();
-    return caller_.answer(
-        context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
-                  state = decode(params.getState()), deadline = deadline_after(params.getTimeout())] {
-          return service.restore_state(task, state, deadline);
-        });
-  }
-
-  kj::Promise<void> describe(DescribeContext context) override {
-    return caller_.answer(
-        context,
-        [&service = service(), task = model::TaskId(as_string(context.getParams().getTask()))] {
-          return service.describe(task);
-        },
-        [](model::ComponentModel& model, auto results) { encode(model, results.initModel()); });
-  }
-
-  kj::Promise<void> properties(PropertiesContext context) override {
-    return caller_.answer_value(
-        context, [&service = service(), task = model::TaskId(as_string(context.getParams().getTask()))] {
-          return service.properties(task);
-        });
-  }
-
-  kj::Promise<void> setProperty(SetPropertyContext context) override {
-    const auto params = context.getParams();
-    return caller_.answer(context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
-                                    path = as_string(params.getPath()), value = get(params.getValue()),
-                                    deadline = deadline_after(params.getTimeout())] {
-      return service.set_property(task, path, value, deadline);
-    });
-  }
-
-  kj::Promise<void> call(CallContext context) override {
-    const auto params = context.getParams();
-    return caller_.answer_value(
-        context, [&service = service(), task = model::TaskId(as_string(params.getTask())),
-                  operation = as_string(params.getOperation()), arguments = get(params.getArguments()),
-                  deadline = deadline_after(params.getTimeout())] {
-          return service.call(task, operation, arguments, deadline);
-        });
-  }
-
-  kj::Promise<void> openReader(OpenReaderContext context) override {
-    const auto params = context.getParams();
-    auto open = [&service = service(), port = decode(params.getPort()),
-                 buffer = std::clamp<std::size_t>(params.getBuffer(), 1,
-                                                  kMaxBuffer)]() -> Result<std::unique_ptr<SampleStream>> {
-      auto reader = service.open_reader(port, buffer);
-      if (!reader) return reader.error();
-      return std::make_unique<ReaderStream>(std::move(*reader));
-    };
-    return answer_stream(caller_, context, std::move(open));
   }
 
   kj::Promise<void> memory(MemoryContext context) override {
@@ -301,7 +190,6 @@ class DeploymentServer final : public wire::DeploymentProcess::Server {
 
   Caller caller_;
   std::vector<std::unique_ptr<Listener>> listeners_;
-  const Follower follower_ = std::make_shared<kj::Maybe<wire::BatchFollower::Client>>();
 };
 
 }  // namespace

@@ -9,72 +9,8 @@ namespace {
 
 using model::TaskId;
 
-void encode_timing(const task::Timing& timing, wire::Timing::Builder builder) {
-  builder.setCycles(timing.cycles);
-  builder.setMissed(timing.missed);
-  builder.setLast(timing.last.count());
-  builder.setMean(timing.mean.count());
-  builder.setWorst(timing.worst.count());
-  builder.setLatencyMean(timing.latency_mean.count());
-  builder.setLatencyWorst(timing.latency_worst.count());
-  builder.setJitter(timing.jitter.count());
-  builder.setCpu(timing.cpu.count());
-}
-
-task::Timing decode_timing(wire::Timing::Reader reader) {
-  task::Timing timing;
-  timing.cycles = reader.getCycles();
-  timing.missed = reader.getMissed();
-  timing.last = Duration(reader.getLast());
-  timing.mean = Duration(reader.getMean());
-  timing.worst = Duration(reader.getWorst());
-  timing.latency_mean = Duration(reader.getLatencyMean());
-  timing.latency_worst = Duration(reader.getLatencyWorst());
-  timing.jitter = Duration(reader.getJitter());
-  timing.cpu = Duration(reader.getCpu());
-  return timing;
-}
-
-void encode_report(const host::TaskReport& report, wire::TaskReport::Builder builder) {
-  builder.setId(as_text(report.id.str()));
-  builder.setComponent(as_text(report.component.str()));
-  builder.setHost(as_text(report.process.host.str()));
-  builder.setProcess(as_text(report.process.process.str()));
-  builder.setPid(report.pid);
-  builder.setState(static_cast<std::uint8_t>(report.state));
-  builder.setStandIn(report.stand_in);
-  builder.setStateName(as_text(report.state_name));
-  builder.setError(as_text(report.error));
-  encode(report.activity, builder.initActivity());
-  encode_timing(report.timing, builder.initTiming());
-}
-
-host::TaskReport decode_report(wire::TaskReport::Reader reader) {
-  host::TaskReport report;
-  report.id = TaskId(as_string(reader.getId()));
-  report.component = model::ComponentName(as_string(reader.getComponent()));
-  report.process.host = model::HostName(as_string(reader.getHost()));
-  report.process.process = model::ProcessName(as_string(reader.getProcess()));
-  report.pid = reader.getPid();
-  report.state = enum_from(reader.getState(), TaskState::Fatal);
-  report.stand_in = reader.getStandIn();
-  report.state_name = as_string(reader.getStateName());
-  report.error = as_string(reader.getError());
-  report.activity = decode(reader.getActivity());
-  report.timing = decode_timing(reader.getTiming());
-  return report;
-}
-
-void encode_connection(const host::ConnectionReport& report, wire::ConnectionReport::Builder builder) {
-  encode(report.connection, builder.initConnection());
-  builder.setWritten(report.written);
-  builder.setRead(report.read);
-  builder.setDropped(report.dropped);
-}
-
-host::ConnectionReport decode_connection(wire::ConnectionReport::Reader reader) {
-  return {decode(reader.getConnection()), reader.getWritten(), reader.getRead(), reader.getDropped()};
-}
+constexpr auto kEncodePart = [](const auto& item, auto builder) { encode(item, builder); };
+constexpr auto kDecodePart = [](const auto& part) { return decode(part); };
 
 void encode_endpoint(const deploy::EndpointReport& endpoint, wire::EndpointReport::Builder builder) {
   encode(endpoint.connection, builder.initConnection());
@@ -133,9 +69,8 @@ deploy::DeploymentInfo decode(wire::Info::Reader reader) {
 
 void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder) {
   encode(snapshot.network, builder.initNetwork());
-  encode_list(snapshot.tasks, builder.initTasks(count_of(snapshot.tasks)), encode_report);
-  encode_list(snapshot.connections, builder.initConnections(count_of(snapshot.connections)),
-              encode_connection);
+  encode_list(snapshot.tasks, builder.initTasks(count_of(snapshot.tasks)), kEncodePart);
+  encode_list(snapshot.connections, builder.initConnections(count_of(snapshot.connections)), kEncodePart);
   encode_list(snapshot.endpoints, builder.initEndpoints(count_of(snapshot.endpoints)), encode_endpoint);
   encode_usage(snapshot.memory, builder.initMemory());
   auto hanging = builder.initHanging(count_of(snapshot.hanging));
@@ -146,8 +81,8 @@ void encode(const deploy::Snapshot& snapshot, wire::Snapshot::Builder builder) {
 deploy::Snapshot decode(wire::Snapshot::Reader reader) {
   deploy::Snapshot snapshot;
   snapshot.network = decode(reader.getNetwork());
-  snapshot.tasks = decode_list<host::TaskReport>(reader.getTasks(), decode_report);
-  snapshot.connections = decode_list<host::ConnectionReport>(reader.getConnections(), decode_connection);
+  snapshot.tasks = decode_list<host::TaskReport>(reader.getTasks(), kDecodePart);
+  snapshot.connections = decode_list<host::ConnectionReport>(reader.getConnections(), kDecodePart);
   snapshot.endpoints = decode_list<deploy::EndpointReport>(reader.getEndpoints(), decode_endpoint);
   snapshot.memory = decode_usage(reader.getMemory());
   snapshot.hanging = decode_list<TaskId>(reader.getHanging(),
@@ -249,39 +184,6 @@ void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder 
 deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader) {
   return {decode(reader.getConnection()), enum_from(reader.getSide(), deploy::Side::Input),
           reader.getPeerClosed(), reader.getPeer()};
-}
-
-void encode(const task::SavedState& state, wire::State::Builder builder) {
-  builder.setName(as_text(state.name));
-  builder.setVersion(state.version);
-  put(state.value, builder.initValue());
-}
-
-task::SavedState decode(wire::State::Reader reader) {
-  return {as_string(reader.getName()), reader.getVersion(), get(reader.getValue())};
-}
-
-void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder) {
-  builder.setTask(as_text(event.task.str()));
-  builder.setState(static_cast<std::uint8_t>(event.state));
-  builder.setMessage(as_text(event.message));
-}
-
-host::TaskEvent decode(wire::TaskEvent::Reader reader) {
-  return {TaskId(as_string(reader.getTask())), enum_from(reader.getState(), TaskState::Fatal),
-          as_string(reader.getMessage())};
-}
-
-void encode(const host::Completed& ended, wire::Ended::Builder builder) {
-  builder.setIndex(static_cast<std::uint32_t>(ended.index));
-  encode(ended.outcome, builder.initOutcome());
-  builder.setTook(ended.took ? ended.took->count() : -1);
-}
-
-host::Completed decode(wire::Ended::Reader reader) {
-  host::Completed ended{reader.getIndex(), decode(reader.getOutcome())};
-  if (reader.getTook() >= 0) ended.took = Duration(reader.getTook());
-  return ended;
 }
 
 void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder) {

@@ -3,7 +3,7 @@
 
 #include <segue/control/deployment.capnp.h>
 #include <segue/control/processes.capnp.h>
-#include <segue/control/detail/model_wire.hpp>
+#include <segue/control/detail/tasks_wire.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process/process_service.hpp>
 
@@ -40,15 +40,6 @@ deploy::ArmCommit::Endpoint decode(wire::EndingEndpoint::Reader reader);
 
 void encode(const deploy::CloseEndpoint& endpoint, wire::CloseEndpoint::Builder builder);
 deploy::CloseEndpoint decode(wire::CloseEndpoint::Reader reader);
-
-void encode(const task::SavedState& state, wire::State::Builder builder);
-task::SavedState decode(wire::State::Reader reader);
-
-void encode(const host::TaskEvent& event, wire::TaskEvent::Builder builder);
-host::TaskEvent decode(wire::TaskEvent::Reader reader);
-
-void encode(const host::Completed& ended, wire::Ended::Builder builder);
-host::Completed decode(wire::Ended::Reader reader);
 
 void encode(const process::ExitReason& reason, wire::ExitReason::Builder builder);
 process::ExitReason decode(wire::ExitReason::Reader reader);

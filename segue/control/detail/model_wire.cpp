@@ -59,6 +59,7 @@ void encode_what(const model::TaskAction& what, wire::Action::Builder builder) {
 }
 void encode_what(const model::ConnectionAction& what, wire::Action::Builder builder) {
   encode(what.connection, builder.initConnection());
+  builder.setAtOnce(what.at_once);
 }
 void encode_what(const model::DeploymentAction& what, wire::Action::Builder builder) {
   encode(what.deployment, builder.initDeployment());
@@ -126,7 +127,7 @@ void decode_what(model::Action& action, wire::Action::Reader reader) {
       action.what = model::TaskAction{TaskId(as_string(reader.getTask()))};
       return;
     case wire::Action::CONNECTION:
-      action.what = model::ConnectionAction{decode(reader.getConnection())};
+      action.what = model::ConnectionAction{decode(reader.getConnection()), reader.getAtOnce()};
       return;
     case wire::Action::DEPLOYMENT:
       action.what = model::DeploymentAction{decode(reader.getDeployment()), reader.getKill()};
@@ -255,6 +256,7 @@ void encode(const model::Deployment& deployment, wire::Deployment::Builder build
               });
   if (!deployment.limits.empty()) encode_limits(deployment.limits, builder.initLimits());
   builder.setOnFailure(encode_policy(deployment.on_failure));
+  encode(deployment.libraries, builder.initLibraries(count_of(deployment.libraries)));
 }
 
 model::Deployment decode(wire::Deployment::Reader reader) {
@@ -275,6 +277,7 @@ model::Deployment decode(wire::Deployment::Reader reader) {
       });
   deployment.limits = decode_limits(reader.getLimits());
   deployment.on_failure = decode_policy(reader.getOnFailure());
+  deployment.libraries = decode(reader.getLibraries());
   return deployment;
 }
 

@@ -72,9 +72,9 @@ RpcChannel::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsig
       rpc_(capnp::makeRpcClient(network_)),
       service_(kj::Exception(not_connected())) {}
 
-wire::SampleStream::Client RpcChannel::Connection::stream(StreamId id) {
-  const auto found = streams_.find(id);
-  if (found == streams_.end()) return not_connected();
+capnp::Capability::Client RpcChannel::Connection::held_capability(StreamId id) {
+  const auto found = held_.find(id);
+  if (found == held_.end()) return not_connected();
   return found->second;
 }
 

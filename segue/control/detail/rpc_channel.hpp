@@ -55,22 +55,30 @@ class RpcChannel {
     typename Interface::Client as() {
       return service_.castAs<Interface>();
     }
-    /// An unknown stream answers every call with an exception.
-    wire::SampleStream::Client stream(StreamId id);
+    /// A capability that hold() has kept; an unknown one answers every call with an exception.
+    template <class Interface>
+    typename Interface::Client held(StreamId id) {
+      return held_capability(id).castAs<Interface>();
+    }
+    void hold(StreamId id, capnp::Capability::Client capability) {
+      held_.insert_or_assign(id, kj::mv(capability));
+    }
     template <class Request>
     Answer open(StreamId id, Request& request);
-    void close(StreamId id) { streams_.erase(id); }
+    void close(StreamId id) { held_.erase(id); }
     /// Exchanges versions and requests the service of that kind; the answer is the version of the other side.
     Answer hello(std::string_view kind);
     /// Calls `gone`, in the loop's thread, when the connection breaks.
     void watch(std::function<void()> gone);
 
    private:
+    capnp::Capability::Client held_capability(StreamId id);
+
     kj::Own<kj::AsyncCapabilityStream> stream_;
     capnp::TwoPartyVatNetwork network_;
     capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
     capnp::Capability::Client service_;
-    std::map<StreamId, wire::SampleStream::Client> streams_;
+    std::map<StreamId, capnp::Capability::Client> held_;
     kj::Promise<void> watch_ = nullptr;
   };
 
@@ -165,7 +173,7 @@ template <class Request>
 RpcChannel::Answer RpcChannel::Connection::open(StreamId id, Request& request) {
   return request.send().then([this, id](auto&& response) -> Result<type::Value> {
     auto type = decode(response.getAnswer(), kMaxNodes);
-    if (type) streams_.emplace(id, response.getStream());
+    if (type) hold(id, response.getStream());
     return type;
   });
 }

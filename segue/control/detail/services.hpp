@@ -10,5 +10,6 @@ namespace segue::control::detail {
 capnp::Capability::Client make_robot_server(const Caller& caller);
 capnp::Capability::Client make_deployment_server(const Caller& caller);
 capnp::Capability::Client make_processes_server(const Caller& caller);
+capnp::Capability::Client make_host_server(const Caller& caller);
 
 }  // namespace segue::control::detail

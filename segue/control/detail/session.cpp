@@ -99,6 +99,7 @@ capnp::Capability::Client make_service(const Caller& caller) {
   const std::string_view kind = caller.core().kind();
   if (kind == kDeploymentKind) return make_deployment_server(caller);
   if (kind == kProcessesKind) return make_processes_server(caller);
+  if (kind == kHostKind) return make_host_server(caller);
   return make_robot_server(caller);
 }
 

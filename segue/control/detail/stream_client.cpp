@@ -19,7 +19,7 @@ class ClientStream final : public SampleStream {
 
   Result<std::vector<Value>> read(std::size_t limit) override {
     auto answer = channel_->ask(kLookTimeout, [id = id_, limit](RpcChannel::Connection& connection) {
-      auto request = connection.stream(id).readRequest();
+      auto request = connection.held<wire::SampleStream>(id).readRequest();
       request.setLimit(static_cast<std::uint32_t>(std::min<std::size_t>(limit, UINT32_MAX)));
       return RpcChannel::send(request);
     });

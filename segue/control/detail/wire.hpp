@@ -19,12 +19,13 @@
 namespace segue::control::detail {
 
 /// Raised when the meaning of a message changes; additions that old programs ignore do not count.
-inline constexpr std::uint32_t kProtocolVersion = 4;
+inline constexpr std::uint32_t kProtocolVersion = 5;
 
 /// The kinds of service that a server may offer.
 inline constexpr std::string_view kRobotKind = "robot";
 inline constexpr std::string_view kDeploymentKind = "deployment";
 inline constexpr std::string_view kProcessesKind = "processes";
+inline constexpr std::string_view kHostKind = "host";
 
 /// Deeper values are refused (files are limited to 200).
 inline constexpr int kMaxDepth = 256;

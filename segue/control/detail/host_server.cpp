@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/host_wire.hpp>
+#include <segue/control/detail/services.hpp>
+#include <segue/control/detail/task_access_server.hpp>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace segue::control::detail {
+
+namespace {
+
+using hosts::HostedRobot;
+using hosts::HostService;
+
+/// One runtime's hold on a robot. The lease outlives the connection, so this does not release it.
+class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAccessServer {
+ public:
+  HostedRobotServer(const Caller& caller, std::shared_ptr<HostedRobot> robot)
+      : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
+  ~HostedRobotServer() noexcept {
+    robot_->set_listener({});
+    // What the loop has been given to do with them comes first.
+    caller_.core().loop.post([events = events_](kj::AsyncIoContext&) {});
+    caller_.client()->listeners -= listeners_.size();
+  }
+
+  kj::Promise<void> renew(RenewContext context) override {
+    return caller_.answer_here(
+        context, [&] { return robot_->renew(); }, [](auto) {});
+  }
+  kj::Promise<void> release(ReleaseContext context) override {
+    return caller_.answer_here(
+        context, [&] { return robot_->release(); }, [](auto) {});
+  }
+  kj::Promise<void> look(LookContext context) override {
+    return caller_.answer(
+        context, [robot = robot_] { return robot->look(); },
+        [](hosts::HostView& view, auto results) { encode(view, results.initView()); });
+  }
+  kj::Promise<void> expect(ExpectContext context) override {
+    return caller_.answer(context, [robot = robot_, target = decode(context.getParams().getTarget())] {
+      return robot->expect(target);
+    });
+  }
+  kj::Promise<void> beginTransition(BeginTransitionContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer(
+        context, [robot = robot_, before = decode(params.getBefore()), target = decode(params.getTarget())] {
+          return robot->begin_transition(before, target);
+        });
+  }
+  kj::Promise<void> getReady(GetReadyContext context) override {
+    return caller_.answer(context, [robot = robot_, target = decode(context.getParams().getTarget())] {
+      return robot->get_ready(target);
+    });
+  }
+  kj::Promise<void> armCommit(ArmCommitContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer(
+        context, [robot = robot_, transition = decode(params.getTransition()), number = params.getNumber(),
+                  deadline = deadline_after(params.getTimeout())] {
+          return robot->arm_commit(transition, number, deadline);
+        });
+  }
+  kj::Promise<void> vote(VoteContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_here(
+        context, [&] { return robot_->vote(params.getNumber(), Duration(params.getValidity())); },
+        [](auto) {});
+  }
+  kj::Promise<void> commit(CommitContext context) override {
+    return caller_.answer(context, [robot = robot_, number = context.getParams().getNumber()] {
+      return robot->commit(number);
+    });
+  }
+  kj::Promise<void> conclude(ConcludeContext context) override {
+    return caller_.answer(context,
+                          [robot = robot_, transition = decode(context.getParams().getTransition())] {
+                            return robot->conclude(transition);
+                          });
+  }
+  kj::Promise<void> withdraw(WithdrawContext context) override {
+    return caller_.answer(context, [robot = robot_] { return robot->withdraw(); });
+  }
+  kj::Promise<void> endProcesses(EndProcessesContext context) override {
+    return caller_.answer(context,
+                          [robot = robot_, deadline = deadline_after(context.getParams().getTimeout())] {
+                            return robot->end_processes(deadline);
+                          });
+  }
+  kj::Promise<void> listen(ListenContext context) override;
+
+ private:
+  using Events = Broadcast<host::HostEvent>;
+
+  Caller caller_;
+  const std::shared_ptr<HostedRobot> robot_;
+  /// Shared with the robot's listener, which may still be called when this is destroyed.
+  const std::shared_ptr<Events> events_ = std::make_shared<Events>();
+  std::vector<std::unique_ptr<Events::Listener>> listeners_;
+};
+
+kj::Promise<void> HostedRobotServer::listen(ListenContext context) {
+  if (caller_.client()->listeners >= kMaxListenersPerClient) {
+    encode(fail(ErrorCode::ResourceExhausted, "this client listens too often"),
+           context.getResults().initError());
+    return kj::READY_NOW;
+  }
+  auto send = [listener = context.getParams().getListener()](const std::vector<host::HostEvent>& events,
+                                                             std::uint64_t lost) mutable {
+    auto request = listener.reportRequest();
+    request.setLost(lost);
+    encode_list(events, request.initEvents(count_of(events)),
+                [](const host::HostEvent& event, auto builder) { encode(event, builder); });
+    return request.send().ignoreResult();
+  };
+  listeners_.push_back(std::make_unique<Events::Listener>(*events_, std::move(send)));
+  ++caller_.client()->listeners;
+  robot_->set_listener([events = events_, &core = caller_.core()](const host::HostEvent& event) {
+    events->tell(event, core.loop);
+  });
+  return kj::READY_NOW;
+}
+
+class HostServer final : public wire::Host::Server {
+ public:
+  explicit HostServer(Caller caller) : caller_(std::move(caller)) {}
+
+  kj::Promise<void> info(InfoContext context) override {
+    return caller_.answer(
+        context, [&service = service()] { return service.info(); },
+        [](hosts::HostInfo& info, auto results) { encode(info, results.initInfo()); });
+  }
+  kj::Promise<void> clock(ClockContext context) override {
+    return caller_.answer_here(
+        context, [&] { return service().clock(); },
+        [](std::chrono::system_clock::time_point& time, auto results) {
+          results.setTime(
+              std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count());
+        });
+  }
+  kj::Promise<void> robots(RobotsContext context) override {
+    return caller_.answer(
+        context, [&service = service()] { return service.robots(); },
+        [](std::vector<hosts::LeaseInfo>& robots, auto results) {
+          encode_list(robots, results.initRobots(count_of(robots)),
+                      [](const hosts::LeaseInfo& lease, auto builder) { encode(lease, builder); });
+        });
+  }
+  kj::Promise<void> acquire(AcquireContext context) override {
+    const auto params = context.getParams();
+    hosts::RobotRequest request;
+    request.holder = as_string(params.getHolder());
+    request.take_over = params.getTakeOver();
+    request.models =
+        decode_list<hosts::ModelFile>(params.getModels(), [](const auto& part) { return decode(part); });
+    auto job = [&service = service(), request = std::move(request), launch = get(params.getLaunch()),
+                deadline =
+                    deadline_after(params.getTimeout())]() mutable -> Result<std::shared_ptr<HostedRobot>> {
+      auto checked = process::launch_from(launch);
+      if (!checked) return checked.error();
+      request.launch = std::move(*checked);
+      return service.acquire(request, deadline);
+    };
+    return caller_.answer(context, std::move(job),
+                          [caller = caller_](std::shared_ptr<HostedRobot>& robot, auto results) {
+                            results.setRobot(kj::heap<HostedRobotServer>(caller, std::move(robot)));
+                          });
+  }
+
+ private:
+  [[nodiscard]] HostService& service() const { return caller_.core().service<HostService>(); }
+
+  Caller caller_;
+};
+
+}  // namespace
+
+capnp::Capability::Client make_host_server(const Caller& caller) {
+  return wire::Host::Client(kj::heap<HostServer>(caller));
+}
+
+}  // namespace segue::control::detail

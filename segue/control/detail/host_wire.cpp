@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/host_wire.hpp>
+
+namespace segue::control::detail {
+
+namespace {
+
+constexpr auto kEncodeHostPart = [](const auto& item, auto builder) { encode(item, builder); };
+constexpr auto kDecodeHostPart = [](const auto& part) { return decode(part); };
+
+void encode_library(const hosts::LibraryInfo& library, wire::Library::Builder builder) {
+  builder.setName(as_text(library.name));
+  builder.setDigest(as_text(library.digest));
+  auto components = builder.initComponents(count_of(library.components));
+  for (unsigned i = 0; i < library.components.size(); ++i)
+    components.set(i, as_text(library.components[i].str()));
+}
+
+hosts::LibraryInfo decode_library(wire::Library::Reader reader) {
+  return {as_string(reader.getName()), as_string(reader.getDigest()),
+          decode_list<model::ComponentName>(reader.getComponents(), [](capnp::Text::Reader name) {
+            return model::ComponentName(as_string(name));
+          })};
+}
+
+}  // namespace
+
+void encode(const hosts::HostInfo& info, wire::HostInfo::Builder builder) {
+  builder.setName(as_text(info.name.str()));
+  builder.setSoftware(as_text(info.software));
+  builder.setArchitecture(as_text(info.architecture));
+  builder.setPid(info.pid);
+  encode_list(info.libraries, builder.initLibraries(count_of(info.libraries)), encode_library);
+}
+
+hosts::HostInfo decode(wire::HostInfo::Reader reader) {
+  return {model::HostName(as_string(reader.getName())), as_string(reader.getSoftware()),
+          as_string(reader.getArchitecture()), reader.getPid(),
+          decode_list<hosts::LibraryInfo>(reader.getLibraries(), decode_library)};
+}
+
+void encode(const hosts::LeaseInfo& lease, wire::Lease::Builder builder) {
+  builder.setRobot(as_text(lease.robot));
+  builder.setHolder(as_text(lease.holder));
+  builder.setEpoch(lease.epoch);
+  builder.setLeft(lease.left.count());
+}
+
+hosts::LeaseInfo decode(wire::Lease::Reader reader) {
+  return {as_string(reader.getRobot()), as_string(reader.getHolder()), reader.getEpoch(),
+          Duration(reader.getLeft())};
+}
+
+void encode(const hosts::ModelFile& file, wire::ModelFile::Builder builder) {
+  builder.setName(as_text(file.name));
+  builder.setText(as_data(file.text));
+}
+
+hosts::ModelFile decode(wire::ModelFile::Reader reader) {
+  return {as_string(reader.getName()), as_string(reader.getText())};
+}
+
+void encode(const hosts::HostView& view, wire::View::Builder builder) {
+  encode(view.network, builder.initNetwork());
+  encode_list(view.tasks, builder.initTasks(count_of(view.tasks)), kEncodeHostPart);
+  encode_list(view.connections, builder.initConnections(count_of(view.connections)), kEncodeHostPart);
+}
+
+hosts::HostView decode(wire::View::Reader reader) {
+  return {decode(reader.getNetwork()), decode_list<host::TaskReport>(reader.getTasks(), kDecodeHostPart),
+          decode_list<host::ConnectionReport>(reader.getConnections(), kDecodeHostPart)};
+}
+
+void encode(const host::HostEvent& event, wire::HostEvent::Builder builder) {
+  if (const auto* task = std::get_if<host::TaskEvent>(&event)) {
+    encode(*task, builder.initTask());
+  } else if (const auto* process = std::get_if<host::ProcessEvent>(&event)) {
+    auto part = builder.initProcess();
+    part.setHost(as_text(process->process.host.str()));
+    part.setProcess(as_text(process->process.process.str()));
+    part.setMessage(as_text(process->message));
+    part.setGone(process->gone);
+  }
+}
+
+host::HostEvent decode(wire::HostEvent::Reader reader) {
+  if (reader.isTask()) return decode(reader.getTask());
+  const auto part = reader.getProcess();
+  return host::ProcessEvent{
+      {model::HostName(as_string(part.getHost())), model::ProcessName(as_string(part.getProcess()))},
+      as_string(part.getMessage()),
+      part.getGone()};
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/control/host.capnp.h>
+#include <segue/control/detail/tasks_wire.hpp>
+#include <segue/hosts/host_service.hpp>
+
+/// Encodes and decodes the messages of the daemons of computers. As in model_wire.hpp, messages are not
+/// trusted, and unknown words in them throw WireError.
+namespace segue::control::detail {
+
+void encode(const hosts::HostInfo& info, wire::HostInfo::Builder builder);
+hosts::HostInfo decode(wire::HostInfo::Reader reader);
+
+void encode(const hosts::LeaseInfo& lease, wire::Lease::Builder builder);
+hosts::LeaseInfo decode(wire::Lease::Reader reader);
+
+void encode(const hosts::ModelFile& file, wire::ModelFile::Builder builder);
+hosts::ModelFile decode(wire::ModelFile::Reader reader);
+
+void encode(const hosts::HostView& view, wire::View::Builder builder);
+hosts::HostView decode(wire::View::Reader reader);
+
+/// A ComputerEvent does not travel: only a runtime knows which computers it can reach.
+void encode(const host::HostEvent& event, wire::HostEvent::Builder builder);
+host::HostEvent decode(wire::HostEvent::Reader reader);
+
+}  // namespace segue::control::detail

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/detail/listing.hpp>
+#include <segue/control/detail/stream_server.hpp>
+#include <segue/control/detail/task_access_server.hpp>
+#include <segue/control/detail/tasks_wire.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace segue::control::detail {
+
+namespace {
+
+using type::Value;
+
+/// Offers the samples of a port as a stream, as all services do.
+class ReaderStream final : public SampleStream {
+ public:
+  explicit ReaderStream(std::unique_ptr<host::PortReader> reader) : reader_(std::move(reader)) {}
+  Result<std::vector<Value>> read(std::size_t limit) override { return reader_->read(limit); }
+  [[nodiscard]] std::string type_name() const override { return reader_->type_name(); }
+
+ private:
+  std::unique_ptr<host::PortReader> reader_;
+};
+
+constexpr auto kInitEnded = [](auto results, unsigned size) { return results.initEnded(size); };
+
+}  // namespace
+
+TaskAccessServer::TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks)
+    : caller_(std::move(caller)), tasks_(std::move(tasks)) {}
+
+kj::Promise<void> TaskAccessServer::perform(PerformContext context) {
+  const auto params = context.getParams();
+  auto actions =
+      decode_list<model::Action>(params.getActions(), [](const auto& part) { return decode(part); });
+  const TimePoint deadline = deadline_after(params.getTimeout());
+  const std::uint64_t ticket = params.getTicket();
+  context.releaseParams();
+  context.allowCancellation();
+  return perform_batch(caller_, tasks_, follower_, ticket, std::move(actions), deadline)
+      .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
+        auto results = context.getResults();
+        if (!outcomes) return encode(outcomes.error(), results.initError());
+        try {
+          listing<host::Completed>(kInitEnded)(*outcomes, results);
+        } catch (const WireError& failed) {
+          encode(failed.error(), results.initError());
+        }
+      });
+}
+
+kj::Promise<void> TaskAccessServer::follow(FollowContext context) {
+  *follower_ = context.getParams().getFollower();
+  return kj::READY_NOW;
+}
+
+kj::Promise<void> TaskAccessServer::saveState(SaveStateContext context) {
+  const auto params = context.getParams();
+  return caller_.answer(
+      context,
+      [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
+       deadline = deadline_after(params.getTimeout())] { return tasks->save_state(task, deadline); },
+      [](std::optional<task::SavedState>& state, auto results) {
+        if (state) encode(*state, results.initState());
+      });
+}
+
+kj::Promise<void> TaskAccessServer::restoreState(RestoreStateContext context) {
+  const auto params = context.getParams();
+  return caller_.answer(context,
+                        [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
+                         state = decode(params.getState()), deadline = deadline_after(params.getTimeout())] {
+                          return tasks->restore_state(task, state, deadline);
+                        });
+}
+
+kj::Promise<void> TaskAccessServer::describe(DescribeContext context) {
+  return caller_.answer(
+      context,
+      [tasks = tasks_, task = model::TaskId(as_string(context.getParams().getTask()))] {
+        return tasks->describe(task);
+      },
+      [](model::ComponentModel& model, auto results) { encode(model, results.initModel()); });
+}
+
+kj::Promise<void> TaskAccessServer::properties(PropertiesContext context) {
+  return caller_.answer_value(
+      context, [tasks = tasks_, task = model::TaskId(as_string(context.getParams().getTask()))] {
+        return tasks->properties(task);
+      });
+}
+
+kj::Promise<void> TaskAccessServer::setProperty(SetPropertyContext context) {
+  const auto params = context.getParams();
+  return caller_.answer(context, [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
+                                  path = as_string(params.getPath()), value = get(params.getValue()),
+                                  deadline = deadline_after(params.getTimeout())] {
+    return tasks->set_property(task, path, value, deadline);
+  });
+}
+
+kj::Promise<void> TaskAccessServer::call(CallContext context) {
+  const auto params = context.getParams();
+  return caller_.answer_value(
+      context, [tasks = tasks_, task = model::TaskId(as_string(params.getTask())),
+                operation = as_string(params.getOperation()), arguments = get(params.getArguments()),
+                deadline = deadline_after(params.getTimeout())] {
+        return tasks->call(task, operation, arguments, deadline);
+      });
+}
+
+kj::Promise<void> TaskAccessServer::openReader(OpenReaderContext context) {
+  const auto params = context.getParams();
+  auto open = [tasks = tasks_, port = decode(params.getPort()),
+               buffer = std::clamp<std::size_t>(params.getBuffer(), 1,
+                                                kMaxBuffer)]() -> Result<std::unique_ptr<SampleStream>> {
+    auto reader = tasks->open_reader(port, buffer);
+    if (!reader) return reader.error();
+    return std::make_unique<ReaderStream>(std::move(*reader));
+  };
+  return answer_stream(caller_, context, std::move(open));
+}
+
+}  // namespace segue::control::detail

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/log.hpp>
+#include <segue/control/detail/callback_slot.hpp>
+#include <segue/control/detail/host_wire.hpp>
+#include <segue/control/detail/rpc_channel.hpp>
+#include <segue/control/detail/task_access_client.hpp>
+#include <segue/control/host_client.hpp>
+
+#include <string>
+#include <utility>
+
+namespace segue::control {
+
+namespace {
+
+using detail::as_text;
+using detail::count_of;
+using detail::decode;
+using detail::encode;
+using detail::kGrace;
+using detail::kLookTimeout;
+using detail::RpcChannel;
+using detail::time_left;
+
+/// A host that does not answer for so long counts as lost.
+constexpr Duration kHostPatience = std::chrono::seconds(4);
+
+constexpr auto kNoResult = [](auto&) { return Result<void>(); };
+
+using EventSlot = detail::CallbackSlot<host::HostEvent>;
+
+/// Receives events of a robot's tasks and processes.
+class HostListenerServer final : public wire::HostListener::Server {
+ public:
+  explicit HostListenerServer(std::shared_ptr<EventSlot> listener) : listener_(std::move(listener)) {}
+
+  kj::Promise<void> report(ReportContext context) override {
+    const auto params = context.getParams();
+    if (const auto lost = params.getLost(); lost > 0) {
+      log(LogLevel::Warning, "control",
+          std::to_string(lost) + " events of a host came too fast and were lost");
+    }
+    for (const auto event : params.getEvents())
+      listener_->call(decode(event));
+    return kj::READY_NOW;
+  }
+
+ private:
+  std::shared_ptr<EventSlot> listener_;
+};
+
+class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRobot> {
+ public:
+  /// `id` names the robot's capability, which the channel holds.
+  HostedRobotClient(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id)
+      : TaskAccessClient(channel,
+                         [id](RpcChannel::Connection& connection) -> wire::TaskAccess::Client {
+                           return connection.held<wire::HostedRobot>(id);
+                         }),
+        id_(id) {}
+  ~HostedRobotClient() override {
+    listener_->set(nullptr);
+    channel().close_stream(id_);
+  }
+
+  Result<void> renew() override {
+    return order(kHostPatience, [](wire::HostedRobot::Client robot) { return robot.renewRequest(); });
+  }
+  Result<void> release() override {
+    return order(kHostPatience, [](wire::HostedRobot::Client robot) { return robot.releaseRequest(); });
+  }
+  Result<hosts::HostView> look() override {
+    return ask<hosts::HostView>(kHostPatience, [](wire::HostedRobot::Client robot) {
+      auto request = robot.lookRequest();
+      return RpcChannel::send<hosts::HostView>(request,
+                                               [](auto& results) { return decode(results.getView()); });
+    });
+  }
+  Result<void> expect(const model::Network& target) override {
+    return order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.expectRequest();
+      encode(target, request.initTarget());
+      return request;
+    });
+  }
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
+    return order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.beginTransitionRequest();
+      encode(before, request.initBefore());
+      encode(target, request.initTarget());
+      return request;
+    });
+  }
+  Result<void> get_ready(const model::Network& target) override {
+    return order(kLookTimeout, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.getReadyRequest();
+      encode(target, request.initTarget());
+      return request;
+    });
+  }
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return order(left + kGrace, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.armCommitRequest();
+      encode(transition, request.initTransition());
+      request.setNumber(number);
+      request.setTimeout(left.count());
+      return request;
+    });
+  }
+  Result<void> vote(std::uint64_t number, Duration validity) override {
+    // An answer that comes later than the promise lasts is worth nothing.
+    return order(validity, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.voteRequest();
+      request.setNumber(number);
+      request.setValidity(validity.count());
+      return request;
+    });
+  }
+  Result<void> commit(std::uint64_t number) override {
+    return order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.commitRequest();
+      request.setNumber(number);
+      return request;
+    });
+  }
+  Result<void> conclude(const model::Transition& transition) override {
+    return order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.concludeRequest();
+      encode(transition, request.initTransition());
+      return request;
+    });
+  }
+  Result<void> withdraw() override {
+    return order(kLookTimeout, [](wire::HostedRobot::Client robot) { return robot.withdrawRequest(); });
+  }
+  Result<void> end_processes(TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return order(left + kGrace, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.endProcessesRequest();
+      request.setTimeout(left.count());
+      return request;
+    });
+  }
+
+  void set_listener(host::TaskHost::Listener listener) override {
+    const bool wanted = listener != nullptr;
+    listener_->set(std::move(listener));
+    if (!wanted || std::exchange(listening_, true)) return;
+    const auto done = order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+      auto request = robot.listenRequest();
+      request.setListener(kj::heap<HostListenerServer>(listener_));
+      return request;
+    });
+    if (!done) log(LogLevel::Warning, "control", "cannot listen: " + to_string(done.error()));
+  }
+
+ private:
+  template <class T, class Build>
+  Result<T> ask(Duration timeout, const Build& build) {
+    return channel().ask<T>(timeout, [&](RpcChannel::Connection& connection) {
+      return build(connection.held<wire::HostedRobot>(id_));
+    });
+  }
+  /// Sends the request that `build` returns, whose answer is only whether it was done.
+  template <class Build>
+  Result<void> order(Duration timeout, const Build& build) {
+    return ask<void>(timeout, [&](wire::HostedRobot::Client robot) {
+      auto request = build(std::move(robot));
+      return RpcChannel::send<void>(request, kNoResult);
+    });
+  }
+
+  const RpcChannel::StreamId id_;
+  const std::shared_ptr<EventSlot> listener_ = std::make_shared<EventSlot>();
+  bool listening_ = false;
+};
+
+class HostClient final : public hosts::HostService {
+ public:
+  HostClient(std::shared_ptr<RpcChannel> channel, std::function<void()> gone) : channel_(std::move(channel)) {
+    channel_->watch(std::move(gone));
+  }
+  ~HostClient() override { channel_->unwatch(); }
+
+  Result<hosts::HostInfo> info() override {
+    return ask<hosts::HostInfo>(kLookTimeout, [](wire::Host::Client host) {
+      auto request = host.infoRequest();
+      return RpcChannel::send<hosts::HostInfo>(request,
+                                               [](auto& results) { return decode(results.getInfo()); });
+    });
+  }
+  Result<std::chrono::system_clock::time_point> clock() override {
+    using Time = std::chrono::system_clock::time_point;
+    return ask<Time>(kHostPatience, [](wire::Host::Client host) {
+      auto request = host.clockRequest();
+      return RpcChannel::send<Time>(
+          request, [](auto& results) { return Time(std::chrono::nanoseconds(results.getTime())); });
+    });
+  }
+  Result<std::vector<hosts::LeaseInfo>> robots() override {
+    using Leases = std::vector<hosts::LeaseInfo>;
+    return ask<Leases>(kLookTimeout, [](wire::Host::Client host) {
+      auto request = host.robotsRequest();
+      return RpcChannel::send<Leases>(request, [](auto& results) {
+        return detail::decode_list<hosts::LeaseInfo>(results.getRobots(),
+                                                     [](const auto& part) { return decode(part); });
+      });
+    });
+  }
+  Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& what,
+                                                      TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    const RpcChannel::StreamId id = channel_->new_stream_id();
+    const auto done = channel_->ask<void>(left + kGrace, [&, id](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Host>().acquireRequest();
+      request.setHolder(as_text(what.holder));
+      detail::put(process::to_value(what.launch), request.initLaunch());
+      detail::encode_list(what.models, request.initModels(count_of(what.models)),
+                          [](const auto& file, auto builder) { encode(file, builder); });
+      request.setTakeOver(what.take_over);
+      request.setTimeout(left.count());
+      return RpcChannel::send<void>(request, [&connection, id](auto& results) {
+        connection.hold(id, results.getRobot());
+        return Result<void>();
+      });
+    });
+    if (!done) return done.error();
+    return std::make_shared<HostedRobotClient>(channel_, id);
+  }
+
+ private:
+  template <class T, class Build>
+  Result<T> ask(Duration timeout, const Build& build) {
+    return channel_->ask<T>(
+        timeout, [&](RpcChannel::Connection& connection) { return build(connection.as<wire::Host>()); });
+  }
+
+  const std::shared_ptr<RpcChannel> channel_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<hosts::HostService>> connect_host(const std::filesystem::path& socket,
+                                                         TimePoint deadline, std::function<void()> gone) {
+  auto channel = RpcChannel::open(socket, detail::kHostKind, "the host", time_left(deadline));
+  if (!channel) return channel.error();
+  return std::make_unique<HostClient>(std::move(*channel), std::move(gone));
+}
+
+}  // namespace segue::control

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+@0xd1c3ef0a5b7e4429;
+
+# What can be done with tasks, whether they live in one process or on a whole host; the C++ interface is TaskAccess.
+using Cxx = import "/capnp/c++.capnp";
+$Cxx.namespace("segue::control::wire");
+
+using Wire = import "wire.capnp";
+using Model = import "model.capnp";
+
+# Timeouts are relative to the arrival of the call, in nanoseconds. Where `error` is there, nothing else counts.
+interface TaskAccess {
+  # What ends while others are still at work is reported to whoever follows, under `ticket`; the answer has all,
+  # in their order.
+  perform @0 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
+      -> (error :Wire.Error, ended :List(Ended));
+  # For all batches of this client from now on, until the connection ends; whoever was given last gets the reports.
+  follow @1 (follower :BatchFollower) -> ();
+
+  describe @2 (task :Text) -> (error :Wire.Error, model :Model.Component);
+  properties @3 (task :Text) -> (answer :Wire.Answer);
+  setProperty @4 (task :Text, path :Text, value :Wire.Value, timeout :Int64) -> (error :Wire.Error);
+  call @5 (task :Text, operation :Text, arguments :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
+  # `stream` only where the answer is not an error; the answer's value is the name of the port's type.
+  openReader @6 (port :Model.PortRef, buffer :UInt32) -> (answer :Wire.Answer, stream :Wire.SampleStream);
+
+  # No state: the task remembers nothing.
+  saveState @7 (task :Text, timeout :Int64) -> (error :Wire.Error, state :State);
+  restoreState @8 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
+}
+
+interface BatchFollower {
+  report @0 (ticket :UInt64, ended :List(Ended)) -> ();
+}
+
+struct Ended {
+  index @0 :UInt32;  # of the action in its batch
+  outcome @1 :Wire.Outcome;
+  took @2 :Int64 = -1;  # nanoseconds, in the process; negative: not measured
+}
+
+struct State {
+  name @0 :Text;
+  version @1 :UInt32;
+  value @2 :Wire.Value;
+}
+
+struct TaskEvent {
+  task @0 :Text;
+  state @1 :UInt8;
+  message @2 :Text;
+}
+
+struct Timing {
+  cycles @0 :UInt64;
+  missed @1 :UInt64;
+  last @2 :Int64;
+  mean @3 :Int64;
+  worst @4 :Int64;
+  latencyMean @5 :Int64;
+  latencyWorst @6 :Int64;
+  jitter @7 :Int64;
+  cpu @8 :Int64;
+}
+
+struct TaskReport {
+  id @0 :Text;
+  component @1 :Text;
+  host @2 :Text;
+  process @3 :Text;
+  pid @4 :Int32;
+  state @5 :UInt8;
+  standIn @6 :Bool;
+  stateName @7 :Text;
+  error @8 :Text;
+  activity @9 :Model.Activity;
+  timing @10 :Timing;
+}
+
+struct ConnectionReport {
+  connection @0 :Model.Connection;
+  written @1 :UInt64;
+  read @2 :UInt64;
+  dropped @3 :UInt64;
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/hosts/sites.hpp>
+#include <segue/model/transition.hpp>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace segue::hosts::detail {
+
+/// Sends actions to the computers where they have to be carried out, and keeps a transition together: a
+/// computer whose connection was made anew since the transition began has given it up, and takes no more of
+/// its actions. Thread safe.
+class ActionRouter {
+ public:
+  explicit ActionRouter(Sites& sites) : sites_(sites) {}
+
+  /// As TaskHost::begin_all: one message for each computer.
+  void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
+
+  /// From now on until end_transition(), only computers that can be reached now, through the connections of
+  /// now, take part.
+  void begin_transition();
+  void end_transition();
+  /// The computer as the transition in progress may use it; Unavailable where its connection is another one.
+  Result<HostLink::Reached> reach(const Site& site) const;
+
+ private:
+  using Indices = std::vector<std::size_t>;
+  struct HandOver {
+    std::size_t index = 0;
+    Site* from = nullptr;
+    Site* to = nullptr;
+  };
+  struct Batch {
+    std::vector<model::Action> actions;
+    TimePoint deadline;
+    host::Completion completed;
+    std::map<Site*, Indices> at_site;
+    std::vector<HandOver> hand_overs;
+  };
+  using BatchPtr = std::shared_ptr<const Batch>;
+
+  [[nodiscard]] Result<void> place(std::size_t index, Batch& batch) const;
+  [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
+  [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
+  void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
+  void begin_hand_over(const HandOver& what, const BatchPtr& batch);
+  Result<void> hand_over(const HandOver& what, const model::HandOverAction& action, TimePoint deadline) const;
+  void note_placement(const model::Action& action, const Result<void>& outcome) const;
+
+  Sites& sites_;
+  mutable std::mutex mutex_;                                         ///< protects the member below
+  std::optional<std::map<const Site*, std::uint64_t>> connections_;  ///< of the transition in progress
+};
+
+}  // namespace segue::hosts::detail

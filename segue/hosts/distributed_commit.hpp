@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/hosts/action_router.hpp>
+#include <segue/hosts/sites.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+
+namespace segue::hosts::detail {
+
+/// Commits a transition on several computers: all of them, or none, unless one falls silent between its vote
+/// and its answer. Thread safe.
+class DistributedCommit {
+ public:
+  DistributedCommit(Sites& sites, ActionRouter& router, Duration promise)
+      : sites_(sites), router_(router), promise_(promise) {}
+
+  /// Arms the computers on which connections begin or end with the transition.
+  Result<void> arm(const model::Transition& transition, TimePoint deadline);
+  /// Two rounds: promises, then commits. An error where a computer does not promise (nothing has changed
+  /// then), or where it refuses or does not answer afterwards.
+  Result<void> commit();
+  void give_up();
+
+ private:
+  using Ask = std::function<Result<void>(const Site& site, HostedRobot& robot)>;
+  /// Asks `sites` at the same time; the first error, which names its host.
+  Result<void> ask_all(const std::set<const Site*>& sites, const std::string& what, const Ask& ask) const;
+
+  Sites& sites_;
+  ActionRouter& router_;
+  const Duration promise_;
+  std::mutex mutex_;             ///< protects both below
+  std::uint64_t number_ = 0;     ///< of the latest transition
+  std::set<const Site*> armed_;  ///< that take part in it
+};
+
+}  // namespace segue::hosts::detail

@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/hosts/distributed_task_host.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/concurrent/notifier.hpp>
+#include <segue/concurrent/thread.hpp>
+#include <segue/host/full_id.hpp>
+#include <segue/hosts/action_router.hpp>
+#include <segue/hosts/distributed_check.hpp>
+#include <segue/hosts/distributed_commit.hpp>
+#include <segue/hosts/sites.hpp>
+
+#include <algorithm>
+#include <condition_variable>
+#include <span>
+#include <thread>
+#include <utility>
+
+namespace segue::hosts {
+
+namespace {
+
+using deploy::detail::Which;
+using detail::Site;
+
+/// How long senders and receivers may take to find each other.
+constexpr Duration kMatching = std::chrono::seconds(10);
+
+TimePoint in(Duration duration) {
+  return RealClock::instance().now() + duration;
+}
+
+/// How many calls at once are made of one host, which limits them for each client.
+constexpr std::size_t kCallsAtOnce = 8;
+
+/// The senders and receivers of a network, and how many of the others each has to find.
+std::map<model::TaskId, int> links_of(const model::Network& network) {
+  std::map<model::TaskId, int> links;
+  for (const auto& task : network.tasks) {
+    if (const auto sender = sender_of(task.id)) {
+      ++links[*sender];
+      links[task.id] = 1;
+    }
+  }
+  return links;
+}
+
+}  // namespace
+
+struct DistributedTaskHost::Implementation {
+  Implementation(deploy::DeployedTaskHost& tasks, std::vector<HostPlace> places,
+                 const model::ComponentCatalog& components, DistributedOptions chosen)
+      : own(tasks),
+        catalog(components),
+        options(std::move(chosen)),
+        part(own),
+        sites(part, options.gateways.own, std::move(places)) {}
+
+  void begin();
+  void close();
+  /// Listens to a host, and tells it what it has to expect, after it was connected.
+  void greet(const Site& site);
+  void watch();
+  void look_after(const Site& site);
+  /// Waits until the senders and receivers of a network have found each other.
+  void wait_for_links(const model::Network& network);
+  Result<void> wait_for_link(const model::TaskId& task, int count, TimePoint deadline) const;
+  void report(const Site& site, bool reachable, const std::string& message);
+  [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
+  template <class Ask>
+  auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));
+
+  deploy::DeployedTaskHost& own;
+  const model::ComponentCatalog& catalog;
+  const DistributedOptions options;
+  TaskHostPart part;
+  detail::Sites sites;
+  detail::ActionRouter router{sites};
+  detail::DistributedCommit commits{sites, router, options.promise};
+  concurrent::Notifier<host::HostEvent> events{500};
+
+  mutable std::mutex mutex;  ///< protects everything below except the thread
+  std::condition_variable changed;
+  std::map<model::NetworkName, model::Network> expected;
+  std::optional<Error> unmatched;  ///< why senders of the present transition have not found their receivers
+  std::map<const Site*, bool> is_up;  ///< as it was reported last
+  bool closed = false;
+  std::thread watcher;
+};
+
+void DistributedTaskHost::Implementation::begin() {
+  own.set_listener([this](const host::HostEvent& event) { events.post(event); });
+  std::vector<concurrent::ThreadPool::Job> jobs;
+  for (const auto& site : sites.all()) {
+    jobs.emplace_back([this, &site = *site] {
+      if (site.link() != nullptr && site.link()->connect(options.request, in(options.patience))) {
+        greet(site);
+      }
+    });
+  }
+  sites.pool().run_all(std::move(jobs));
+  for (const auto& site : sites.all()) {
+    is_up[site.get()] = site->reachable();
+  }
+  (void)sites.look();
+  watcher = concurrent::start_thread("segue-hosts", [this] { watch(); });
+}
+
+void DistributedTaskHost::Implementation::close() {
+  {
+    const std::lock_guard lock(mutex);
+    closed = true;
+  }
+  changed.notify_all();
+  watcher.join();
+  own.set_listener({});
+  for (const auto& site : sites.all()) {
+    if (site->link() != nullptr) {
+      site->link()->release();
+    }
+  }
+  sites.pool().close();
+  events.set_listener({});
+}
+
+void DistributedTaskHost::Implementation::greet(const Site& site) {
+  const auto reached = site.reach();
+  if (!reached) {
+    return;
+  }
+  reached->robot->set_listener([this](const host::HostEvent& event) { events.post(event); });
+  std::map<model::NetworkName, model::Network> networks;
+  {
+    const std::lock_guard lock(mutex);
+    networks = expected;
+  }
+  for (const auto& [name, network] : networks) {
+    (void)reached->robot->expect(sites.part(network, site));
+  }
+}
+
+void DistributedTaskHost::Implementation::watch() {
+  std::unique_lock lock(mutex);
+  while (!changed.wait_for(lock, options.watch, [this] { return closed; })) {
+    lock.unlock();
+    std::vector<concurrent::ThreadPool::Job> jobs;
+    for (const auto& site : sites.all()) {
+      if (site->link() != nullptr) {
+        jobs.emplace_back([this, &site = *site] { look_after(site); });
+      }
+    }
+    sites.pool().run_all(std::move(jobs));
+    lock.lock();
+  }
+}
+
+void DistributedTaskHost::Implementation::look_after(const Site& site) {
+  if (site.reachable()) {
+    (void)site.link()->tend();
+  }
+  if (!site.reachable()) {
+    report(site, false, site.link()->report().state);
+    if (site.link()->connect(options.request, in(options.patience))) {
+      greet(site);
+    }
+  }
+  if (site.reachable()) {
+    report(site, true, "is there again");
+  }
+}
+
+void DistributedTaskHost::Implementation::wait_for_links(const model::Network& network) {
+  const TimePoint deadline = in(kMatching);
+  std::map<const Site*, std::vector<std::pair<model::TaskId, int>>> by_site;
+  for (const auto& [task, count] : links_of(network)) {
+    if (const auto site = sites.locate(task, Which::Next)) {
+      by_site[*site].emplace_back(task, count);
+    }
+  }
+  std::vector<concurrent::ThreadPool::Job> jobs;
+  for (const auto& [site, links] : by_site) {
+    const std::size_t share = (links.size() + kCallsAtOnce - 1) / kCallsAtOnce;
+    for (std::size_t first = 0; first < links.size(); first += share) {
+      const std::span some(links.data() + first, std::min(share, links.size() - first));
+      jobs.emplace_back([this, some, deadline] {
+        for (const auto& [task, count] : some) {
+          if (auto found = wait_for_link(task, count, deadline); !found) {
+            const std::lock_guard lock(mutex);
+            unmatched = std::move(found.error());
+          }
+        }
+      });
+    }
+  }
+  sites.pool().run_all(std::move(jobs));
+}
+
+Result<void> DistributedTaskHost::Implementation::wait_for_link(const model::TaskId& task, int count,
+                                                                TimePoint deadline) const {
+  const auto site = sites.locate(task, Which::Next);
+  const auto reached = site ? router.reach(**site) : Result<detail::HostLink::Reached>(site.error());
+  if (!reached) {
+    return reached.error();
+  }
+  const Duration left = std::max(Duration(0), deadline - RealClock::instance().now());
+  type::ValueMap arguments;
+  arguments.append("count", count);
+  arguments.append("timeout_ms", std::chrono::duration_cast<std::chrono::milliseconds>(left).count());
+  const auto found =
+      reached->robot->call(task, "wait_matched", std::move(arguments), deadline + options.patience);
+  if (!found) {
+    return found.error();
+  }
+  if (!found->is_number() || found->as_double() < count) {
+    return fail(ErrorCode::DeadlineExceeded,
+                "has found " +
+                    (found->is_number() ? std::to_string(static_cast<int>(found->as_double())) : "none") +
+                    " of " + std::to_string(count) + " counterparts on other hosts within " +
+                    format_duration(kMatching) +
+                    "; check the addresses of the hosts, and that UDP passes between them",
+                task.str());
+  }
+  return {};
+}
+
+/// Each change once.
+void DistributedTaskHost::Implementation::report(const Site& site, bool reachable,
+                                                 const std::string& message) {
+  {
+    const std::lock_guard lock(mutex);
+    if (std::exchange(is_up[&site], reachable) == reachable) {
+      return;
+    }
+  }
+  events.post(host::ComputerEvent{site.name(), reachable, message});
+}
+
+SampleType DistributedTaskHost::Implementation::type_of(const model::Task& writer,
+                                                        const std::string& port) const {
+  const auto* component = catalog.find(writer.component);
+  if (component == nullptr || component->library.empty() || options.only_stand_ins) {
+    return {};
+  }
+  const auto* output = component->find_port(port, model::Direction::Output);
+  return output == nullptr ? SampleType{} : SampleType{output->type, component->library};
+}
+
+template <class Ask>
+auto DistributedTaskHost::Implementation::at(const model::TaskId& task, Ask ask) const
+    -> decltype(ask(std::declval<HostedRobot&>())) {
+  const auto site = sites.locate(task, Which::Current);
+  if (!site) {
+    return site.error();
+  }
+  const auto reached = (*site)->reach();
+  if (!reached) {
+    Error error = reached.error();
+    error.subject = task.str();
+    return error;
+  }
+  return ask(*reached->robot);
+}
+
+DistributedTaskHost::DistributedTaskHost(deploy::DeployedTaskHost& own, std::vector<HostPlace> hosts,
+                                         const model::ComponentCatalog& catalog, DistributedOptions options)
+    : implementation_(std::make_unique<Implementation>(own, std::move(hosts), catalog, std::move(options))) {
+  implementation_->begin();
+}
+
+DistributedTaskHost::~DistributedTaskHost() {
+  implementation_->close();
+}
+
+Result<void> DistributedTaskHost::commands_all() const {
+  for (const auto& site : implementation_->sites.all()) {
+    const auto refusal = site->link() == nullptr ? std::nullopt : site->link()->refusal();
+    if (refusal) {
+      return fail(refusal->code, "host " + quote(site->name().str()) + " refuses").because_of(*refusal);
+    }
+  }
+  return {};
+}
+
+void DistributedTaskHost::end_processes(TimePoint deadline) {
+  implementation_->sites.for_all(
+      [deadline](const Site&, HostedRobot& robot) { return robot.end_processes(deadline); });
+}
+
+model::Depth DistributedTaskHost::validation_depth() const {
+  return implementation_->own.validation_depth();
+}
+
+Result<void> DistributedTaskHost::can_make(const model::ComponentName& component) const {
+  auto here = implementation_->own.can_make(component);
+  const bool elsewhere =
+      !here && std::any_of(implementation_->sites.all().begin(), implementation_->sites.all().end(),
+                           [&](const auto& site) { return detail::offers(*site, component); });
+  return elsewhere ? Result<void>() : std::move(here);
+}
+
+Diagnostics DistributedTaskHost::check(const model::Network& network) const {
+  const auto& self = *implementation_;
+  Diagnostics findings = detail::check_hosts(network, self.sites, self.catalog, self.options);
+  findings.append(self.own.check(self.sites.part(network, *self.sites.all().front())));
+  return findings;
+}
+
+void DistributedTaskHost::expect(const model::Network& target) {
+  const model::Network whole = expanded(target);
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    implementation_->expected[target.name] = whole;
+  }
+  implementation_->sites.for_all([&](const Site& site, HostedRobot& robot) {
+    return robot.expect(implementation_->sites.part(whole, site));
+  });
+}
+
+void DistributedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
+  auto& self = *implementation_;
+  self.router.begin_transition();
+  {
+    const std::lock_guard lock(self.mutex);
+    self.unmatched.reset();
+  }
+  const auto processes = model::task_processes(target);
+  std::map<model::TaskId, model::DeploymentKey> wanted;
+  for (const auto& task : target.tasks) {
+    const auto process = processes.find(task.id);
+    wanted.emplace(task.id, process == processes.end() ? model::DeploymentKey{} : process->second);
+  }
+  std::set<model::TaskId> present;
+  for (const auto& task : before.tasks) {
+    present.insert(task.id);
+  }
+  self.sites.placements().begin_transition(present, wanted);
+  self.sites.for_all([&](const Site& site, HostedRobot& robot) {
+    return robot.begin_transition(self.sites.part(before, site), self.sites.part(target, site));
+  });
+}
+
+void DistributedTaskHost::get_ready(const model::Network& target) {
+  auto& self = *implementation_;
+  self.sites.for_all(
+      [&](const Site& site, HostedRobot& robot) { return robot.get_ready(self.sites.part(target, site)); });
+  self.wait_for_links(target);
+}
+
+Result<void> DistributedTaskHost::arm_commit(const model::Transition& transition, TimePoint deadline) {
+  auto& self = *implementation_;
+  {
+    const std::lock_guard lock(self.mutex);
+    if (self.unmatched) {
+      return fail(self.unmatched->code, "hosts do not receive each other's samples")
+          .because_of(*self.unmatched);
+    }
+  }
+  return self.commits.arm(transition, deadline);
+}
+
+Result<void> DistributedTaskHost::commit() {
+  return implementation_->commits.commit();
+}
+
+void DistributedTaskHost::conclude(const model::Transition& transition) {
+  auto& self = *implementation_;
+  auto& placements = self.sites.placements();
+  std::map<const Site*, model::Transition> parts;
+  const auto replaced = placements.conclude();
+  for (const auto& [task, process] : replaced) {
+    const auto was = self.sites.find(process.host);
+    const auto is = self.sites.locate(task, Which::Current);
+    if (was && (!is || *is != *was)) {
+      parts[*was].removes.push_back(task);  // the host itself knows of moves among its processes
+    }
+  }
+  for (const auto& id : transition.removes) {
+    if (const auto site = self.sites.locate(id, Which::Current)) {
+      parts[*site].removes.push_back(id);
+    }
+  }
+  for (const auto& task : transition.redefines) {
+    if (const auto site = self.sites.locate(task.id, Which::Current)) {
+      parts[*site].redefines.push_back(task);
+    }
+  }
+  self.sites.for_all([&](const Site& site, HostedRobot& robot) -> Result<void> {
+    const auto part = parts.find(&site);
+    if (!self.router.reach(site)) {
+      return {};  // it has given up the transition; the next look says what it holds
+    }
+    return robot.conclude(part == parts.end() ? model::Transition{} : part->second);
+  });
+  self.router.end_transition();
+}
+
+void DistributedTaskHost::withdraw() {
+  auto& self = *implementation_;
+  self.commits.give_up();
+  self.router.end_transition();
+  self.sites.for_all([](const Site&, HostedRobot& robot) { return robot.withdraw(); });
+  self.sites.placements().withdraw();
+}
+
+std::vector<host::ComputerReport> DistributedTaskHost::computers() const {
+  std::vector<host::ComputerReport> reports;
+  for (const auto& site : implementation_->sites.all()) {
+    if (site->link() != nullptr) {
+      reports.push_back(site->link()->report());
+    } else {
+      host::ComputerReport own;
+      own.name = site->name();
+      own.address = "local";
+      own.state = "the runtime's own";
+      own.software = SEGUE_VERSION;
+      reports.push_back(std::move(own));
+    }
+  }
+  return reports;
+}
+
+model::Network DistributedTaskHost::expanded(model::Network network) const {
+  const auto& self = *implementation_;
+  return with_gateways(
+      std::move(network), self.options.gateways,
+      [&](const model::Task& writer, const std::string& port) { return self.type_of(writer, port); });
+}
+
+model::Network DistributedTaskHost::condensed(model::Network network) const {
+  return without_gateways(std::move(network));
+}
+
+Result<void> DistributedTaskHost::perform(const model::Action& action, TimePoint deadline) {
+  return std::move(perform_all(std::span(&action, 1), deadline).front());
+}
+
+void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                                    host::Completion completed) {
+  implementation_->router.begin(std::move(actions), deadline, std::move(completed));
+}
+
+model::Network DistributedTaskHost::observe() const {
+  return implementation_->sites.look().network;
+}
+
+std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
+  auto reports = implementation_->sites.look().tasks;
+  for (const auto& site : implementation_->sites.all()) {
+    if (site->reachable()) {
+      continue;
+    }
+    for (auto& report : site->link()->last_seen().tasks) {
+      report.unknown = true;
+      report.error = "unknown: host " + quote(site->name().str()) + " cannot be reached";
+      reports.push_back(std::move(report));
+    }
+  }
+  std::erase_if(reports, [](const host::TaskReport& report) { return is_link_task(report.id); });
+  return reports;
+}
+
+std::vector<host::ConnectionReport> DistributedTaskHost::connections() const {
+  return without_gateways(implementation_->sites.look().connections);
+}
+
+Result<model::ComponentModel> DistributedTaskHost::describe(const model::TaskId& task) const {
+  return implementation_->at(task, [&](HostedRobot& robot) { return robot.describe(task); });
+}
+
+Result<type::Value> DistributedTaskHost::properties(const model::TaskId& task) const {
+  return implementation_->at(task, [&](HostedRobot& robot) { return robot.properties(task); });
+}
+
+Result<void> DistributedTaskHost::set_property(const model::TaskId& task, std::string_view path,
+                                               const type::Value& value, TimePoint deadline) {
+  return implementation_->at(
+      task, [&](HostedRobot& robot) { return robot.set_property(task, path, value, deadline); });
+}
+
+Result<type::Value> DistributedTaskHost::call(const model::TaskId& task, std::string_view operation,
+                                              const type::Value& arguments, TimePoint deadline) {
+  return implementation_->at(
+      task, [&](HostedRobot& robot) { return robot.call(task, operation, arguments, deadline); });
+}
+
+Result<std::unique_ptr<host::PortReader>> DistributedTaskHost::open_reader(const model::PortRef& port,
+                                                                           std::size_t buffer) {
+  return implementation_->at(port.task, [&](HostedRobot& robot) { return robot.open_reader(port, buffer); });
+}
+
+void DistributedTaskHost::set_listener(Listener listener) {
+  implementation_->events.set_listener(std::move(listener));
+}
+
+}  // namespace segue::hosts

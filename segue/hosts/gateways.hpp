@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/host/task_host.hpp>
+#include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Connections between hosts. On each host a process, the gateway, holds tasks that send samples to other
+/// hosts and receive them (components/gateway). A connection between hosts is then a connection of the writer
+/// with a sender, and one of a receiver on the other host with the reader: tasks and connections like all
+/// others, which transitions create and remove like all others.
+namespace segue::hosts {
+
+/// The process of each host that holds senders and receivers.
+inline const model::ProcessName kGatewayProcess{"segue_gateway"};
+/// The component library of senders and receivers, which only that process loads.
+inline constexpr const char* kGatewayLibrary = "segue_components_gateway";
+
+/// The interfaces of senders and receivers.
+std::vector<model::ComponentModel> gateway_models();
+
+struct GatewaySettings {
+  std::string robot;                 ///< begins the names of topics
+  int domain = 0;                    ///< DDS domain
+  std::vector<model::HostName> own;  ///< further names of the runtime's own computer
+  /// Of each host, for senders and receivers to find each other; without, they look by multicast.
+  std::map<model::HostName, std::string> addresses;
+};
+
+/// The type of samples, and the component library that defines it. Both empty: samples carry no value.
+struct SampleType {
+  std::string type;
+  std::string library;
+};
+using TypeOf = std::function<SampleType(const model::Task& writer, const std::string& port)>;
+
+/// Replaces connections between hosts. A network on several hosts gets a gateway on each of them, even if
+/// none of its connections needs one, since others will. One sender serves all readers of a port with the
+/// same policy, and one receiver those on its host. Linear in the size of the network.
+model::Network with_gateways(model::Network network, const GatewaySettings& settings, const TypeOf& type_of);
+
+/// The reverse. A connection between hosts is there where both of its halves are.
+model::Network without_gateways(model::Network network);
+
+/// The same for counts of samples. What a sender took and no receiver delivered counts as dropped, though
+/// some of it may be on its way.
+std::vector<host::ConnectionReport> without_gateways(std::vector<host::ConnectionReport> reports);
+
+/// Whether a task is a sender or receiver, by its id, which no file can contain.
+bool is_link_task(const model::TaskId& task);
+/// The sender of a receiver; nothing for other tasks.
+std::optional<model::TaskId> sender_of(const model::TaskId& receiver);
+
+}  // namespace segue::hosts

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/hosts/host_link.hpp>
+
+#include <segue/base/text.hpp>
+
+namespace segue::hosts::detail {
+
+namespace {
+
+/// How much an older, shorter round trip counts less with each measurement, so that a clock that drifts or
+/// jumps is noticed.
+constexpr Duration kAging = std::chrono::microseconds(50);
+
+}  // namespace
+
+Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) {
+  const std::lock_guard one(connecting_);
+  if (reachable()) {
+    return {};
+  }
+  auto made = open(deadline);
+  HostInfo info;
+  if (made) {
+    auto acquired = acquire(**made, request, deadline);
+    if (!acquired) {
+      made = acquired.error();
+    } else {
+      info = std::move(*acquired);
+    }
+  }
+  if (!made) {
+    lose(to_string(made.error()));
+    const std::lock_guard lock(mutex_);
+    refusal_ = made.error().code == ErrorCode::AlreadyExists ? std::optional(made.error()) : std::nullopt;
+    return made.error();
+  }
+  std::shared_ptr<Connection> former = *made;
+  const std::lock_guard lock(mutex_);
+  connection_.swap(former);  // a broken one ends without the lock
+  ++number_;
+  why_.clear();
+  refusal_.reset();
+  since_ = RealClock::instance().now();
+  info_ = std::move(info);
+  return {};
+}
+
+Result<std::shared_ptr<HostLink::Connection>> HostLink::open(TimePoint deadline) {
+  std::shared_ptr<Connection> made(new Connection, [&pool = pool_](Connection* ended) {
+    if (!pool.submit([ended] { delete ended; })) {
+      delete ended;
+    }
+  });
+  const std::weak_ptr<Connection> weak = made;
+  auto service = place_.connect(deadline, [this, weak] {
+    const std::lock_guard lock(mutex_);
+    if (const auto broken = weak.lock()) {
+      broken->broken = true;  // whoever asks next loses it
+    }
+  });
+  if (!service) {
+    return service.error();
+  }
+  made->service = std::move(*service);
+  return made;
+}
+
+Result<HostInfo> HostLink::acquire(Connection& connection, const RobotRequest& request, TimePoint deadline) {
+  auto info = connection.service->info();
+  if (info && info->name != place_.name) {
+    return fail(ErrorCode::InvalidArgument,
+                "calls itself " + quote(info->name.str()) + "; correct its address in the robot file",
+                place_.name.str());
+  }
+  if (!info) {
+    return info;
+  }
+  auto robot = connection.service->acquire(request, deadline);
+  if (!robot) {
+    return robot.error();
+  }
+  connection.robot = std::move(*robot);
+  (void)measure(*connection.service);
+  return info;
+}
+
+Result<void> HostLink::measure(HostService& service) {
+  const TimePoint begin = RealClock::instance().now();
+  const auto before = std::chrono::system_clock::now();
+  const auto there = service.clock();
+  if (!there) {
+    return there.error();
+  }
+  const Duration took = RealClock::instance().now() - begin;
+  // As in NTP: the host read its clock half a round trip ago, give or take as much.
+  const auto offset = std::chrono::duration_cast<Duration>(*there - (before + took / 2));
+  const std::lock_guard lock(mutex_);
+  if (!round_trip_ || took <= *round_trip_) {
+    round_trip_ = took;
+    offset_ = offset;
+  } else {
+    *round_trip_ += kAging;
+  }
+  return {};
+}
+
+Result<void> HostLink::tend() {
+  std::shared_ptr<Connection> connection;
+  {
+    const std::lock_guard lock(mutex_);
+    connection = connection_;
+  }
+  if (connection == nullptr) {
+    return fail(ErrorCode::Unavailable, why_, place_.name.str());
+  }
+  auto alive = connection->robot->renew();
+  if (alive) {
+    alive = measure(*connection->service);
+  }
+  if (!alive) {
+    lose(to_string(alive.error()));
+  }
+  return alive;
+}
+
+std::shared_ptr<HostLink::Connection> HostLink::take(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  if (connection_ != nullptr || why_.empty()) {
+    since_ = RealClock::instance().now();
+  }
+  why_ = why;
+  return std::exchange(connection_, nullptr);
+}
+
+void HostLink::lose(const std::string& why) {
+  const auto lost = take(why);
+  if (lost != nullptr) {
+    lost->robot->set_listener({});
+  }
+}
+
+void HostLink::release() {
+  const auto ended = take("the runtime has ended");
+  if (ended != nullptr) {
+    ended->robot->set_listener({});
+    (void)ended->robot->release();
+  }
+}
+
+Result<HostLink::Reached> HostLink::reach() const {
+  const std::lock_guard lock(mutex_);
+  if (connection_ == nullptr || connection_->broken) {
+    return fail(ErrorCode::Unavailable, "host " + quote(place_.name.str()) +
+                                            " cannot be reached, so what it runs is unknown: " +
+                                            (why_.empty() ? "the connection broke" : why_));
+  }
+  return Reached{{connection_, connection_->robot.get()}, number_};
+}
+
+bool HostLink::reachable() const {
+  const std::lock_guard lock(mutex_);
+  return connection_ != nullptr && !connection_->broken;
+}
+
+std::optional<Error> HostLink::refusal() const {
+  const std::lock_guard lock(mutex_);
+  return refusal_;
+}
+
+HostInfo HostLink::info() const {
+  const std::lock_guard lock(mutex_);
+  return info_;
+}
+
+host::ComputerReport HostLink::report() const {
+  const std::lock_guard lock(mutex_);
+  host::ComputerReport report;
+  report.name = place_.name;
+  report.address = place_.address;
+  report.optional = place_.optional;
+  report.reachable = connection_ != nullptr && !connection_->broken;
+  report.state = report.reachable ? "connected" : why_.empty() ? "the connection broke" : why_;
+  report.since = RealClock::instance().now() - since_;
+  report.software = info_.software;
+  if (report.reachable) {
+    report.round_trip = round_trip_;
+    report.clock_offset = offset_;
+  }
+  return report;
+}
+
+void HostLink::note(const HostView& view) {
+  const std::lock_guard lock(mutex_);
+  seen_ = view;
+}
+
+HostView HostLink::last_seen() const {
+  const std::lock_guard lock(mutex_);
+  return seen_;
+}
+
+}  // namespace segue::hosts::detail

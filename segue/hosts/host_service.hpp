@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/hosts/hosted_robot.hpp>
+#include <segue/process/launch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace segue::hosts {
+
+/// A component library that is installed on a host.
+struct LibraryInfo {
+  std::string name;
+  std::string digest;  ///< SHA-256 of its file
+  std::vector<model::ComponentName> components;
+  friend bool operator==(const LibraryInfo&, const LibraryInfo&) = default;
+};
+
+/// What a host says of itself.
+struct HostInfo {
+  model::HostName name;
+  std::string software;      ///< version of Segue
+  std::string architecture;  ///< "x86_64"
+  int pid = 0;               ///< of the daemon
+  std::vector<LibraryInfo> libraries;
+};
+
+/// Who commands a robot on a host.
+struct LeaseInfo {
+  std::string robot;
+  std::string holder;       ///< names one run of a runtime: "HOST/PID/NUMBER"
+  std::uint64_t epoch = 0;  ///< grows with every runtime that gets the robot
+  Duration left{0};         ///< until another runtime may get it; 0: it may now
+};
+
+/// A component model file of the runtime's computer, for stand-ins.
+struct ModelFile {
+  std::string name;  ///< its last part, for messages
+  std::string text;
+};
+
+/// What a runtime needs to command a robot on a host.
+struct RobotRequest {
+  std::string holder;      ///< see LeaseInfo
+  process::Launch launch;  ///< for each process; without models, which lie on another computer
+  std::vector<ModelFile> models;
+  bool take_over = false;  ///< although another runtime has a lease that has not run out
+};
+
+/// The daemon of a computer (`segue host`), in this process (LocalHost) or elsewhere (control::connect_host).
+/// Functions may be called from any thread.
+class HostService {
+ public:
+  virtual ~HostService() = default;
+
+  virtual Result<HostInfo> info() = 0;
+  /// The host's wall clock now.
+  virtual Result<std::chrono::system_clock::time_point> clock() = 0;
+  /// Robots that have a lease or processes here, by name.
+  virtual Result<std::vector<LeaseInfo>> robots() = 0;
+  /// Gives the caller the command of a robot on this host. AlreadyExists while another runtime has it (the
+  /// message says which, and for how long at least). Transitions that the former one had begun are given up.
+  /// Blocks until `deadline` at most: until actions that the former one had begun have ended.
+  virtual Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) = 0;
+};
+
+}  // namespace segue::hosts

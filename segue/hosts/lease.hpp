@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/hosts/host_service.hpp>
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <string>
+
+namespace segue::hosts {
+
+/// Who may command a robot on this host. Every runtime that gets the lease has a higher epoch than the ones
+/// before, also those before a restart of the daemon (the last epoch is kept in a file), and what comes with
+/// a lower epoch than the present one is refused. So a runtime that was cut off, and whose messages arrive
+/// late, does no harm (fencing). Thread safe.
+class Lease {
+ public:
+  /// How long a lease lasts that is not renewed. Runtimes renew it once a second.
+  static constexpr Duration kValidity = std::chrono::seconds(5);
+
+  /// `file` keeps the epoch; its folder exists. `clock` must outlive this.
+  Lease(std::string robot, std::filesystem::path file, const Clock& clock);
+
+  /// Gives the lease to `holder` and returns the new epoch. AlreadyExists while somebody else has it, unless
+  /// `take_over`. IoError where the epoch cannot be kept: then nobody gets it. DeadlineExceeded where work
+  /// under the former epoch has not ended; nobody has the lease then.
+  Result<std::uint64_t> acquire(const std::string& holder, bool take_over, TimePoint deadline);
+  Result<void> renew(std::uint64_t epoch);
+  /// Superseded where the epoch is not the present one.
+  Result<void> release(std::uint64_t epoch);
+  [[nodiscard]] LeaseInfo info() const;
+
+  /// Work under an epoch: acquire() waits for its end. Empty where the epoch is not the present one.
+  class Work {
+   public:
+    Work(Lease& lease, std::uint64_t epoch);
+    ~Work();
+    Work(Work&& other) noexcept : lease_(std::exchange(other.lease_, nullptr)) {}
+    Work(const Work&) = delete;
+    Work& operator=(const Work&) = delete;
+    Work& operator=(Work&&) = delete;
+    explicit operator bool() const { return lease_ != nullptr; }
+
+   private:
+    Lease* lease_;
+  };
+  /// Why work under `epoch` is refused.
+  [[nodiscard]] Error refusal(std::uint64_t epoch) const;
+
+ private:
+  [[nodiscard]] Duration left() const;
+  Result<void> keep(std::uint64_t epoch) const;
+
+  const std::string robot_;
+  const std::filesystem::path file_;
+  const Clock& clock_;
+  mutable std::mutex mutex_;  ///< protects everything below
+  std::condition_variable idle_;
+  std::uint64_t epoch_ = 0;
+  std::string holder_;
+  TimePoint until_{};
+  std::size_t working_ = 0;
+};
+
+}  // namespace segue::hosts

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/hosts/local_host.hpp>
+
+#include <segue/base/file.hpp>
+#include <segue/base/folders.hpp>
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/hosts/library_inventory.hpp>
+#include <segue/hosts/robot_here.hpp>
+#include <segue/process/process_hub.hpp>
+
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <map>
+#include <mutex>
+#include <set>
+#include <utility>
+
+namespace segue::hosts {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMaxRobots = 64;
+constexpr std::string_view kEpochSuffix = ".epoch";
+
+/// "arm.yaml" as "000_arm.yaml": whatever a runtime names its file, it is no path here.
+std::string file_name(std::size_t number, const std::string& name) {
+  std::string safe;
+  for (const char c : name) {
+    safe += is_identifier(std::string("x") + c) ? c : '_';
+  }
+  std::string digits = std::to_string(number);
+  return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits + "_" + safe.substr(0, 100);
+}
+
+std::string architecture() {
+  utsname system{};
+  return ::uname(&system) == 0 ? system.machine : "unknown";
+}
+
+}  // namespace
+
+struct LocalHost::Implementation {
+  Implementation(process::ProcessService& service, deploy::Connector how, const LocalHostOptions& chosen)
+      : hub(service), processes(hub.for_all()), connector(std::move(how)), options(chosen) {}
+
+  Result<std::shared_ptr<detail::LeasedRobot>> leased(const std::string& robot);
+  Result<process::Launch> launch_of(const RobotRequest& request) const;
+  [[nodiscard]] fs::path robots_folder() const { return options.state / "robots"; }
+  [[nodiscard]] fs::path epoch_file(const std::string& robot) const {
+    return robots_folder() / (robot + std::string(kEpochSuffix));
+  }
+
+  process::ProcessHub hub;
+  const std::unique_ptr<process::ProcessService> processes;
+  const deploy::Connector connector;
+  const LocalHostOptions options;
+  LibraryInventory libraries;
+  std::mutex mutex;  ///< protects the member below
+  std::map<std::string, std::shared_ptr<detail::LeasedRobot>> robots;
+};
+
+Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(const std::string& robot) {
+  if (!is_identifier(robot)) {
+    return fail(ErrorCode::InvalidArgument, quote(robot.substr(0, 64)) + " is no name of a robot");
+  }
+  const std::lock_guard lock(mutex);
+  auto& found = robots[robot];
+  if (found == nullptr) {
+    if (robots.size() > kMaxRobots) {
+      robots.erase(robot);
+      return fail(ErrorCode::ResourceExhausted, "this host has leases of " + std::to_string(kMaxRobots) +
+                                                    " robots already, which is the limit");
+    }
+    found = std::make_shared<detail::LeasedRobot>(robot, epoch_file(robot));
+  }
+  return found;
+}
+
+/// Model files of another computer become files here.
+Result<process::Launch> LocalHost::Implementation::launch_of(const RobotRequest& request) const {
+  process::Launch launch = request.launch;
+  launch.models.clear();
+  if (request.models.empty()) {
+    return launch;
+  }
+  const fs::path folder = robots_folder() / (launch.robot + ".models");
+  if (auto made = make_private_folder(folder); !made) {
+    return made.error();
+  }
+  std::set<fs::path> written;
+  for (const auto& [name, text] : request.models) {
+    const fs::path file = folder / file_name(launch.models.size(), name);
+    if (auto kept = read_file(file); !kept || *kept != text) {
+      if (auto stored = write_file(file, text); !stored) {
+        return stored.error();
+      }
+    }
+    launch.models.push_back(file.string());
+  }
+  return launch;
+}
+
+LocalHost::LocalHost(std::shared_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+LocalHost::~LocalHost() = default;
+
+Result<std::unique_ptr<LocalHost>> LocalHost::create(process::ProcessService& processes,
+                                                     deploy::Connector connector,
+                                                     const LocalHostOptions& options) {
+  for (const auto& folder : {options.state, options.state / "robots"}) {
+    if (auto made = make_private_folder(folder); !made) {
+      return made.error();
+    }
+  }
+  return std::unique_ptr<LocalHost>(
+      new LocalHost(std::make_shared<Implementation>(processes, std::move(connector), options)));
+}
+
+Result<HostInfo> LocalHost::info() {
+  return HostInfo{implementation_->options.name, SEGUE_VERSION, architecture(), ::getpid(),
+                  implementation_->libraries.list()};
+}
+
+Result<std::chrono::system_clock::time_point> LocalHost::clock() {
+  return std::chrono::system_clock::now();
+}
+
+Result<std::vector<LeaseInfo>> LocalHost::robots() {
+  const std::lock_guard lock(implementation_->mutex);
+  std::vector<LeaseInfo> all;
+  for (const auto& [name, robot] : implementation_->robots) {
+    all.push_back(robot->lease.info());
+  }
+  return all;
+}
+
+Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& request, TimePoint deadline) {
+  const std::string& name = request.launch.robot;
+  const auto found = implementation_->leased(name);
+  if (!found) {
+    return found.error();
+  }
+  const auto& robot = *found;
+  const std::lock_guard one(robot->acquiring);
+  const auto epoch = robot->lease.acquire(request.holder, request.take_over, deadline);
+  if (!epoch) {
+    return epoch.error();
+  }
+  auto launch = implementation_->launch_of(request);
+  if (!launch) {
+    (void)robot->lease.release(*epoch);
+    return launch.error();
+  }
+  // Nobody works with it: acquire() has waited for that, and nobody has the new epoch yet.
+  if (robot->here == nullptr || !(robot->here->launch() == *launch)) {
+    robot->here.reset();  // it lets go of the processes, so that the new one can adopt them
+    robot->here =
+        std::make_shared<detail::RobotHere>(std::move(*launch), implementation_->hub.for_robot(name),
+                                            implementation_->connector, implementation_->options.name);
+  } else {
+    robot->here->part().set_listener({});  // that of the former runtime
+    (void)robot->here->part().withdraw();
+  }
+  log(LogLevel::Info, "host",
+      "robot " + quote(name) + " is commanded by runtime " + quote(request.holder) + " (epoch " +
+          std::to_string(*epoch) + ")");
+  return detail::make_session(robot, *epoch);
+}
+
+}  // namespace segue::hosts

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/hosts/host_service.hpp>
+#include <segue/process/process_service.hpp>
+
+#include <filesystem>
+#include <memory>
+
+namespace segue::hosts {
+
+struct LocalHostOptions {
+  model::HostName name;         ///< as robot files call this computer
+  std::filesystem::path state;  ///< a folder for epochs and model files, which outlive the daemon
+};
+
+/// The daemon of this computer: starts, watches and commands the deployment processes of robots here on
+/// behalf of their runtimes. Processes outlive this, and another LocalHost finds them again.
+class LocalHost final : public HostService {
+ public:
+  /// `processes` and `connector` as for DeployedTaskHost; `processes` must outlive this, its listener belongs
+  /// to this. Fails where the state folder cannot be used.
+  static Result<std::unique_ptr<LocalHost>> create(process::ProcessService& processes,
+                                                   deploy::Connector connector,
+                                                   const LocalHostOptions& options);
+  ~LocalHost() override;
+
+  Result<HostInfo> info() override;
+  Result<std::chrono::system_clock::time_point> clock() override;
+  Result<std::vector<LeaseInfo>> robots() override;
+  Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override;
+
+ private:
+  struct Implementation;
+  explicit LocalHost(std::shared_ptr<Implementation> implementation);
+  /// Shared with the robots that were given out, which answer Unavailable once this is destroyed.
+  const std::shared_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::hosts

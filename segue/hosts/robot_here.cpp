@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/hosts/robot_here.hpp>
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace segue::hosts::detail {
+
+namespace {
+
+deploy::DeploymentInfo daemon_info(const process::Launch& launch) {
+  deploy::DeploymentInfo info;
+  info.robot = launch.robot;
+  info.pid = ::getpid();
+  info.software = SEGUE_VERSION;
+  return info;
+}
+
+/// What a batch keeps until all of its actions are reported.
+struct BatchWork {
+  BatchWork(Lease::Work begun, std::shared_ptr<RobotHere> robot, std::size_t count, host::Completion report)
+      : work(std::move(begun)), here(std::move(robot)), left(count), completed(std::move(report)) {}
+
+  const Lease::Work work;
+  const std::shared_ptr<RobotHere> here;
+  std::atomic<std::size_t> left;
+  const host::Completion completed;
+};
+
+/// One runtime's hold on a robot.
+class Session final : public HostedRobot {
+ public:
+  Session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch)
+      : robot_(std::move(robot)), epoch_(epoch) {}
+
+  Result<void> renew() override { return robot_->lease.renew(epoch_); }
+  Result<void> release() override { return robot_->lease.release(epoch_); }
+  Result<HostView> look() override {
+    return work([](TaskHostPart& part) { return part.look(); });
+  }
+  Result<void> expect(const model::Network& target) override {
+    return work([&](TaskHostPart& part) { return part.expect(target); });
+  }
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
+    return work([&](TaskHostPart& part) { return part.begin_transition(before, target); });
+  }
+  Result<void> get_ready(const model::Network& target) override {
+    return work([&](TaskHostPart& part) { return part.get_ready(target); });
+  }
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.arm_commit(transition, number, deadline); });
+  }
+  Result<void> vote(std::uint64_t number, Duration validity) override {
+    return work([&](TaskHostPart& part) { return part.vote(number, validity); });
+  }
+  Result<void> commit(std::uint64_t number) override {
+    return work([&](TaskHostPart& part) { return part.commit(number); });
+  }
+  Result<void> conclude(const model::Transition& transition) override {
+    return work([&](TaskHostPart& part) { return part.conclude(transition); });
+  }
+  Result<void> withdraw() override {
+    return work([](TaskHostPart& part) { return part.withdraw(); });
+  }
+  Result<void> end_processes(TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.end_processes(deadline); });
+  }
+  void set_listener(host::TaskHost::Listener listener) override {
+    const Lease::Work working(robot_->lease, epoch_);
+    if (working) {
+      robot_->here->part().set_listener(std::move(listener));
+    }
+  }
+
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.save_state(task, deadline); });
+  }
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
+                             TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.restore_state(task, state, deadline); });
+  }
+  Result<model::ComponentModel> describe(const model::TaskId& task) override {
+    return work([&](TaskHostPart& part) { return part.describe(task); });
+  }
+  Result<type::Value> properties(const model::TaskId& task) override {
+    return work([&](TaskHostPart& part) { return part.properties(task); });
+  }
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.set_property(task, path, value, deadline); });
+  }
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.call(task, operation, arguments, deadline); });
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    return work([&](TaskHostPart& part) { return part.open_reader(port, buffer); });
+  }
+
+ private:
+  template <class Do>
+  auto work(Do what) -> decltype(what(std::declval<TaskHostPart&>())) {
+    const Lease::Work working(robot_->lease, epoch_);
+    if (!working) {
+      return robot_->lease.refusal(epoch_);
+    }
+    return what(robot_->here->part());
+  }
+
+  const std::shared_ptr<LeasedRobot> robot_;
+  const std::uint64_t epoch_;
+};
+
+void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+  const std::size_t count = actions.size();
+  Lease::Work working(robot_->lease, epoch_);
+  if (!working) {
+    std::vector<host::Completed> refused;
+    for (std::size_t i = 0; i < count; ++i) {
+      refused.push_back({i, robot_->lease.refusal(epoch_)});
+    }
+    completed(std::move(refused));
+    return;
+  }
+  if (count == 0) {
+    return;
+  }
+  auto batch = std::make_shared<BatchWork>(std::move(working), robot_->here, count, std::move(completed));
+  auto& part = batch->here->part();
+  part.begin_all(std::move(actions), deadline,
+                 [batch = std::move(batch)](std::vector<host::Completed> ended) mutable {
+                   const std::size_t reported = ended.size();
+                   batch->completed(std::move(ended));
+                   if (batch->left.fetch_sub(reported) == reported) {
+                     batch.reset();  // no longer work, though the host may keep this function
+                   }
+                 });
+}
+
+}  // namespace
+
+RobotHere::RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
+                     deploy::Connector connector, const model::HostName& host)
+    : launch_(std::move(launch)),
+      processes_(std::move(processes)),
+      own_(daemon_info(launch_), no_tasks_, nullptr),
+      tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}) {}
+
+std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch) {
+  return std::make_shared<Session>(std::move(robot), epoch);
+}
+
+}  // namespace segue::hosts::detail

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/deploy/local_deployment.hpp>
+#include <segue/host/component_library.hpp>
+#include <segue/host/local_task_host.hpp>
+#include <segue/hosts/host_service.hpp>
+#include <segue/hosts/lease.hpp>
+#include <segue/hosts/task_host_part.hpp>
+#include <segue/process/process_service.hpp>
+
+#include <memory>
+
+namespace segue::hosts::detail {
+
+/// The deployment processes of one robot on this computer, as the daemon commands them. The daemon itself
+/// holds no tasks.
+class RobotHere {
+ public:
+  /// Adopts the processes that run already. `processes` hears of this robot's only.
+  RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
+            deploy::Connector connector, const model::HostName& host);
+
+  [[nodiscard]] const process::Launch& launch() const { return launch_; }
+  [[nodiscard]] TaskHostPart& part() { return part_; }
+
+ private:
+  const process::Launch launch_;
+  const std::unique_ptr<process::ProcessService> processes_;
+  const host::LibrarySet no_libraries_;
+  const model::ComponentCatalog no_components_;
+  host::LocalTaskHost no_tasks_{no_libraries_, no_components_};
+  deploy::LocalDeployment own_;
+  deploy::DeployedTaskHost tasks_;
+  TaskHostPart part_{tasks_};
+};
+
+/// A robot with its lease, as long as the daemon lives.
+struct LeasedRobot {
+  LeasedRobot(const std::string& robot, const std::filesystem::path& epoch)
+      : lease(robot, epoch, RealClock::instance()) {}
+
+  Lease lease;
+  std::mutex acquiring;             ///< one runtime gets the robot at a time
+  std::shared_ptr<RobotHere> here;  ///< null until the robot was acquired first; replaced while nobody works
+};
+
+/// The robot for the runtime that got `epoch`: every call is work under that epoch.
+std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch);
+
+}  // namespace segue::hosts::detail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/deploy/deployed_task_host.hpp>
+#include <segue/hosts/hosted_robot.hpp>
+
+#include <memory>
+#include <mutex>
+
+namespace segue::hosts {
+
+/// The deployments of a robot on this computer as a HostedRobot, without a lease: whoever has this commands
+/// them.
+class TaskHostPart final : public HostedRobot {
+ public:
+  /// `tasks` must outlive this. `clock` is what promises to commit are measured with.
+  explicit TaskHostPart(deploy::DeployedTaskHost& tasks, const Clock& clock = RealClock::instance())
+      : tasks_(tasks), clock_(clock) {}
+
+  Result<void> renew() override { return {}; }
+  Result<void> release() override { return {}; }
+  Result<HostView> look() override;
+  Result<void> expect(const model::Network& target) override;
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override;
+  Result<void> get_ready(const model::Network& target) override;
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override;
+  Result<void> vote(std::uint64_t number, Duration validity) override;
+  Result<void> commit(std::uint64_t number) override;
+  Result<void> conclude(const model::Transition& transition) override;
+  Result<void> withdraw() override;
+  Result<void> end_processes(TimePoint deadline) override;
+  void set_listener(host::TaskHost::Listener listener) override;
+
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
+  Result<void> restore_state(const model::TaskId& task, const task::SavedState& state,
+                             TimePoint deadline) override;
+  Result<model::ComponentModel> describe(const model::TaskId& task) override;
+  Result<type::Value> properties(const model::TaskId& task) override;
+  Result<void> set_property(const model::TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override;
+  Result<type::Value> call(const model::TaskId& task, std::string_view operation,
+                           const type::Value& arguments, TimePoint deadline) override;
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override;
+
+ private:
+  deploy::DeployedTaskHost& tasks_;
+  const Clock& clock_;
+  std::mutex mutex_;         ///< protects the members below; held while a transition commits
+  std::uint64_t armed_ = 0;  ///< the transition that can commit; 0: none
+  bool promised_ = false;    ///< commit() is obeyed until `until_`
+  TimePoint until_{};
+};
+
+}  // namespace segue::hosts
