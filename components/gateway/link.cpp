@@ -148,7 +148,7 @@ std::string Link::topic_name() const {
 }
 
 Quality Link::quality() const {
-  // How long a write waits until what was sent before has been acknowledged.
+  // How long one write waits until what was sent before has been acknowledged. See Sender::write().
   constexpr dds_duration_t kPatience = DDS_MSECS(100);
   Quality made(::dds_create_qos());
   ::dds_qset_reliability(made.get(), DDS_RELIABILITY_RELIABLE, kPatience);

@@ -16,6 +16,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <ctime>
 #include <numeric>
 
 namespace gateway::testing {
@@ -91,7 +92,7 @@ class Peer {
     return line();
   }
   std::uint64_t count(const std::string& counter) { return std::stoull("0" + ask(counter)); }
-  void kill() { ::kill(process_, SIGKILL); }
+  void signal(int number) { ::kill(process_, number); }
 
  private:
   pid_t process_ = -1;
@@ -224,12 +225,49 @@ TEST_F(GatewayLink, what_outruns_a_buffer_is_refused_and_counted) {
   EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
 }
 
+TEST_F(GatewayLink, what_a_reader_that_stands_still_keeps_from_being_sent_is_refused_and_counted) {
+  Peer peer = receiving<Image>(topic, "buffer", 2);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));
+  Source<Image> source(sender, policy(BufferKind::Buffer, 2));
+  ASSERT_TRUE(sender.has_matched(1));
+  source.write(1, 100'000);
+  ASSERT_TRUE(eventually([&] { return peer.count("received") == 1; }));
+  peer.signal(SIGSTOP);
+  std::uint64_t written = 1;
+  std::uint64_t refused_here = 0;
+  while (refused_here < 5)
+    refused_here += source.write(++written, 1'000'000) == segue::task::WriteResult::Refused ? 1 : 0;
+  const bool refuses = eventually([&] { return sender.count("refused") > 0; });
+  peer.signal(SIGCONT);
+  EXPECT_TRUE(refuses);
+  EXPECT_TRUE(
+      eventually([&] { return sender.count("sent") + sender.count("refused") + refused_here == written; }));
+  EXPECT_TRUE(eventually([&] { return sender.count("unacknowledged") == 0; }));
+  EXPECT_EQ(peer.count("received") + sender.count("lost"), sender.count("sent"));
+  EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
+}
+
+TEST_F(GatewayLink, fifty_idle_tasks_do_not_poll) {
+  std::vector<std::unique_ptr<Running>> tasks;
+  for (int i = 0; i < 25; ++i) {
+    const auto values = properties(kDomain, topic + "_" + std::to_string(i), name_of<Pose>(), "buffer", 10);
+    tasks.push_back(std::make_unique<Running>("gateway::Receiver", values));
+    tasks.push_back(std::make_unique<Running>("gateway::Sender", values));
+    ASSERT_TRUE(tasks.back()->has_matched(1));
+  }
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const double used = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  std::printf("50 idle link tasks: %.1f ms of processor time in a second\n", 1000 * used);
+  EXPECT_LT(used, 0.1);
+}
+
 TEST_F(GatewayLink, what_a_reader_that_dies_has_not_acknowledged_is_counted_as_lost) {
   Peer peer = receiving<Text>(topic, "buffer", 1000);
   Running sender("gateway::Sender", properties(kDomain, topic, name_of<Text>(), "buffer", 1000));
   Source<Text> source(sender, kPlenty);
   ASSERT_TRUE(sender.has_matched(1));
-  peer.kill();
+  peer.signal(SIGKILL);
   for (std::uint64_t number = 1; number <= 10; ++number)
     source.write(number);
   ASSERT_TRUE(eventually([&] { return sender.count("matched") == 0; })) << "the lease ends";

@@ -118,15 +118,17 @@ class Sender final : public Link {
     }
   }
 
-  /// A buffer refuses soon what readers do not keep up with. Otherwise the newest sample is sent as soon as
-  /// there is room, at the latest when a reader that is gone counts as gone.
+  /// Waits while readers are behind, since the connection to `in` keeps, refuses or drops samples meanwhile.
+  /// A buffer gives up after a second; all others send the newest sample as soon as there is room, at the
+  /// latest when a reader that is gone counts as gone.
   bool write(Message& message) {
-    const bool refuses = policy().kind == segue::BufferKind::Buffer;
-    const segue::TimePoint end = now() + std::chrono::seconds(kLeaseSeconds + 1);
+    const bool is_buffer = policy().kind == segue::BufferKind::Buffer;
+    const segue::TimePoint end = now() + std::chrono::seconds(is_buffer ? 1 : kLeaseSeconds + 1);
     for (;;) {
       const dds_return_t done = ::dds_writecdr(writer_.get(), ::ddsi_serdata_ref(&message));
       if (done == DDS_RETCODE_OK) return true;
-      if (done != DDS_RETCODE_TIMEOUT || refuses || in_->pending() || now() >= end) return false;
+      if (done != DDS_RETCODE_TIMEOUT || now() >= end) return false;
+      if (!is_buffer && in_->pending()) return false;
     }
   }
 
