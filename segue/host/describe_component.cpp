@@ -29,7 +29,7 @@ model::PortModel family_model(const task::PortFamily& family) {
   model.name = family.pattern;
   model.direction =
       family.direction == task::Direction::Input ? model::Direction::Input : model::Direction::Output;
-  model.type = family.type->name();
+  if (family.type != nullptr) model.type = family.type->name();
   model.dynamic = true;
   model.pattern = true;
   model.doc = family.doc;

@@ -98,7 +98,7 @@ void Component::declare_states(std::vector<std::string> nominal, std::vector<std
 }
 
 void Component::add_family(PortFamily family) {
-  type::register_type_info(*family.type);
+  if (family.type != nullptr) type::register_type_info(*family.type);
   families_.push_back(std::move(family));
 }
 

@@ -27,7 +27,7 @@ class Component;
 struct PortFamily {
   std::string pattern;
   Direction direction = Direction::Input;
-  const type::TypeInfo* type = nullptr;
+  const type::TypeInfo* type = nullptr;  ///< nullptr: each port has its own
   std::string doc;
 };
 
@@ -121,6 +121,10 @@ class Component {
   template <class T>
   void dynamic_outputs(std::string pattern, std::string text = {}) {
     add_family({std::move(pattern), Direction::Output, &type::type_info<T>(), std::move(text)});
+  }
+  /// Ports whose types only the configuration tells.
+  void dynamic_ports(Direction direction, std::string pattern, std::string text = {}) {
+    add_family({std::move(pattern), direction, nullptr, std::move(text)});
   }
 
   /// The functions below are for hooks, real-time safe, and require a task.

@@ -22,11 +22,34 @@ struct DescribedField {
   DescribedType* type = nullptr;
 };
 
+/// Adjacent members whose bytes in memory are those in CDR, once the position there is a multiple of `most`.
+struct CdrRun {
+  std::size_t offset = 0;  ///< in the object
+  std::size_t size = 0;
+  std::size_t begin = 0;  ///< the first of the members
+  std::size_t count = 0;  ///< 0: one member, at `begin`, that is not copied as bytes
+  std::size_t first = 1;  ///< alignment of the first number
+  std::size_t most = 1;   ///< the largest alignment of a number
+  bool checked = false;   ///< some of the members are FlatPlan::checked
+};
+
+/// Precomputed facts for cdr_object.hpp; set by plan_cdr().
+struct CdrPlan {
+  bool possible = false;
+  bool planned = false;
+  bool packed = false;    ///< the whole object is a run
+  std::size_t first = 1;  ///< packed: as in CdrRun
+  std::size_t most = 1;
+  std::size_t least = 1;     ///< minimum size of an object in bytes, alignment aside
+  std::vector<CdrRun> runs;  ///< Compound
+};
+
 /// The structure of a described type. Created once and never destroyed.
 struct Shape {
   Type type;
   std::vector<DescribedField> fields;  ///< Compound
   DescribedType* element = nullptr;    ///< Array, Container
+  CdrPlan cdr;
 };
 
 /// Items of a container whose size may change, or of an optional (size 0 or 1).
@@ -40,9 +63,12 @@ struct SequenceAccess {
   void* (*reuse)(void* object, std::size_t size) = nullptr;
 };
 
-/// A matrix of variable size. Its numbers are contiguous, by rows or by columns as the name of the type says.
+/// A matrix that is no vector. Its numbers are contiguous, by rows or by columns as the name of the type
+/// says. The functions are those of a matrix of variable size; one of fixed size is an Array of its rows and
+/// lies in the object itself.
 struct MatrixAccess {
   DescribedType* number = nullptr;
+  bool by_rows = false;
   std::array<std::size_t, 2> (*size)(const void* object) = nullptr;  ///< rows, columns
   const void* (*numbers)(const void* object) = nullptr;
   /// Resizes and returns the first number in `numbers`, uninitialized. False where the type fixes another
@@ -85,6 +111,14 @@ const TypeInfo& complete(DescribedType& described);
 
 /// Sets FlatPlan for types that are otherwise complete. They may refer to one another and to planned types.
 void plan_flat(std::span<DescribedType* const> fresh);
+
+/// Sets Shape::cdr, for the same types as plan_flat() and after it.
+void plan_cdr(std::span<DescribedType* const> fresh);
+
+/// Whether all enums and booleans of an object that was copied as bytes are valid; invalid ones are replaced
+/// by valid values. Done after the copy, since another process could change the bytes between a check and the
+/// copy.
+bool sanitize(const DescribedType& described, void* object);
 
 /// For describe(), within complete() only: the type of a part, which is described as well if necessary.
 const Type* part(DescribedType& described);

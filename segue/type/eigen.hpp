@@ -111,9 +111,12 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
   static constexpr SequenceAccess kSequence =
       kVector ? SequenceAccess{&size, &item, &resize, &reuse} : SequenceAccess{};
   static constexpr Conversion kConversion = kVector ? Conversion{} : Conversion{&to_value, &from_value};
-  static constexpr MatrixAccess kGrid =
-      kVector || kFixed ? MatrixAccess{}
-                        : MatrixAccess{&described_type<Number>, &grid_size, &numbers, &resize_grid};
+  static constexpr MatrixAccess grid() {
+    if constexpr (kVector) return {};
+    if constexpr (kFixed) return {&described_type<Number>, Matrix::IsRowMajor, nullptr, nullptr, nullptr};
+    return {&described_type<Number>, Matrix::IsRowMajor, &grid_size, &numbers, &resize_grid};
+  }
+  static constexpr MatrixAccess kGrid = grid();
 };
 
 template <class Number, int Options>

@@ -210,15 +210,10 @@ bool is_expressible(const Type& type, std::int64_t number) {
   return std::bit_width(magnitude(number)) <= std::bit_width(needed);
 }
 
-/// Whether all enums and booleans of an object that was copied as bytes are valid; invalid ones are replaced
-/// by valid values. Done after the copy, since another process could change the bytes between a check and the
-/// copy.
-bool sanitize(const DescribedType& described, void* object);
-
 bool sanitize_items(const DescribedType& element, void* items, std::size_t count) {
   bool valid = true;
   for (std::size_t i = 0; i < count; ++i)
-    valid = sanitize(element, at(items, i * element.info.size)) && valid;
+    valid = detail::sanitize(element, at(items, i * element.info.size)) && valid;
   return valid;
 }
 
@@ -241,23 +236,6 @@ bool are_valid(const DescribedType& described, const std::byte* object) noexcept
   return std::ranges::all_of(shape.fields, [object](const DescribedField& field) {
     return are_valid(*field.type, object + field.offset);
   });
-}
-
-bool sanitize(const DescribedType& described, void* object) {
-  if (!described.flat.checked) return true;
-  const Shape& shape = *described.shape;
-  if (shape.type.kind == TypeKind::Enum) return sanitize_enum(shape.type, object);
-  if (shape.type.kind == TypeKind::Array) return sanitize_items(*shape.element, object, shape.type.count);
-  if (shape.type.kind == TypeKind::Numeric) {
-    std::byte& boolean = *at(object, 0);
-    if (boolean <= std::byte{1}) return true;
-    boolean = std::byte{0};
-    return false;
-  }
-  bool valid = true;
-  for (const DescribedField& field : shape.fields)
-    valid = sanitize(*field.type, at(object, field.offset)) && valid;
-  return valid;
 }
 
 bool get(const DescribedType& described, void* object, Source& source);
@@ -323,7 +301,7 @@ bool get_run(std::span<const DescribedField> fields, const Run& run, void* objec
   if (!source.get(at(object, run.offset), run.size)) return false;
   bool valid = true;
   for (const DescribedField& field : fields.first(run.fields))
-    valid = sanitize(*field.type, at(object, field.offset)) && valid;
+    valid = detail::sanitize(*field.type, at(object, field.offset)) && valid;
   return valid;
 }
 
@@ -351,6 +329,23 @@ bool get(const DescribedType& described, void* object, Source& source) {
 }
 
 }  // namespace
+
+bool detail::sanitize(const DescribedType& described, void* object) {
+  if (!described.flat.checked) return true;
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Enum) return sanitize_enum(shape.type, object);
+  if (shape.type.kind == TypeKind::Array) return sanitize_items(*shape.element, object, shape.type.count);
+  if (shape.type.kind == TypeKind::Numeric) {
+    std::byte& boolean = *at(object, 0);
+    if (boolean <= std::byte{1}) return true;
+    boolean = std::byte{0};
+    return false;
+  }
+  bool valid = true;
+  for (const DescribedField& field : shape.fields)
+    valid = detail::sanitize(*field.type, at(object, field.offset)) && valid;
+  return valid;
+}
 
 bool can_flatten(const TypeInfo& info) noexcept {
   return info.described != nullptr && info.described->flat.possible;

@@ -67,6 +67,7 @@ void finish_fresh(Registry& all) {
     described->info.hash = structural_hash(described->shape->type);
   }
   detail::plan_flat(all.fresh);
+  detail::plan_cdr(all.fresh);
   for (detail::DescribedType* described : std::exchange(all.fresh, {}))
     register_type_info(described->info);
 }

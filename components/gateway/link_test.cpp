@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Both ends of a link in one process, and in two (peer.cpp), over the loopback device.
+#include "message.hpp"
+#include "names.hpp"
+#include "test_support.hpp"
+
+#include <segue/base/child_process.hpp>
+#include <segue/type/cdr_object.hpp>
+
+#include <support/paths.hpp>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <ctime>
+#include <numeric>
+
+namespace gateway::testing {
+namespace {
+
+using segue::BufferKind;
+using segue::TaskState;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const std::int32_t kDomain = own_domain();
+
+std::string fresh_topic() {
+  static int number = 0;
+  return "test/p" + std::to_string(::getpid()) + "_" + std::to_string(++number);
+}
+
+std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last) {
+  std::vector<std::uint64_t> all(last - first + 1);
+  std::iota(all.begin(), all.end(), first);
+  return all;
+}
+
+/// Tests are skipped, visibly, where the system forbids sockets.
+class GatewayLink : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto joined = participant(local_settings(kDomain));
+    if (!joined) GTEST_SKIP() << segue::to_string(joined.error());
+  }
+  std::string topic = fresh_topic();
+};
+
+/// The peer program, with pipes to its input and output.
+class Peer {
+ public:
+  explicit Peer(std::vector<std::string> arguments) {
+    int to[2];
+    int from[2];
+    if (::pipe2(to, O_CLOEXEC) != 0 || ::pipe2(from, O_CLOEXEC) != 0) std::abort();
+    segue::ChildProcess child(3);
+    EXPECT_TRUE(child.hand_over(to[0], 0));
+    EXPECT_TRUE(child.hand_over(from[1], 1));
+    EXPECT_TRUE(child.hand_over(2, 2));
+    arguments.insert(arguments.begin(), segue::paths::kPeer);
+    auto started = child.start(segue::paths::kPeer, arguments);
+    EXPECT_TRUE(started) << (started ? "" : segue::to_string(started.error()));
+    process_ = started.value_or(-1);
+    ::close(to[0]);
+    ::close(from[1]);
+    input_ = to[1];
+    output_ = ::fdopen(from[0], "r");
+  }
+  ~Peer() {
+    ::close(input_);
+    if (process_ > 0) ::waitpid(process_, nullptr, 0);
+    std::fclose(output_);
+  }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  /// The next line of its output.
+  std::string line() {
+    char text[1000] = {};
+    if (std::fgets(text, sizeof text, output_) == nullptr) return {};
+    std::string line(text);
+    if (!line.empty()) line.pop_back();
+    return line;
+  }
+  std::string ask(const std::string& question) {
+    const std::string words = question + "\n";
+    if (::write(input_, words.data(), words.size()) < 0) return {};
+    return line();
+  }
+  std::uint64_t count(const std::string& counter) { return std::stoull("0" + ask(counter)); }
+  void signal(int number) { ::kill(process_, number); }
+
+ private:
+  pid_t process_ = -1;
+  int input_ = -1;
+  FILE* output_ = nullptr;
+};
+
+template <class T>
+Peer receiving(const std::string& topic, const std::string& policy = "data", int size = 1) {
+  return Peer({"receive", std::to_string(kDomain), topic, name_of<T>(), policy, std::to_string(size)});
+}
+
+TEST(GatewayNames, are_those_of_ros) {
+  EXPECT_EQ(dds_topic_name("scan").value(), "rt/scan");
+  EXPECT_EQ(dds_topic_name("/robot/scan").value(), "rt/robot/scan");
+  for (const char* wrong : {"", "/", "a//b", "a/", "a b", "a-b", "//a"})
+    EXPECT_FALSE(dds_topic_name(wrong)) << wrong;
+  EXPECT_EQ(dds_type_name(""), "std_msgs::msg::dds_::Empty_");
+  EXPECT_EQ(dds_type_name("/double"), "segue::msg::dds_::double_");
+  EXPECT_EQ(dds_type_name("/base/samples/Pose"), "base::samples::msg::dds_::Pose_");
+  EXPECT_EQ(dds_type_name("/sensor_msgs/msg/Imu"), "sensor_msgs::msg::dds_::Imu_");
+  EXPECT_EQ(dds_type_name("/sensor_msgs/Imu"), "sensor_msgs::msg::dds_::Imu_");
+  const std::string vector = dds_type_name("/std/vector</double>");
+  EXPECT_THAT(vector, ::testing::MatchesRegex("segue::msg::dds_::std_vector_double_[0-9a-f]+_"));
+  EXPECT_NE(vector, dds_type_name("/std/vector</double[1]>"));
+}
+
+TEST_F(GatewayLink, samples_travel_within_a_process) {
+  Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
+  Sink<Text> sink(receiver, kPlenty);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
+  Source<Text> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(1));
+  ASSERT_TRUE(receiver.has_matched(1));
+  for (std::uint64_t number = 1; number <= 50; ++number)
+    source.write(number);
+  EXPECT_EQ(sink.read(50), numbers(1, 50));
+  EXPECT_EQ(sender.count("sent"), 50U);
+  EXPECT_EQ(receiver.count("received"), 50U);
+  EXPECT_EQ(receiver.count("bytes"), sender.count("bytes"));
+}
+
+TEST_F(GatewayLink, samples_without_a_value_travel) {
+  Running receiver("gateway::Receiver", properties(kDomain, topic, "", "buffer", 100));
+  Running sender("gateway::Sender", properties(kDomain, topic, "", "buffer", 100));
+  Source<Pose> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(1));
+  source.write(1);
+  EXPECT_TRUE(eventually([&] { return receiver.count("received") == 1; }));
+  EXPECT_EQ(sender.count("bytes"), 5U);
+}
+
+TEST_F(GatewayLink, samples_travel_between_processes_whole_and_in_order) {
+  for (const char* policy : {"buffer", "circular_buffer"}) {
+    const std::string own = topic + policy;
+    Peer peer = receiving<Text>(own, policy, 1000);
+    Running sender("gateway::Sender", properties(kDomain, own, name_of<Text>(), policy, 1000));
+    Source<Text> source(sender, kPlenty);
+    ASSERT_TRUE(sender.has_matched(1));
+    for (std::uint64_t number = 1; number <= 500; ++number)
+      source.write(number, number * 7);
+    EXPECT_TRUE(eventually([&] { return peer.count("received") == 500; }));
+    EXPECT_EQ(peer.ask("samples"), "500 whole, 0 broken, in order, last 500") << policy;
+    EXPECT_EQ(sender.count("lost") + sender.count("refused") + peer.count("lost"), 0U);
+  }
+}
+
+TEST_F(GatewayLink, the_newest_value_arrives_however_fast_it_changes) {
+  Peer peer = receiving<Pose>(topic);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>()));
+  Source<Pose> source(sender, policy(BufferKind::Data));
+  ASSERT_TRUE(sender.has_matched(1));
+  // Where the first ones are overwritten before the reader has heard of the writer, it cannot count them.
+  source.write(1);
+  ASSERT_TRUE(eventually([&] { return peer.count("received") == 1; }));
+  for (std::uint64_t number = 2; number <= 20'000; ++number)
+    source.write(number);
+  EXPECT_TRUE(eventually([&] { return peer.ask("samples").ends_with("last 20000"); })) << peer.ask("samples");
+  EXPECT_TRUE(
+      eventually([&] { return peer.count("received") + peer.count("lost") >= sender.count("sent"); }));
+  EXPECT_EQ(peer.count("received") + peer.count("lost"), sender.count("sent"));
+}
+
+TEST_F(GatewayLink, a_reader_that_comes_later_gets_the_last_value_if_it_wants) {
+  for (const bool init : {true, false}) {
+    const std::string own = topic + (init ? "_init" : "_plain");
+    Running sender("gateway::Sender", properties(kDomain, own, name_of<Pose>(), "data", 1, init));
+    Source<Pose> source(sender, policy(BufferKind::Data));
+    source.write(1);
+    ASSERT_TRUE(eventually([&] { return sender.count("sent") == 1; }));
+    Running receiver("gateway::Receiver");
+    ASSERT_TRUE(receiver.configure(properties(kDomain, own, name_of<Pose>(), "data", 1, init)));
+    Sink<Pose> sink(receiver, kPlenty);
+    ASSERT_TRUE(receiver.task().start(soon()));
+    ASSERT_TRUE(sender.has_matched(1));
+    if (!init) source.write(2);
+    EXPECT_EQ(sink.read(1), init ? numbers(1, 1) : numbers(2, 2));
+    EXPECT_EQ(sender.count("lost"), init ? 0U : 1U) << "nobody was there";
+  }
+}
+
+TEST_F(GatewayLink, large_samples_arrive_whole) {
+  Peer peer = receiving<Image>(topic, "buffer", 4);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 4));
+  Source<Image> source(sender, policy(BufferKind::Buffer, 4));
+  ASSERT_TRUE(sender.has_matched(1));
+  std::uint64_t number = 0;
+  for (const std::size_t bytes : {1'000'000, 10'000'000, 10'000'000, 100'000'000}) {
+    source.write(++number, bytes);
+    ASSERT_TRUE(eventually([&] { return peer.count("received") + sender.count("refused") >= number; }));
+  }
+  EXPECT_EQ(peer.ask("samples"), "4 whole, 0 broken, in order, last 4");
+  EXPECT_EQ(peer.count("corrupt"), 0U);
+}
+
+TEST_F(GatewayLink, what_outruns_a_buffer_is_refused_and_counted) {
+  Peer peer = receiving<Image>(topic, "buffer", 2);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));
+  Source<Image> source(sender, policy(BufferKind::Buffer, 2));
+  ASSERT_TRUE(sender.has_matched(1));
+  constexpr std::uint64_t kCount = 200;
+  std::uint64_t refused_here = 0;
+  for (std::uint64_t number = 1; number <= kCount; ++number)
+    refused_here += source.write(number, 500'000) == segue::task::WriteResult::Refused ? 1 : 0;
+  ASSERT_TRUE(
+      eventually([&] { return sender.count("sent") + sender.count("refused") + refused_here == kCount; }));
+  EXPECT_TRUE(eventually([&] { return sender.count("unacknowledged") == 0; }));
+  EXPECT_EQ(peer.count("received") + peer.count("lost") + peer.count("corrupt"), sender.count("sent"));
+  EXPECT_EQ(peer.count("lost") + sender.count("lost"), 0U) << "a reliable buffer loses nothing";
+  EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
+}
+
+TEST_F(GatewayLink, what_a_reader_that_stands_still_keeps_from_being_sent_is_refused_and_counted) {
+  Peer peer = receiving<Image>(topic, "buffer", 2);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Image>(), "buffer", 2));
+  Source<Image> source(sender, policy(BufferKind::Buffer, 2));
+  ASSERT_TRUE(sender.has_matched(1));
+  source.write(1, 100'000);
+  ASSERT_TRUE(eventually([&] { return peer.count("received") == 1; }));
+  peer.signal(SIGSTOP);
+  std::uint64_t written = 1;
+  std::uint64_t refused_here = 0;
+  while (refused_here < 5)
+    refused_here += source.write(++written, 1'000'000) == segue::task::WriteResult::Refused ? 1 : 0;
+  const bool refuses = eventually([&] { return sender.count("refused") > 0; });
+  peer.signal(SIGCONT);
+  EXPECT_TRUE(refuses);
+  EXPECT_TRUE(
+      eventually([&] { return sender.count("sent") + sender.count("refused") + refused_here == written; }));
+  EXPECT_TRUE(eventually([&] { return sender.count("unacknowledged") == 0; }));
+  EXPECT_EQ(peer.count("received") + sender.count("lost"), sender.count("sent"));
+  EXPECT_THAT(peer.ask("samples"), HasSubstr(" 0 broken, in order"));
+}
+
+TEST_F(GatewayLink, fifty_idle_tasks_do_not_poll) {
+  std::vector<std::unique_ptr<Running>> tasks;
+  for (int i = 0; i < 25; ++i) {
+    const auto values = properties(kDomain, topic + "_" + std::to_string(i), name_of<Pose>(), "buffer", 10);
+    tasks.push_back(std::make_unique<Running>("gateway::Receiver", values));
+    tasks.push_back(std::make_unique<Running>("gateway::Sender", values));
+    ASSERT_TRUE(tasks.back()->has_matched(1));
+  }
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const double used = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  std::printf("50 idle link tasks: %.1f ms of processor time in a second\n", 1000 * used);
+  EXPECT_LT(used, 0.1);
+}
+
+TEST_F(GatewayLink, what_a_reader_that_dies_has_not_acknowledged_is_counted_as_lost) {
+  Peer peer = receiving<Text>(topic, "buffer", 1000);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Text>(), "buffer", 1000));
+  Source<Text> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(1));
+  peer.signal(SIGKILL);
+  for (std::uint64_t number = 1; number <= 10; ++number)
+    source.write(number);
+  ASSERT_TRUE(eventually([&] { return sender.count("matched") == 0; })) << "the lease ends";
+  EXPECT_EQ(sender.count("sent"), 10U);
+  EXPECT_EQ(sender.count("lost"), 10U);
+  source.write(11);
+  EXPECT_TRUE(eventually([&] { return sender.count("lost") == 11; })) << "nobody is there";
+  EXPECT_EQ(sender.count("unacknowledged"), 0U);
+}
+
+TEST_F(GatewayLink, a_sender_feeds_several_processes) {
+  Peer one = receiving<Pose>(topic, "buffer", 100);
+  Peer other = receiving<Pose>(topic, "buffer", 100);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
+  Source<Pose> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(2));
+  for (std::uint64_t number = 1; number <= 20; ++number)
+    source.write(number);
+  for (Peer* peer : {&one, &other}) {
+    EXPECT_TRUE(eventually([&] { return peer->count("received") == 20; }));
+    EXPECT_EQ(peer->ask("samples"), "20 whole, 0 broken, in order, last 20");
+  }
+}
+
+TEST_F(GatewayLink, samples_that_come_before_the_start_wait_by_policy) {
+  Running receiver("gateway::Receiver");
+  ASSERT_TRUE(receiver.configure(properties(kDomain, topic, name_of<Pose>(), "circular_buffer", 3)));
+  Sink<Pose> sink(receiver, kPlenty);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "circular_buffer", 100));
+  Source<Pose> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(1));
+  for (std::uint64_t number = 1; number <= 5; ++number)
+    source.write(number);
+  ASSERT_TRUE(eventually([&] { return receiver.count("lost") == 2; }));
+  ASSERT_TRUE(receiver.task().start(soon()));
+  EXPECT_EQ(sink.read(3), numbers(3, 5));
+}
+
+TEST_F(GatewayLink, tasks_are_stopped_and_configured_again) {
+  Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>(), "buffer", 100));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(receiver.task().stop(soon()));
+    ASSERT_TRUE(receiver.task().cleanup(soon()));
+    EXPECT_TRUE(eventually([&] { return sender.count("matched") == 0; }));
+    ASSERT_TRUE(receiver.task().configure(soon()));
+    ASSERT_TRUE(receiver.task().start(soon()));
+    ASSERT_TRUE(sender.has_matched(1));
+    Sink<Pose> sink(receiver, kPlenty);
+    Source<Pose> source(sender, kPlenty);
+    source.write(7);
+    EXPECT_EQ(sink.read(1), numbers(7, 7));
+  }
+}
+
+/// Writes bytes to a topic, as any program may.
+class Foreign {
+ public:
+  Foreign(const std::string& topic, const std::string& type)
+      : participant_(participant(local_settings(kDomain)).value()),
+        topic_(participant_, "rt/" + topic, dds_type_name(type)),
+        writer_(make_writer()) {}
+  ~Foreign() { ::dds_delete(writer_); }
+  Foreign(const Foreign&) = delete;
+  Foreign& operator=(const Foreign&) = delete;
+
+  void write(const std::vector<std::byte>& bytes) {
+    auto* message = new Message(topic_.type(), SDK_DATA, bytes.size());
+    std::ranges::copy(bytes, message->bytes().begin());
+    EXPECT_EQ(::dds_writecdr(writer_, message), DDS_RETCODE_OK);
+  }
+
+ private:
+  dds_entity_t make_writer() const {
+    dds_qos_t* quality = ::dds_create_qos();
+    ::dds_qset_reliability(quality, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+    ::dds_qset_history(quality, DDS_HISTORY_KEEP_ALL, 0);
+    const dds_entity_t made = ::dds_create_writer(participant_, topic_.entity(), quality, nullptr);
+    ::dds_delete_qos(quality);
+    return made;
+  }
+  dds_entity_t participant_;
+  Topic topic_;
+  dds_entity_t writer_;
+};
+
+template <class T>
+std::vector<std::byte> encoded(const T& sample) {
+  std::vector<std::byte> bytes(segue::type::cdr_size(segue::type::type_info<T>(), &sample));
+  segue::type::write_cdr(segue::type::type_info<T>(), &sample, bytes);
+  return bytes;
+}
+
+TEST_F(GatewayLink, hostile_bytes_are_counted_and_dropped) {
+  Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>(), "buffer", 100));
+  Sink<Text> sink(receiver, kPlenty);
+  Foreign foreign(topic, name_of<Text>());
+  ASSERT_TRUE(receiver.has_matched(1));
+  Text text;
+  fill(text, 3, 5);
+  const auto whole = encoded(text);
+  std::uint64_t corrupt = 0;
+  for (std::size_t cut = 4; cut < whole.size(); cut += 3, ++corrupt)
+    foreign.write({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut)});
+  auto huge = whole;
+  std::fill(huge.begin() + 12, huge.begin() + 16, std::byte{0xff});
+  foreign.write(huge);
+  Pose pose;
+  fill(pose, 4, 0);
+  foreign.write(encoded(pose));
+  foreign.write(std::vector<std::byte>(1000, std::byte{0x5a}));
+  foreign.write(whole);
+  EXPECT_EQ(sink.read(1), numbers(3, 3));
+  EXPECT_EQ(receiver.count("corrupt"), corrupt + 3);
+}
+
+TEST_F(GatewayLink, another_type_does_not_match_and_is_seen) {
+  Running receiver("gateway::Receiver", properties(kDomain, topic, name_of<Text>()));
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Pose>()));
+  EXPECT_TRUE(
+      eventually([&] { return sender.count("mismatched") == 1 && receiver.count("mismatched") == 1; }));
+  EXPECT_EQ(sender.count("matched") + receiver.count("matched"), 0U);
+}
+
+/// Returns the error of a Receiver with these properties, in place of the usual ones.
+std::string refusal(const std::string& topic, const ValueMap& changes, TaskState state) {
+  Running receiver("gateway::Receiver");
+  ValueMap all = properties(kDomain, topic, name_of<Pose>());
+  for (const auto& [name, value] : changes)
+    all[name] = value;
+  const auto done = receiver.configure(all);
+  EXPECT_EQ(receiver.task().state(), state);
+  return done ? std::string() : segue::to_string(done.error());
+}
+
+TEST_F(GatewayLink, wrong_properties_are_refused_with_a_reason) {
+  const auto refuse = [&](const char* name, Value value) {
+    ValueMap changes;
+    changes.append(name, std::move(value));
+    return refusal(topic, changes, TaskState::PreOperational);
+  };
+  EXPECT_THAT(refuse("type", "/no/Such"), HasSubstr("type '/no/Such' is not known to this process"));
+  EXPECT_THAT(refuse("library", "no_such"), HasSubstr("needs library 'no_such', which cannot be loaded"));
+  EXPECT_THAT(refuse("policy", "fifo"), HasSubstr("policy 'fifo' is none of"));
+  EXPECT_THAT(refuse("size", 5), HasSubstr("policy data holds one sample"));
+  EXPECT_THAT(refuse("topic", "a b"), HasSubstr("the topic 'a b' must be"));
+  EXPECT_THAT(refuse("domain", 233), HasSubstr("domain 233 does not exist"));
+  EXPECT_THAT(refuse("domain", kDomain + 1), HasSubstr("with other settings"));
+  EXPECT_THAT(refuse("peers", Value::list({})), HasSubstr("with other settings"));
+}
+
+TEST_F(GatewayLink, a_type_comes_from_its_library) {
+  Running receiver("gateway::Receiver");
+  ValueMap values = properties(kDomain, topic, "/demo/Scan");
+  values["library"] = "segue_components_demo";
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
+  const auto done = receiver.configure(values);
+  EXPECT_TRUE(done) << (done ? "" : segue::to_string(done.error()));
+  EXPECT_EQ(receiver.out().type_name(), "/demo/Scan");
+}
+
+TEST(GatewayStart, a_network_that_is_not_there_leads_to_exception) {
+  for (const char* interface : {"no_such_device", "203.0.113.77"}) {
+    Peer peer({"configure", std::to_string(kDomain), interface});
+    EXPECT_EQ(peer.line(), "exception");
+    EXPECT_THAT(peer.line(), HasSubstr("Cyclone DDS cannot start"));
+    EXPECT_THAT(peer.line(), ::testing::StartsWith("alive"));
+  }
+}
+
+}  // namespace
+}  // namespace gateway::testing

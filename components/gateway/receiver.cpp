@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "link.hpp"
+#include "types.hpp"
+
+#include <segue/base/text.hpp>
+#include <segue/type/cdr_object.hpp>
+
+#include <array>
+#include <atomic>
+#include <deque>
+#include <new>
+#include <optional>
+#include <unordered_map>
+
+namespace gateway {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Samples in place, of a type that the configuration tells.
+class AnyOutput final : public OutputPortBase {
+ public:
+  using OutputPortBase::acquire;
+  using OutputPortBase::OutputPortBase;
+  using OutputPortBase::publish;
+};
+
+/// Writes what arrives from a topic to `out`, in the thread in which Cyclone receives it: another thread
+/// would cost a wake-up for each sample. A lock keeps that to one thread at a time, and to the time between
+/// on_start and on_stop. What arrives before waits by policy. The task's own thread does nothing but
+/// operations, so all Receivers of a process share one.
+class Receiver final : public Link {
+ public:
+  Receiver() : Link(Direction::Output, "out") {
+    doc("Receives samples from another host");
+    segue::Activity activity;
+    activity.thread = "gateway_receivers";
+    default_activity(activity);
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    if (auto opened = open(); !opened) return opened;
+    received_ = refused_ = lost_ = corrupt_ = bytes_ = 0;
+    known_writer_ = 0;
+    sequences_.clear();
+    out_.emplace(*this, "out", type(), std::string(), PortOptions{true, "samples as they arrive"});
+    if (auto made = make_reader(); !made) {
+      on_cleanup();
+      return made;
+    }
+    return {};
+  }
+
+  segue::Result<void> on_start() override {
+    const std::lock_guard lock(mutex_);
+    running_ = true;
+    for (const MessageRef& message : waiting_)
+      deliver(*message);
+    waiting_.clear();
+    return {};
+  }
+
+  void on_update() override {}
+
+  void on_stop() override {
+    const std::lock_guard lock(mutex_);
+    running_ = false;
+  }
+
+  void on_cleanup() override {
+    reader_.reset();
+    waiting_.clear();
+    out_.reset();
+    close();
+  }
+
+ private:
+  segue::Result<void> make_reader() {
+    dds_listener_t* listener = ::dds_create_listener(this);
+    ::dds_lset_data_available(
+        listener, [](dds_entity_t reader, void* self) { static_cast<Receiver*>(self)->receive(reader); });
+    ::dds_lset_subscription_matched(listener,
+                                    [](dds_entity_t, dds_subscription_matched_status_t status, void* self) {
+                                      static_cast<Receiver*>(self)->matches().set(status.current_count);
+                                    });
+    const dds_entity_t made =
+        ::dds_create_reader(participant_entity(), topic().entity(), quality().get(), listener);
+    ::dds_delete_listener(listener);
+    if (made < 0) return dds_error("reader of topic " + segue::quote(topic_name()), made);
+    reader_.reset(made);
+    return {};
+  }
+
+  /// In a thread of Cyclone.
+  void receive(dds_entity_t reader) {
+    constexpr std::size_t kBatch = 16;
+    const std::lock_guard lock(mutex_);
+    std::array<ddsi_serdata*, kBatch> messages{};
+    std::array<dds_sample_info_t, kBatch> infos{};
+    dds_return_t taken = kBatch;
+    while (taken == static_cast<dds_return_t>(kBatch)) {
+      taken = ::dds_takecdr(reader, messages.data(), kBatch, infos.data(), DDS_ANY_STATE);
+      for (std::size_t i = 0; taken > 0 && i < static_cast<std::size_t>(taken); ++i) {
+        MessageRef message(static_cast<Message*>(messages[i]));
+        if (infos[i].valid_data) arrived(reader, std::move(message), infos[i].publication_handle);
+      }
+    }
+  }
+
+  void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) {
+    if (writer != known_writer_) {
+      known_writer_ = writer;
+      trusted_ = is_of_this_type(reader, writer);
+      sequence_ = &sequences_[writer];
+    }
+    count_gap(message->sequence);
+    if (!trusted_) {
+      ++corrupt_;
+    } else if (running_) {
+      deliver(*message);
+    } else {
+      wait(std::move(message));
+    }
+  }
+
+  /// Numbers that a writer skips are samples that it overwrote or gave up before they had arrived.
+  void count_gap(std::uint64_t number) {
+    if (*sequence_ != 0 && number > *sequence_ + 1) lost_ += number - *sequence_ - 1;
+    *sequence_ = number;
+  }
+
+  bool is_of_this_type(dds_entity_t reader, dds_instance_handle_t writer) const {
+    dds_builtintopic_endpoint_t* endpoint = ::dds_get_matched_publication_data(reader, writer);
+    if (endpoint == nullptr) return true;  // it is gone already; its samples are checked as all others are
+    const bool fits = !differs(*endpoint);
+    ::dds_builtintopic_free_endpoint(endpoint);
+    return fits;
+  }
+
+  void wait(MessageRef message) {
+    if (waiting_.size() >= policy().size) {
+      ++lost_;
+      if (policy().kind == segue::BufferKind::Buffer) return;
+      waiting_.pop_front();
+    }
+    waiting_.push_back(std::move(message));
+  }
+
+  void deliver(const Message& message) {
+    SampleSlot* slot = out_->acquire();
+    if (slot == nullptr || !decode(message, *slot)) {
+      if (slot != nullptr) slot->release();
+      ++(slot == nullptr ? lost_ : corrupt_);
+      return;
+    }
+    ++received_;
+    bytes_ += message.size;
+    if (out_->publish(slot) == WriteResult::Refused) ++refused_;
+  }
+
+  static bool decode(const Message& message, SampleSlot& slot) {
+    if (slot.value == nullptr) return true;
+    try {
+      return segue::type::read_cdr(*slot.owner->info(), slot.value, message.bytes());
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  }
+
+  ReceiverStatistics statistics() const {
+    ReceiverStatistics now;
+    now.received = received_;
+    now.refused = refused_;
+    now.lost = lost_;
+    now.corrupt = corrupt_;
+    now.bytes = bytes_;
+    now.matched = matched();
+    now.mismatched = count_mismatched(reader_.get());
+    return now;
+  }
+
+  Operation<ReceiverStatistics()> statistics_{
+      *this, "statistics", {}, [this] { return statistics(); }, RunsIn::TaskThread, "what arrived so far"};
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::uint64_t> corrupt_{0};
+  std::atomic<std::uint64_t> bytes_{0};
+  std::mutex mutex_;  ///< one thread at a time delivers; guards what follows
+  bool running_ = false;
+  bool trusted_ = true;
+  dds_instance_handle_t known_writer_ = 0;  ///< of the last message
+  std::uint64_t* sequence_ = nullptr;       ///< of the last message of that writer
+  std::unordered_map<dds_instance_handle_t, std::uint64_t> sequences_;
+  std::deque<MessageRef> waiting_;
+  std::optional<AnyOutput> out_;
+  Entity reader_;
+};
+
+}  // namespace gateway
+
+SEGUE_COMPONENT(gateway::Receiver)

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "link.hpp"
+#include "types.hpp"
+
+#include <segue/base/text.hpp>
+#include <segue/type/cdr_object.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <new>
+#include <optional>
+
+namespace gateway {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// A message of ROS 2 without fields has one byte.
+constexpr std::array<std::byte, 5> kEmptyMessage = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0},
+                                                    std::byte{0}};
+
+/// Samples in place, of a type that the configuration tells.
+class AnyInput final : public InputPortBase {
+ public:
+  using InputPortBase::InputPortBase;
+  SampleRef take() noexcept { return fetch() == ReadStatus::NewData ? last() : SampleRef(); }
+};
+
+/// Sends what arrives at `in`, in place, to a topic. A write waits while readers are behind: samples then
+/// wait in the connection that leads here, which keeps, refuses or drops them by its own policy.
+class Sender final : public Link {
+ public:
+  Sender() : Link(Direction::Input, "in") {
+    doc("Sends samples to another host");
+    trigger_on({"in"});
+  }
+
+ protected:
+  segue::Result<void> on_configure() override {
+    if (auto opened = open(); !opened) return opened;
+    sent_ = refused_ = lost_ = bytes_ = 0;
+    unacknowledged_ = std::make_shared<Unacknowledged>();
+    if (auto made = make_writer(); !made) {
+      close();
+      return made;
+    }
+    in_.emplace(*this, "in", type(), std::string(), PortOptions{true, "samples to send"});
+    return {};
+  }
+
+  void on_update() override {
+    // The executor gives another turn if there are more, in between of which the task can be stopped.
+    constexpr int kMost = 64;
+    for (int i = 0; i < kMost; ++i) {
+      const SampleRef sample = in_->take();
+      if (!sample) return;
+      send(*sample.get());
+    }
+  }
+
+  void on_cleanup() override {
+    writer_.reset();
+    in_.reset();
+    close();
+  }
+
+ private:
+  segue::Result<void> make_writer() {
+    dds_listener_t* listener = ::dds_create_listener(this);
+    ::dds_lset_publication_matched(listener, [](dds_entity_t, dds_publication_matched_status_t status,
+                                                void* self) { static_cast<Sender*>(self)->matched(status); });
+    const dds_entity_t made =
+        ::dds_create_writer(participant_entity(), topic().entity(), quality().get(), listener);
+    ::dds_delete_listener(listener);
+    if (made < 0) return dds_error("writer of topic " + segue::quote(topic_name()), made);
+    writer_.reset(made);
+    return {};
+  }
+
+  /// What a reader that leaves has not acknowledged counts as lost, though it may have arrived.
+  void matched(const dds_publication_matched_status_t& status) {
+    const std::uint64_t freed = unacknowledged_->take_freed_here();
+    if (status.current_count_change < 0) lost_ += freed;
+    matches().set(status.current_count);
+  }
+
+  void send(const SampleSlot& sample) {
+    MessageRef message = encode(sample);
+    if (message == nullptr) {
+      ++refused_;
+      return;
+    }
+    message->count_for(unacknowledged_);
+    const std::size_t size = message->size;
+    if (!write(*message)) {
+      ++refused_;
+      return;
+    }
+    ++sent_;
+    bytes_ += size;
+    if (Link::matched() == 0 && !policy().init) ++lost_;
+  }
+
+  /// nullptr where the sample is too large.
+  MessageRef encode(const SampleSlot& sample) const {
+    const bool has_value = type() != nullptr && sample.value != nullptr;
+    const std::size_t size = has_value ? segue::type::cdr_size(*type(), sample.value) : kEmptyMessage.size();
+    if (size == 0 || size > kLargestMessage || (type() != nullptr && !has_value)) return nullptr;
+    try {
+      MessageRef message(new Message(topic().type(), SDK_DATA, size));
+      if (has_value) {
+        segue::type::write_cdr(*type(), sample.value, message->bytes());
+      } else {
+        std::ranges::copy(kEmptyMessage, message->bytes().begin());
+      }
+      return message;
+    } catch (const std::bad_alloc&) {
+      return nullptr;
+    }
+  }
+
+  /// Waits while readers are behind, since the connection to `in` keeps, refuses or drops samples meanwhile.
+  /// A buffer gives up after a second; all others send the newest sample as soon as there is room, at the
+  /// latest when a reader that is gone counts as gone.
+  bool write(Message& message) {
+    const bool is_buffer = policy().kind == segue::BufferKind::Buffer;
+    const segue::TimePoint end = now() + std::chrono::seconds(is_buffer ? 1 : kLeaseSeconds + 1);
+    for (;;) {
+      const dds_return_t done = ::dds_writecdr(writer_.get(), ::ddsi_serdata_ref(&message));
+      if (done == DDS_RETCODE_OK) return true;
+      if (done != DDS_RETCODE_TIMEOUT || now() >= end) return false;
+      if (!is_buffer && in_->pending()) return false;
+    }
+  }
+
+  SenderStatistics statistics() const {
+    SenderStatistics now;
+    now.sent = sent_;
+    now.refused = refused_;
+    now.lost = lost_;
+    now.bytes = bytes_;
+    now.matched = Link::matched();
+    now.mismatched = count_mismatched(writer_.get());
+    if (const auto held = unacknowledged_) now.unacknowledged = held->messages;
+    return now;
+  }
+
+  Operation<SenderStatistics()> statistics_{
+      *this, "statistics", {}, [this] { return statistics(); }, RunsIn::TaskThread, "what was sent so far"};
+  std::atomic<std::uint64_t> sent_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::uint64_t> bytes_{0};
+  std::shared_ptr<Unacknowledged> unacknowledged_;
+  std::optional<AnyInput> in_;
+  Entity writer_;
+};
+
+}  // namespace gateway
+
+SEGUE_COMPONENT(gateway::Sender)

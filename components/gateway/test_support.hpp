@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "participant.hpp"
+#include "types.hpp"
+
+#include <segue/base/clock.hpp>
+#include <segue/link/local.hpp>
+#include <segue/task/component.hpp>
+#include <segue/task/component_registry.hpp>
+#include <segue/task/task.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+/// For tests of the gateway: one program starts another (peer.cpp), and both use what is here.
+namespace gateway::testing {
+
+struct Text {
+  std::uint64_t number = 0;
+  std::string name;
+  std::vector<std::string> words;
+};
+
+struct Image {
+  std::uint64_t number = 0;
+  std::uint32_t width = 0;
+  std::vector<std::uint8_t> data;
+};
+
+struct Pose {
+  std::uint64_t number = 0;
+  double x = 0;
+  bool valid = false;
+};
+
+inline void fill(Text& text, std::uint64_t number, std::size_t bytes) {
+  text.number = number;
+  text.name = std::string(bytes, static_cast<char>('a' + number % 26));
+  text.words = {std::to_string(number), "", text.name};
+}
+inline void fill(Image& image, std::uint64_t number, std::size_t bytes) {
+  image.number = number;
+  image.width = static_cast<std::uint32_t>(bytes);
+  image.data.assign(bytes, static_cast<std::uint8_t>(number));
+}
+inline void fill(Pose& pose, std::uint64_t number, std::size_t) {
+  pose = {number, static_cast<double>(number) / 2, true};
+}
+
+inline bool is_whole(const Text& text) {
+  Text expected;
+  fill(expected, text.number, text.name.size());
+  return text.name == expected.name && text.words == expected.words;
+}
+inline bool is_whole(const Image& image) {
+  return image.data.size() == image.width && std::ranges::all_of(image.data, [&](std::uint8_t byte) {
+           return byte == static_cast<std::uint8_t>(image.number);
+         });
+}
+inline bool is_whole(const Pose& pose) {
+  return pose.valid && pose.x == static_cast<double>(pose.number) / 2;
+}
+
+}  // namespace gateway::testing
+
+SEGUE_TYPE(gateway::testing::Text, number, name, words)
+SEGUE_TYPE(gateway::testing::Image, number, width, data)
+SEGUE_TYPE(gateway::testing::Pose, number, x, valid)
+
+namespace gateway::testing {
+
+using segue::type::Value;
+using segue::type::ValueMap;
+
+inline segue::TimePoint soon() {
+  return segue::RealClock::instance().now() + std::chrono::seconds(60);
+}
+
+/// Polls, since what it waits for happens in threads of Cyclone and in other processes.
+template <class Condition>
+bool eventually(Condition condition) {
+  const segue::TimePoint end = soon();
+  while (!condition()) {
+    if (segue::RealClock::instance().now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+/// Programs that run at the same time rarely share a domain, and never a topic.
+inline std::int32_t own_domain() {
+  return static_cast<std::int32_t>(1 + ::getpid() % 231);
+}
+
+inline Settings local_settings(std::int32_t domain) {
+  return {domain, "lo", {"127.0.0.1"}};
+}
+
+inline ValueMap properties(std::int32_t domain, const std::string& topic, const std::string& type,
+                           const std::string& policy = "data", std::uint32_t size = 1, bool init = false) {
+  ValueMap map;
+  map.append("topic", topic);
+  map.append("type", type);
+  map.append("policy", policy);
+  map.append("size", std::int64_t{size});
+  map.append("init", init);
+  map.append("domain", domain);
+  map.append("interface", "lo");
+  map.append("peers", Value::list({Value("127.0.0.1")}));
+  return map;
+}
+
+template <class T>
+std::string name_of() {
+  return std::string(segue::type::type_info<T>().name());
+}
+
+/// A link task.
+class Running {
+ public:
+  explicit Running(const std::string& component) {
+    auto made = segue::task::find_component(component)->create();
+    auto task = segue::task::Task::create(component, std::move(*made));
+    if (!task) std::abort();
+    task_ = std::move(*task);
+  }
+  Running(const std::string& component, const ValueMap& values) : Running(component) {
+    for (const auto& done : {configure(values), task_->start(soon())}) {
+      if (!done) std::fprintf(stderr, "%s\n", segue::to_string(done.error()).c_str());
+    }
+  }
+
+  segue::Result<void> configure(const ValueMap& values) {
+    if (auto set = task_->set_properties(values, soon()); !set) return set;
+    return task_->configure(soon());
+  }
+  segue::task::Task& task() { return *task_; }
+  segue::task::InputPortBase& in() { return *task_->component().find_input("in"); }
+  segue::task::OutputPortBase& out() { return *task_->component().find_output("out"); }
+
+  std::uint64_t count(const std::string& counter) {
+    const auto all = task_->call("statistics", {}, soon());
+    return all ? static_cast<std::uint64_t>(all->find(counter)->as_int()) : ~std::uint64_t{0};
+  }
+  bool has_matched(std::uint32_t wanted) {
+    const auto found =
+        task_->call("wait_matched", Value::list({Value(std::int64_t{wanted}), Value(30'000)}), soon());
+    return found && found->as_int() >= wanted;
+  }
+
+ private:
+  std::unique_ptr<segue::task::Task> task_;
+};
+
+/// Writes to a Sender.
+template <class T>
+class Source final : public segue::task::Component {
+ public:
+  Source(Running& sender, const segue::Policy& policy) {
+    if (!segue::link::connect(port, sender.in(), policy)) std::abort();
+  }
+  segue::task::WriteResult write(std::uint64_t number, std::size_t bytes = 10) {
+    fill(sample_, number, bytes);
+    return port.write(sample_);
+  }
+  segue::task::OutputPort<T> port{*this, "samples"};
+
+ private:
+  T sample_;
+};
+
+/// Reads from a Receiver.
+template <class T>
+class Sink final : public segue::task::Component {
+ public:
+  Sink(Running& receiver, const segue::Policy& policy) {
+    if (!segue::link::connect(receiver.out(), port, policy)) std::abort();
+  }
+  /// Numbers of the samples that have arrived since the last call; 0 for one that is not whole.
+  std::vector<std::uint64_t> read() {
+    std::vector<std::uint64_t> numbers;
+    while (auto sample = port.take())
+      numbers.push_back(is_whole(*sample) ? sample->number : 0);
+    return numbers;
+  }
+  /// Waits for so many samples.
+  std::vector<std::uint64_t> read(std::size_t count) {
+    std::vector<std::uint64_t> numbers;
+    static_cast<void>(eventually([&] {
+      for (const std::uint64_t number : read())
+        numbers.push_back(number);
+      return numbers.size() >= count;
+    }));
+    return numbers;
+  }
+  segue::task::InputPort<T> port{*this, "samples"};
+};
+
+inline segue::Policy policy(segue::BufferKind kind, std::size_t size = 1) {
+  return {kind, size, segue::Transport::Automatic, false};
+}
+inline const segue::Policy kPlenty = policy(segue::BufferKind::Buffer, 10'000);
+
+}  // namespace gateway::testing

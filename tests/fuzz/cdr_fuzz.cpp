@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Reading objects from CDR, as if a hostile computer had sent it. The first byte chooses the type.
+#include "require.hpp"
+
+#include <segue/type/cdr_object.hpp>
+#include <segue/type/describe.hpp>
+
+#include <sanitizer/allocator_interface.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace fuzzed {
+enum class Mode : std::int16_t { Back = -1, Idle, Drive = 5 };
+struct Sample {
+  double value = 0;
+  bool valid = false;
+  Mode mode = Mode::Idle;
+};
+struct Point {
+  std::int32_t id = 0;
+  std::int32_t kind = 0;
+  double x = 0;
+};
+struct Empty {};
+struct Tree {
+  std::int32_t value = 0;
+  std::vector<Tree> branches;
+};
+struct All {
+  std::uint8_t odd = 0;
+  std::string name;
+  std::vector<Sample> samples;
+  std::vector<Point> points;
+  std::optional<std::string> remark;
+  std::vector<bool> bits;
+  std::array<std::vector<std::uint16_t>, 2> two;
+  std::vector<Empty> empty;
+  std::optional<Sample> last;
+  std::vector<std::vector<std::string>> texts;
+};
+}  // namespace fuzzed
+SEGUE_TYPE(fuzzed::Mode, Back, Idle, Drive)
+SEGUE_TYPE(fuzzed::Sample, value, valid, mode)
+SEGUE_TYPE(fuzzed::Point, id, kind, x)
+SEGUE_TYPE(fuzzed::Empty)
+SEGUE_TYPE(fuzzed::Tree, value, branches)
+SEGUE_TYPE(fuzzed::All, odd, name, samples, points, remark, bits, two, empty, last, texts)
+
+namespace segue::type {
+namespace {
+
+using fuzz::require;
+
+thread_local std::size_t allocated = 0;
+
+void count(const volatile void*, std::size_t size) {
+  allocated += size;
+}
+void ignore(const volatile void*) {}
+
+/// A text or an optional that holds nothing takes four bytes in CDR.
+constexpr std::size_t kMostGrowth = (sizeof(std::string) + 3) / 4;
+/// A vector that grows at least doubles, and what it holds moves.
+constexpr std::size_t kReallocation = 2;
+
+template <class T>
+void read(std::span<const std::byte> bytes) {
+  static const TypeInfo& info = type_info<T>();
+  static T used{};  // what inputs before this one left there
+  T object{};
+  allocated = 0;
+  const bool done = read_cdr(info, &object, bytes);
+  require(allocated <= kMostGrowth * kReallocation * bytes.size(), "no more memory than the input justifies");
+  require(read_cdr(info, &used, bytes) == done, "what was there before does not matter");
+  std::vector<std::byte> again(cdr_size(info, &object));
+  require(write_cdr(info, &object, again) == again.size(), "whatever was read can be written");
+  T copy{};
+  require(read_cdr(info, &copy, again), "and read again");
+  require(info.to_value(&copy) == info.to_value(&object), "and is the same");
+  if (!done) return;
+  require(info.to_value(&used) == info.to_value(&object), "an object that was used reads the same");
+}
+
+}  // namespace
+}  // namespace segue::type
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  return __sanitizer_install_malloc_and_free_hooks(&segue::type::count, &segue::type::ignore) > 0 ? 0 : 1;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::span bytes = std::as_bytes(std::span(data + 1, size - 1));
+  using segue::type::read;
+  switch (data[0] % 5) {
+    case 0:
+      read<fuzzed::Tree>(bytes);
+      break;
+    case 1:
+      read<std::vector<std::optional<fuzzed::Sample>>>(bytes);
+      break;
+    case 2:
+      read<std::vector<std::string>>(bytes);
+      break;
+    case 3:
+      read<std::vector<bool>>(bytes);
+      break;
+    default:
+      read<fuzzed::All>(bytes);
+  }
+  return 0;
+}
