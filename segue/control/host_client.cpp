@@ -25,6 +25,9 @@ using detail::time_left;
 /// A host that does not answer for so long counts as lost.
 constexpr Duration kHostPatience = std::chrono::seconds(4);
 
+/// A launch names its process; one for all processes of a robot stands for whichever is deployed.
+const model::ProcessName kAnyProcess{"any"};
+
 constexpr auto kNoResult = [](auto&) { return Result<void>(); };
 
 using EventSlot = detail::CallbackSlot<host::HostEvent>;
@@ -216,7 +219,9 @@ class HostClient final : public hosts::HostService {
     const auto done = channel_->ask<void>(left + kGrace, [&, id](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Host>().acquireRequest();
       request.setHolder(as_text(what.holder));
-      detail::put(process::to_value(what.launch), request.initLaunch());
+      process::Launch launch = what.launch;
+      launch.deployment.process = kAnyProcess;
+      detail::put(process::to_value(launch), request.initLaunch());
       detail::encode_list(what.models, request.initModels(count_of(what.models)),
                           [](const auto& file, auto builder) { encode(file, builder); });
       request.setTakeOver(what.take_over);

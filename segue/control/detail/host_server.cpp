@@ -162,6 +162,7 @@ class HostServer final : public wire::Host::Server {
       auto checked = process::launch_from(launch);
       if (!checked) return checked.error();
       request.launch = std::move(*checked);
+      request.launch.deployment = {};  // of whichever process is deployed
       return service.acquire(request, deadline);
     };
     return caller_.answer(context, std::move(job),
