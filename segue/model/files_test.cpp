@@ -216,7 +216,7 @@ TEST(RobotFileTest, theExampleOfTheManual) {
   const auto robot = read_robot(R"(robot: artemis
 hosts:
   onboard: local
-  base: {address: "tcp://10.0.0.2:7447", ca: certs/ca.pem}
+  base: {address: "tcp://10.0.0.2:7447", credentials: certs}
 libraries: [segue_components_demo]
 models: ["models/*.yaml"]
 controllers: [controllers/*.yaml]
@@ -229,7 +229,7 @@ look_ahead: {processes: 3, memory: 512MB}
   ASSERT_TRUE(robot) << to_string(diagnostics);
   EXPECT_THAT(diagnostics.items(), IsEmpty());
   EXPECT_THAT(robot->hosts, ElementsAre(Host{HostName("onboard"), "local", ""},
-                                        Host{HostName("base"), "tcp://10.0.0.2:7447", "certs/ca.pem"}));
+                                        Host{HostName("base"), "tcp://10.0.0.2:7447", "certs"}));
   EXPECT_EQ(robot->policies, (Policies{FailurePolicy::Restart,
                                        {5, std::chrono::milliseconds(200)},
                                        std::chrono::milliseconds(500)}));

@@ -161,8 +161,8 @@ std::string data_address(const model::Host& host) {
   if (!host.address.starts_with(kTcpScheme)) {
     return "127.0.0.1";  // a Unix socket leads to this computer
   }
-  const std::string rest = host.address.substr(kTcpScheme.size());
-  return rest.substr(0, rest.rfind(':'));
+  const auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
+  return address ? address->host : std::string();
 }
 
 hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
@@ -186,15 +186,43 @@ hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
   return settings;
 }
 
-hosts::ConnectHost connector_of(const model::Host& host) {
-  if (host.address.starts_with(kUnixScheme)) {
-    const fs::path socket = host.address.substr(kUnixScheme.size());
-    return [socket](TimePoint deadline, std::function<void()> gone) {
-      return control::connect_host(socket, deadline, std::move(gone));
-    };
+/// The credentials of a robot: of the folder that its host names, else the user's.
+Result<control::Credentials> credentials_for(const model::Robot& robot, const model::Host& host) {
+  if (!host.credentials.empty()) {
+    return control::Credentials::load(robot.folder / host.credentials, control::Credentials::Use::Person);
   }
-  return [](TimePoint, const std::function<void()>&) -> Result<std::unique_ptr<hosts::HostService>> {
-    return fail(ErrorCode::Unsupported, "hosts are reached by Unix sockets only");
+  const auto folder = control::credentials_folder();
+  return folder ? control::Credentials::load(*folder, control::Credentials::Use::Person)
+                : Result<control::Credentials>(folder.error());
+}
+
+Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Host& host) {
+  if (host.address.starts_with(kUnixScheme)) {
+    return control::Endpoint(fs::path(host.address.substr(kUnixScheme.size())));
+  }
+  auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
+  if (!address) {
+    return std::move(address.error());
+  }
+  auto credentials = credentials_for(robot, host);
+  if (!credentials) {
+    return fail(credentials.error().code, "there are no credentials to reach it; see `segue host enrol`",
+                host.name.str())
+        .because_of(std::move(credentials.error()));
+  }
+  return control::Endpoint(
+      control::TcpEndpoint{std::move(*address), host.name.str(), std::move(*credentials)});
+}
+
+/// Credentials are read at each attempt, so that they can be put right while the robot runs.
+hosts::ConnectHost connector_of(const model::Robot& robot, const model::Host& host) {
+  return [robot, host](TimePoint deadline,
+                       std::function<void()> gone) -> Result<std::unique_ptr<hosts::HostService>> {
+    const auto endpoint = endpoint_of(robot, host);
+    if (!endpoint) {
+      return endpoint.error();
+    }
+    return control::connect_host(*endpoint, deadline, std::move(gone));
   };
 }
 
@@ -202,7 +230,7 @@ std::vector<hosts::HostPlace> places(const model::Robot& robot) {
   std::vector<hosts::HostPlace> all;
   for (const auto& host : robot.hosts) {
     if (!host.is_local()) {
-      all.push_back({host.name, host.address, host.optional, connector_of(host)});
+      all.push_back({host.name, host.address, host.optional, connector_of(robot, host)});
     }
   }
   return all;
