@@ -48,12 +48,14 @@ int run_host(const HostOptions& options, const Context& context) {
 
 void add_host(Verb& app, Context& context) {
   const auto options = std::make_shared<HostOptions>();
-  Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
+  Verb& verb = add_verb(app, context, "host",
+                        "run the process server of this computer as a daemon, or keep certificates",
                         "  segue host\n  segue host --zygote segue_components_demo",
                         [options, &context] { return run_host(*options, context); });
   verb.option(
       "--zygote LIBRARY", options->zygote,
       "load this component library once for all deployments, so that they start faster; may be repeated");
+  add_host_certificates(verb, context);
 }
 
 }  // namespace segue::cli
