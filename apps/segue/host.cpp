@@ -91,7 +91,8 @@ int run_host(const HostOptions& options, const Context& context) {
 
 void add_host(Verb& app, Context& context) {
   const auto options = std::make_shared<HostOptions>();
-  Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
+  Verb& verb = add_verb(app, context, "host",
+                        "run the process server of this computer as a daemon, or keep certificates",
                         "  segue host\n  segue host --zygote segue_components_demo",
                         [options, &context] { return run_host(*options, context); });
   verb.option("--name NAME", options->name, "what robot files call this computer; default: its host name");
@@ -101,6 +102,7 @@ void add_host(Verb& app, Context& context) {
   verb.option(
       "--zygote LIBRARY", options->zygote,
       "load this component library once for all deployments, so that they start faster; may be repeated");
+  add_host_certificates(verb, context);
 }
 
 }  // namespace segue::cli

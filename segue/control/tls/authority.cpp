@@ -179,6 +179,9 @@ Result<std::vector<Identity>> Authority::revoke(std::string_view name_or_serial)
     hit.push_back(one);
     revoked.push_back({one.serial, std::chrono::system_clock::now()});
   }
+  if (hit.empty() && std::ranges::find(names, name_or_serial) != names.end()) {
+    return fail(ErrorCode::NotFound, "all certificates of " + quote(name_or_serial) + " are revoked already");
+  }
   if (hit.empty()) {
     return fail(ErrorCode::NotFound, "no certificate of " + quote(name_or_serial) + " is in force" +
                                          did_you_mean(name_or_serial, names) +
