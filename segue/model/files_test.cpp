@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/files.hpp>
+#include <segue/model/host_config.hpp>
 
 #include <support/paths.hpp>
 
@@ -209,6 +210,25 @@ TEST(TransitionFileTest, afterMustNameEarlierActions) {
       "t.yaml", diagnostics);
   EXPECT_FALSE(transition);
   EXPECT_THAT(to_string(diagnostics), HasSubstr("earlier"));
+}
+
+TEST(HostConfigTest, IsReadWithPathsRelativeToTheFile) {
+  Diagnostics diagnostics;
+  const auto config = read_host_config(
+      "name: arm\nlisten: 0.0.0.0:7447\ncredentials: keys\nstate: /var/lib/segue\n"
+      "zygote: [segue_components_demo]\n",
+      "/etc/segue/host.yaml", diagnostics);
+  ASSERT_TRUE(config) << to_string(diagnostics);
+  EXPECT_EQ(
+      *config,
+      (HostConfig{"arm", "0.0.0.0:7447", "/etc/segue/keys", "/var/lib/segue", {"segue_components_demo"}}));
+}
+
+TEST(HostConfigTest, LibrariesAreNamesAndKeysAreKnown) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_host_config("zygote: [../evil]\nlissen: x\n", "host.yaml", diagnostics));
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("../evil"));
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("did you mean 'listen'"));
 }
 
 TEST(RobotFileTest, theExampleOfTheManual) {

@@ -5,20 +5,18 @@
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/hosts/lease.hpp>
 #include <segue/process/process_server.hpp>
 #include <segue/runtime/daemon_processes.hpp>
+#include <segue/runtime/host_places.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 
 namespace segue::runtime::detail {
@@ -153,95 +151,7 @@ Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const E
   return request;
 }
 
-constexpr std::string_view kUnixScheme = "unix:";
-constexpr std::string_view kTcpScheme = "tcp://";
-
-/// The address of a host without its port, where samples reach it.
-std::string data_address(const model::Host& host) {
-  if (!host.address.starts_with(kTcpScheme)) {
-    return "127.0.0.1";  // a Unix socket leads to this computer
-  }
-  const auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
-  return address ? address->host : std::string();
-}
-
-hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
-  hosts::GatewaySettings settings;
-  settings.robot = robot.name;
-  if (const char* domain = std::getenv("ROS_DOMAIN_ID")) {
-    settings.domain = std::atoi(domain);
-  }
-  bool all_here = true;
-  for (const auto& host : robot.hosts) {
-    if (host.is_local()) {
-      settings.own.push_back(host.name);
-    } else {
-      settings.addresses.emplace(host.name, data_address(host));
-      all_here = all_here && host.address.starts_with(kUnixScheme);
-    }
-  }
-  if (all_here) {
-    settings.addresses.emplace(model::kLocalHost, "127.0.0.1");
-  }
-  return settings;
-}
-
-/// The credentials of a robot: of the folder that its host names, else the user's.
-Result<control::Credentials> credentials_for(const model::Robot& robot, const model::Host& host) {
-  if (!host.credentials.empty()) {
-    return control::Credentials::load(robot.folder / host.credentials, control::Credentials::Use::Person);
-  }
-  const auto folder = control::credentials_folder();
-  return folder ? control::Credentials::load(*folder, control::Credentials::Use::Person)
-                : Result<control::Credentials>(folder.error());
-}
-
-Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Host& host) {
-  if (host.address.starts_with(kUnixScheme)) {
-    return control::Endpoint(fs::path(host.address.substr(kUnixScheme.size())));
-  }
-  auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
-  if (!address) {
-    return std::move(address.error());
-  }
-  auto credentials = credentials_for(robot, host);
-  if (!credentials) {
-    return fail(credentials.error().code, "there are no credentials to reach it; see `segue host enrol`",
-                host.name.str())
-        .because_of(std::move(credentials.error()));
-  }
-  return control::Endpoint(
-      control::TcpEndpoint{std::move(*address), host.name.str(), std::move(*credentials)});
-}
-
-/// Credentials are read at each attempt, so that they can be put right while the robot runs.
-hosts::ConnectHost connector_of(const model::Robot& robot, const model::Host& host) {
-  return [robot, host](TimePoint deadline,
-                       std::function<void()> gone) -> Result<std::unique_ptr<hosts::HostService>> {
-    const auto endpoint = endpoint_of(robot, host);
-    if (!endpoint) {
-      return endpoint.error();
-    }
-    return control::connect_host(*endpoint, deadline, std::move(gone));
-  };
-}
-
-std::vector<hosts::HostPlace> places(const model::Robot& robot) {
-  std::vector<hosts::HostPlace> all;
-  for (const auto& host : robot.hosts) {
-    if (!host.is_local()) {
-      all.push_back({host.name, host.address, host.optional, connector_of(robot, host)});
-    }
-  }
-  return all;
-}
-
 }  // namespace
-
-bool has_other_hosts(const model::Robot& robot) {
-  return std::any_of(robot.hosts.begin(), robot.hosts.end(),
-                     [](const model::Host& host) { return !host.is_local(); });
-}
 
 Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot,
                                                        const host::LibrarySet& libraries,
@@ -295,7 +205,7 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   distributed.gateways = gateway_settings(robot);
   distributed.stand_in = options.stand_in;
   distributed.only_stand_ins = options.only_stand_ins;
-  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, places(robot), catalog,
+  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
                                                               std::move(distributed));
   // The lease of a runtime that was killed runs out soon.
   auto& clock = RealClock::instance();
