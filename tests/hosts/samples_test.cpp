@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real samples between hosts, while the robot switches.
+#include "../fault/robot_checks.hpp"
+#include "chain.hpp"
+
+namespace segue::testing {
+namespace {
+
+constexpr int kRounds = 5;
+
+using SamplesBetweenHosts = ChainTest;
+
+TEST_F(SamplesBetweenHosts, arrive_in_order_without_switches) {
+  make_chain();
+  start_chain("plain");
+  expect_flow();
+  expect_all_arrived();
+}
+
+TEST_F(SamplesBetweenHosts, arrive_in_order_while_others_come_and_go) {
+  make_chain();
+  start_chain("plain");
+  const auto before = all_deployments();
+  for (int i = 0; i < kRounds; ++i) {
+    switch_to("more");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("more")), "");
+    expect_flow();
+    switch_to("plain");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  }
+  EXPECT_EQ(all_deployments(), before);
+  expect_all_arrived();
+}
+
+TEST_F(SamplesBetweenHosts, arrive_in_order_although_the_relay_is_exchanged) {
+  make_chain();
+  start_chain("still");  // so that the producer's first sample finds its connection
+  switch_to("plain");
+  for (int i = 0; i < kRounds; ++i) {
+    SCOPED_TRACE(i);
+    switch_to("other");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("other")), "");
+    switch_to("plain");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  }
+  switch_to("still");
+  const std::uint64_t written = updates("producer");
+  EXPECT_TRUE(eventually([&] { return counted().count >= written; }));
+  const auto at_end = counted();
+  EXPECT_EQ(at_end.count, written) << "each once";
+  EXPECT_EQ(at_end.lost, 0U) << "and in order";
+}
+
+}  // namespace
+}  // namespace segue::testing
