@@ -47,19 +47,23 @@ if(SEGUE_SANITIZE)
   target_link_options(segue_flags INTERFACE -fsanitize=${SEGUE_SANITIZE})
 endif()
 
-# segue_folder(NAME SOURCES ... [SEPARATE ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
+# segue_folder(NAME SOURCES ... [SEPARATE ...] [APART ...] DEPENDS folders... [PUBLIC targets...] [PRIVATE targets...])
 # The shared library of one folder of the house. Its include path holds only its own folder, through a tree of links
 # made at configure time; what it may include beyond that comes from the folders it DEPENDS on. SEPARATE sources: see
-# segue_test.
+# segue_test. APART sources, which lie in subfolders of their own, are compiled likewise and are not embedded (segue_embed).
 function(segue_folder NAME)
-  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;SEPARATE;APART;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   # One tree for all presets: the same include path everywhere keeps compiler caches useful.
   set(view ${CMAKE_SOURCE_DIR}/build/include/${NAME})
   file(MAKE_DIRECTORY ${view}/segue)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${view}/segue/${NAME} SYMBOLIC)
 
-  add_library(segue_${NAME} SHARED ${ARG_SOURCES} ${ARG_SEPARATE})
-  set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  add_library(segue_${NAME} SHARED ${ARG_SOURCES} ${ARG_SEPARATE} ${ARG_APART})
+  set_source_files_properties(${ARG_SEPARATE} ${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set(apart ${ARG_APART})
+  list(TRANSFORM apart REPLACE "/[^/]*$" "")
+  list(REMOVE_DUPLICATES apart)
+  set_target_properties(segue_${NAME} PROPERTIES SEGUE_APART "${apart}")
   add_library(segue::${NAME} ALIAS segue_${NAME})
   target_include_directories(segue_${NAME} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:include>)
   list(TRANSFORM ARG_DEPENDS PREPEND segue::)
@@ -85,7 +89,12 @@ endfunction()
 # these folders itself, uses the program's. Folders that component libraries link (task and what it needs) stay shared.
 function(segue_embed TARGET)
   foreach(folder IN LISTS ARGN)
-    target_sources(${TARGET} PRIVATE $<TARGET_OBJECTS:segue_${folder}>)
+    set(objects "$<TARGET_OBJECTS:segue_${folder}>")
+    get_target_property(apart segue_${folder} SEGUE_APART)
+    foreach(part IN LISTS apart)
+      set(objects "$<FILTER:${objects},EXCLUDE,/segue_${folder}[.]dir/([.]/)?${part}/>")
+    endforeach()
+    target_sources(${TARGET} PRIVATE ${objects})
     target_include_directories(${TARGET} PRIVATE $<TARGET_PROPERTY:segue_${folder},INTERFACE_INCLUDE_DIRECTORIES>)
   endforeach()
   set_target_properties(${TARGET} PROPERTIES ENABLE_EXPORTS ON)

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/control/credentials.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/hosts/local_host.hpp>
+#include <segue/model/host_config.hpp>
 #include <segue/process/process_hub.hpp>
 #include <segue/process/process_server.hpp>
 
@@ -12,8 +15,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "command.hpp"
+#include "models.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
 
@@ -22,10 +27,16 @@ namespace segue::cli {
 namespace {
 
 struct HostOptions {
+  std::string config;
+  std::string listen;
+  std::string credentials;
   std::vector<std::string> zygote;
   std::string name;
   std::string state;
 };
+
+/// The port of daemons unless one is given.
+constexpr std::uint16_t kPort = 7447;
 
 /// The name of this computer without its domain.
 std::string computer_name() {
@@ -35,51 +46,100 @@ std::string computer_name() {
   return whole.substr(0, whole.find('.'));
 }
 
+std::filesystem::path home_folder(const char* variable, const char* fallback) {
+  if (const char* given = std::getenv(variable); given != nullptr && *given == '/') return given;
+  const char* home = std::getenv("HOME");
+  return std::filesystem::path(home == nullptr ? "/tmp" : home) / fallback;
+}
+
 /// Where the daemon keeps what outlives it: /var/lib/segue for root, else $XDG_STATE_HOME/segue.
 std::filesystem::path state_folder() {
-  if (::geteuid() == 0) return "/var/lib/segue";
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state == '/') {
-    return std::filesystem::path(state) / "segue";
+  return ::geteuid() == 0 ? std::filesystem::path("/var/lib/segue")
+                          : home_folder("XDG_STATE_HOME", ".local/state") / "segue";
+}
+
+/// The configuration file that is read without --config, if it is there.
+std::filesystem::path usual_config() {
+  return ::geteuid() == 0 ? std::filesystem::path("/etc/segue/host.yaml")
+                          : home_folder("XDG_CONFIG_HOME", ".config") / "segue" / "host.yaml";
+}
+
+/// The file, then the command line, which wins, then the defaults.
+std::optional<model::HostConfig> configuration(const HostOptions& options, Diagnostics& diagnostics) {
+  model::HostConfig config;
+  std::error_code none;
+  const std::filesystem::path file =
+      options.config.empty() ? usual_config() : std::filesystem::path(options.config);
+  if (!options.config.empty() || std::filesystem::exists(file, none)) {
+    auto read = model::load_host_config(std::filesystem::absolute(file), diagnostics);
+    if (!read) return std::nullopt;
+    config = std::move(*read);
   }
-  const char* home = std::getenv("HOME");
-  return std::filesystem::path(home == nullptr ? "/tmp" : home) / ".local" / "state" / "segue";
+  if (!options.name.empty()) config.name = options.name;
+  if (!options.listen.empty()) config.listen = options.listen;
+  if (!options.credentials.empty()) config.credentials = options.credentials;
+  if (!options.state.empty()) config.state = options.state;
+  if (!options.zygote.empty()) config.zygote = options.zygote;
+  if (config.name.empty()) config.name = computer_name();
+  if (config.state.empty()) config.state = state_folder();
+  return config;
+}
+
+/// Where the daemon listens on the network; nothing unless it is told to.
+Result<std::optional<control::TcpPlace>> tcp_place(const model::HostConfig& config) {
+  if (config.listen.empty()) return std::optional<control::TcpPlace>();
+  auto address = control::parse_tcp_address(config.listen, kPort);
+  if (!address) return address.error();
+  const auto folder = config.credentials.empty() ? control::credentials_folder()
+                                                 : Result<std::filesystem::path>(config.credentials);
+  if (!folder) return folder.error();
+  auto credentials = control::Credentials::load(*folder, control::Credentials::Use::Host, config.name);
+  if (!credentials) return credentials.error();
+  return std::optional(control::TcpPlace{std::move(*address), std::move(*credentials)});
+}
+
+/// What the daemon says once it serves.
+void announce(const model::HostConfig& config, const std::filesystem::path& socket, std::uint16_t port,
+              const Context& context) {
+  const int pid = ::getpid();
+  if (context.json()) {
+    return print_json_line(
+        type::Value::map({{"name", config.name}, {"socket", socket.string()}, {"port", port}, {"pid", pid}}));
+  }
+  const std::string network = port == 0 ? std::string() : fmt::format(" and port {}", port);
+  print_line(fmt::format("host {} is running (pid {}) at {}{}; Ctrl-C ends it", config.name, pid,
+                         socket.string(), network));
 }
 
 int run_host(const HostOptions& options, const Context& context) {
   StopSignal stop;
+  Diagnostics diagnostics;
+  const auto config = configuration(options, diagnostics);
+  if (!config) return report_failure(context, diagnostics);
   const auto folder = control::socket_folder();
   if (!folder) return failed(context, folder.error());
   process::ProcessServerOptions chosen;
   chosen.zygote = true;
-  chosen.zygote_libraries = options.zygote;
+  chosen.zygote_libraries = config->zygote;
   const auto processes = process::ProcessServer::create(chosen);
   if (!processes) return failed(context, processes.error());
   process::ProcessHub hub(**processes);
-  const auto shared = hub.for_all();
-  const auto watched = hub.for_all();
-  const auto state = options.state.empty() ? state_folder() : std::filesystem::path(options.state);
+  const auto for_runtimes = hub.for_all();
+  const auto for_host = hub.for_all();
   std::error_code ignored;
-  std::filesystem::create_directories(state.parent_path(), ignored);  // LocalHost says what is wrong
-  const std::string name = options.name.empty() ? computer_name() : options.name;
-  const auto host =
-      hosts::LocalHost::create(*watched, &control::connect_deployment, {model::HostName(name), state});
+  std::filesystem::create_directories(config->state.parent_path(), ignored);  // LocalHost says what is wrong
+  const auto host = hosts::LocalHost::create(*for_host, &control::connect_deployment,
+                                             {model::HostName(config->name), config->state});
   if (!host) return failed(context, host.error());
-  const auto socket = *folder / "host.sock";
-  const auto server = control::Server::listen(socket, shared.get());
-  if (!server) return failed(context, server.error());
-  const auto daemon_socket = control::daemon_socket();
-  if (!daemon_socket) return failed(context, daemon_socket.error());
-  const auto daemon = control::Server::listen(*daemon_socket, host->get());
+  auto tcp = tcp_place(*config);
+  if (!tcp) return failed(context, tcp.error());
+  const auto socket = control::daemon_socket();
+  if (!socket) return failed(context, socket.error());
+  const auto process_server = control::Server::listen(*folder / "host.sock", for_runtimes.get());
+  if (!process_server) return failed(context, process_server.error());
+  const auto daemon = control::Server::listen(control::Places{*socket, std::move(*tcp)}, host->get());
   if (!daemon) return failed(context, daemon.error());
-  if (context.json()) {
-    print_json_line(type::Value::map({{"name", name},
-                                      {"socket", socket.string()},
-                                      {"daemon", daemon_socket->string()},
-                                      {"pid", static_cast<int>(::getpid())}}));
-  } else {
-    print_line(fmt::format("host {} is running (pid {}) at {}; Ctrl-C ends it", name, ::getpid(),
-                           daemon_socket->string()));
-  }
+  announce(*config, *socket, (*daemon)->port(), context);
   const auto reason = stop.wait({});
   if (!context.json()) {
     print_line(fmt::format("{}; deployments keep running and will be found again", reason.value_or("ended")));
@@ -91,9 +151,19 @@ int run_host(const HostOptions& options, const Context& context) {
 
 void add_host(Verb& app, Context& context) {
   const auto options = std::make_shared<HostOptions>();
-  Verb& verb = add_verb(app, context, "host", "run the process server of this computer as a daemon",
-                        "  segue host\n  segue host --zygote segue_components_demo",
+  Verb& verb = add_verb(app, context, "host",
+                        "run the process server of this computer as a daemon, or keep certificates",
+                        "  segue host\n  segue host --zygote segue_components_demo\n"
+                        "  segue host --listen 0.0.0.0          # for other computers, by certificates\n"
+                        "  segue host list robot.yaml",
                         [options, &context] { return run_host(*options, context); });
+  verb.option("--config FILE", options->config,
+              "the configuration file; default: /etc/segue/host.yaml for root, else "
+              "$XDG_CONFIG_HOME/segue/host.yaml, if it is there");
+  verb.option("--listen ADDRESS", options->listen,
+              "also serve other computers, at this address and port (default 7447); needs certificates");
+  verb.option("--credentials FOLDER", options->credentials,
+              "the folder with this host's certificate; default: that of `segue host init`");
   verb.option("--name NAME", options->name, "what robot files call this computer; default: its host name");
   verb.option("--state FOLDER", options->state,
               "where to keep what outlives the daemon; default: /var/lib/segue for root, else "
@@ -101,6 +171,8 @@ void add_host(Verb& app, Context& context) {
   verb.option(
       "--zygote LIBRARY", options->zygote,
       "load this component library once for all deployments, so that they start faster; may be repeated");
+  add_host_list(verb, context);
+  add_host_certificates(verb, context);
 }
 
 }  // namespace segue::cli

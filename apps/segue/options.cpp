@@ -164,7 +164,10 @@ void Verb::require_verb() {
 }
 
 void Verb::on_given(std::function<void()> given) {
-  impl_->app->callback(std::move(given));
+  // CLI11 calls back for the verbs around the one that was named, too.
+  impl_->app->callback([app = impl_->app, given = std::move(given)] {
+    if (app->get_subcommands().empty()) given();
+  });
 }
 
 Option Verb::option(const std::string& names, std::string& target, const std::string& help) {

@@ -52,6 +52,40 @@ std::string other_controllers(const Value& status) {
   return names.empty() ? std::string() : fmt::format("can switch to: {}\n", printable(listed(names)));
 }
 
+std::string optional_micros(const Value& host, std::string_view key) {
+  const Value* value = host.find(key);
+  return value == nullptr || !value->is_number() ? "-" : format_seconds(value->as_double() * 1e-6);
+}
+
+/// The computers of a robot that has several.
+std::string hosts_text(const Value& status) {
+  Table table({{"HOST"},
+               {"ADDRESS"},
+               {"STATE"},
+               {"FOR", Table::Align::Right},
+               {"ROUND TRIP", Table::Align::Right},
+               {"CLOCK AHEAD", Table::Align::Right}});
+  for (const Value& host : list_at(status, "hosts")) {
+    const Value* reachable = host.find("reachable");
+    const bool up = reachable != nullptr && reachable->is_bool() && reachable->as_bool();
+    const std::string address = text_at(host, "address");
+    table.add(
+        {text_at(host, "name"), address,
+         up ? coloured(Colour::Green, printable(text_at(host, "state"))) : coloured(Colour::Red, "unknown"),
+         address == "local" ? "-" : format_seconds(number_at(host, "since_s")),
+         optional_micros(host, "round_trip_us"), optional_micros(host, "clock_offset_us")});
+  }
+  if (list_at(status, "hosts").empty()) return {};
+  std::string text = '\n' + table.text();
+  for (const Value& host : list_at(status, "hosts")) {
+    const Value* reachable = host.find("reachable");
+    if (reachable == nullptr || !reachable->is_bool() || reachable->as_bool()) continue;
+    text += coloured(Colour::Red, "host " + text_at(host, "name") + ": ") +
+            printable(text_at(host, "state")) + '\n';
+  }
+  return text;
+}
+
 std::string connections_text(const Value& status) {
   Table table({{"FROM"},
                {"TO"},
@@ -75,7 +109,7 @@ int show_status(control::RobotService& robot, const Context& context) {
     print_json(*status);
     return kDone;
   }
-  print(status_heading(*status) + other_controllers(*status) + files_text(*status));
+  print(status_heading(*status) + other_controllers(*status) + files_text(*status) + hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

@@ -17,6 +17,10 @@ using type::Value;
 
 /// The state, with the sub-state if there is one.
 std::string state_cell(const Value& task) {
+  if (const Value* unknown = task.find("unknown");
+      unknown != nullptr && unknown->is_bool() && unknown->as_bool()) {
+    return coloured(Colour::Red, "unknown");
+  }
   const std::string state = text_at(task, "state");
   const std::string name = text_at(task, "state_name");
   const bool is_error = state == "run_time_error" || state == "exception" || state == "fatal";

@@ -42,6 +42,22 @@ bool write_and_close(int descriptor, std::string_view content) {
   return good;
 }
 
+fs::path temporary_of(const fs::path& path) {
+  return path.string() + ".tmp" + std::to_string(::getpid());
+}
+
+Result<void> replace_file(const fs::path& path, std::string_view content, mode_t mode, int flags) {
+  const fs::path temporary = temporary_of(path);
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | flags, mode);
+  if (descriptor < 0) return system_failure(path, "write");
+  if (!write_and_close(descriptor, content) || ::rename(temporary.c_str(), path.c_str()) != 0) {
+    Error error = system_failure(path, "write");
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> read_file(const fs::path& path, std::size_t limit) {
@@ -65,15 +81,13 @@ Result<std::string> read_file(const fs::path& path, std::size_t limit) {
 }
 
 Result<void> write_file(const fs::path& path, std::string_view content) {
-  const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) return system_failure(path, "write");
-  if (!write_and_close(descriptor, content) || ::rename(temporary.c_str(), path.c_str()) != 0) {
-    Error error = system_failure(path, "write");
-    ::unlink(temporary.c_str());
-    return error;
-  }
-  return {};
+  return replace_file(path, content, 0644, O_TRUNC);
+}
+
+Result<void> write_private_file(const fs::path& path, std::string_view content) {
+  // What is left of an interrupted attempt may have another mode.
+  ::unlink(temporary_of(path).c_str());
+  return replace_file(path, content, 0600, O_EXCL);
 }
 
 std::vector<fs::path> glob_files(const fs::path& pattern) {

@@ -3,6 +3,7 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/control/endpoint.hpp>
 #include <segue/deploy/deployment_service.hpp>
 #include <segue/process/process_service.hpp>
 
@@ -24,8 +25,8 @@ namespace segue::control {
 Result<deploy::ConnectedDeployment> connect_deployment(const std::filesystem::path& socket,
                                                        TimePoint deadline, std::function<void()> gone);
 
-/// The process server of a computer (`segue host`) on the other end of a socket.
+/// The process server of a computer (`segue host`) at that place; errors as of connect().
 Result<std::unique_ptr<process::ProcessService>> connect_processes(
-    const std::filesystem::path& socket, Duration timeout = std::chrono::seconds(5));
+    const Endpoint& endpoint, Duration timeout = std::chrono::seconds(5));
 
 }  // namespace segue::control

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
 #include <segue/control/detail/callback_slot.hpp>
 #include <segue/control/detail/host_wire.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
@@ -247,9 +248,11 @@ class HostClient final : public hosts::HostService {
 
 }  // namespace
 
-Result<std::unique_ptr<hosts::HostService>> connect_host(const std::filesystem::path& socket,
-                                                         TimePoint deadline, std::function<void()> gone) {
-  auto channel = RpcChannel::open(socket, detail::kHostKind, "the host", time_left(deadline));
+Result<std::unique_ptr<hosts::HostService>> connect_host(const Endpoint& endpoint, TimePoint deadline,
+                                                         std::function<void()> gone) {
+  const auto* tcp = std::get_if<TcpEndpoint>(&endpoint);
+  const std::string who = tcp == nullptr ? "the host" : "host " + quote(tcp->host);
+  auto channel = RpcChannel::open(endpoint, detail::kHostKind, who, time_left(deadline));
   if (!channel) return channel.error();
   return std::make_unique<HostClient>(std::move(*channel), std::move(gone));
 }

@@ -123,9 +123,12 @@ class ProcessesClient final : public process::ProcessService {
 
 }  // namespace
 
-Result<std::unique_ptr<process::ProcessService>> connect_processes(const std::filesystem::path& socket,
+Result<std::unique_ptr<process::ProcessService>> connect_processes(const Endpoint& endpoint,
                                                                    Duration timeout) {
-  auto channel = RpcChannel::open(socket, detail::kProcessesKind, "the process server", timeout);
+  const bool remote = std::holds_alternative<TcpEndpoint>(endpoint);
+  auto channel = RpcChannel::open(
+      endpoint, detail::kProcessesKind,
+      "the process server" + (remote ? " of " + quote(detail::name_of(endpoint)) : ""), timeout);
   if (!channel) return channel.error();
   return std::make_unique<ProcessesClient>(std::move(*channel));
 }

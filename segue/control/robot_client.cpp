@@ -218,9 +218,9 @@ class Client final : public RobotService {
 
 }  // namespace
 
-Result<std::unique_ptr<RobotService>> connect(const std::filesystem::path& socket, Duration timeout) {
+Result<std::unique_ptr<RobotService>> connect(const Endpoint& endpoint, Duration timeout) {
   auto channel =
-      RpcChannel::open(socket, detail::kRobotKind, "robot " + quote(socket.stem().string()), timeout);
+      RpcChannel::open(endpoint, detail::kRobotKind, "robot " + quote(detail::name_of(endpoint)), timeout);
   if (!channel) return channel.error();
   return std::make_unique<Client>(std::move(*channel));
 }

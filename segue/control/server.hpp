@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/control/endpoint.hpp>
 #include <segue/control/robot_service.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -39,15 +43,29 @@ std::vector<std::string> running_robots();
 using Served =
     std::variant<RobotService*, deploy::DeploymentService*, process::ProcessService*, hosts::HostService*>;
 
-/// Serves one service on a Unix socket (0600; the peer's uid must be ours or root's) from a thread of its
-/// own. Service calls run side by side on up to 64 threads, so a slow one delays nobody; what is beyond the
-/// limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB) is refused with
-/// ResourceExhausted. Events of the service are reported to the clients that listen; one that does not keep
-/// up loses the oldest and learns how many.
+/// Where a server listens: on a Unix socket, on TCP, or on both.
+struct Places {
+  std::filesystem::path socket;  ///< empty: none
+  std::optional<TcpPlace> tcp;
+};
+
+/// Serves one service from a thread of its own: on a Unix socket (0600; the peer's uid must be ours or
+/// root's; who connects there administers), and on TCP with mutual TLS, where the client's certificate says
+/// what it may do (Role). Service calls run side by side on up to 64 threads, so a slow one delays nobody;
+/// what is beyond the limits (64 clients, 16 calls at once and 256 open ports for each, messages of 8 MiB, 5
+/// s from connecting until hello) is refused with ResourceExhausted or closed. Refusals of clients from other
+/// computers are logged, with who, from where and why; at most one a second where they are many. A client
+/// whose certificate is revoked (ca.crl of the credentials is watched) or expires is disconnected within a
+/// second. Events of the service are reported to the clients that listen; one that does not keep up loses the
+/// oldest and learns how many.
 class Server {
  public:
   /// AlreadyExists where a living server holds the socket; a stale one is replaced.
   static Result<std::unique_ptr<Server>> listen(const std::filesystem::path& socket, Served service);
+  /// The same at several places. Also AlreadyExists where the port is taken; Unsupported for a deployment
+  /// process on TCP, since it needs descriptors; InvalidArgument where there is no place, the address is not
+  /// numeric or the credentials are no host's.
+  static Result<std::unique_ptr<Server>> listen(const Places& places, Served service);
   /// Serves on a socket that is bound and listens already; its file is not removed at the end.
   /// InvalidArgument where it is no such socket.
   static Result<std::unique_ptr<Server>> serve(Descriptor listening, Served service);
@@ -55,15 +73,20 @@ class Server {
   /// then closes all clients and removes the socket that listen() made.
   ~Server();
 
+  /// The port of TCP; 0 where it does not listen there.
+  [[nodiscard]] std::uint16_t port() const;
+
  private:
   struct Implementation;
   explicit Server(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The robot on the other end of a socket. Unavailable where nobody answers; calls after the robot went
-/// answer Unavailable too. The destructor closes.
-Result<std::unique_ptr<RobotService>> connect(const std::filesystem::path& socket,
+/// The robot at that place. Unavailable where nobody answers; calls after the robot went answer Unavailable
+/// too. On TCP also NotFound where the computer's name is unknown, DeadlineExceeded where it does not answer,
+/// and PermissionDenied where one side refuses the certificate of the other; the message says which and why.
+/// The destructor closes.
+Result<std::unique_ptr<RobotService>> connect(const Endpoint& endpoint,
                                               Duration timeout = std::chrono::seconds(5));
 
 }  // namespace segue::control

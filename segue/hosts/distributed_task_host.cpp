@@ -8,11 +8,12 @@
 #include <segue/hosts/action_router.hpp>
 #include <segue/hosts/distributed_check.hpp>
 #include <segue/hosts/distributed_commit.hpp>
+#include <segue/hosts/link_counts.hpp>
+#include <segue/hosts/link_matching.hpp>
 #include <segue/hosts/sites.hpp>
 
 #include <algorithm>
 #include <condition_variable>
-#include <span>
 #include <thread>
 #include <utility>
 
@@ -23,26 +24,8 @@ namespace {
 using deploy::detail::Which;
 using detail::Site;
 
-/// How long senders and receivers may take to find each other.
-constexpr Duration kMatching = std::chrono::seconds(10);
-
 TimePoint in(Duration duration) {
   return RealClock::instance().now() + duration;
-}
-
-/// How many calls at once are made of one host, which limits them for each client.
-constexpr std::size_t kCallsAtOnce = 8;
-
-/// The senders and receivers of a network, and how many of the others each has to find.
-std::map<model::TaskId, int> links_of(const model::Network& network) {
-  std::map<model::TaskId, int> links;
-  for (const auto& task : network.tasks) {
-    if (const auto sender = sender_of(task.id)) {
-      ++links[*sender];
-      links[task.id] = 1;
-    }
-  }
-  return links;
 }
 
 }  // namespace
@@ -62,9 +45,6 @@ struct DistributedTaskHost::Implementation {
   void greet(const Site& site);
   void watch();
   void look_after(const Site& site);
-  /// Waits until the senders and receivers of a network have found each other.
-  void wait_for_links(const model::Network& network);
-  Result<void> wait_for_link(const model::TaskId& task, int count, TimePoint deadline) const;
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
   template <class Ask>
@@ -77,12 +57,13 @@ struct DistributedTaskHost::Implementation {
   detail::Sites sites;
   detail::ActionRouter router{sites};
   detail::DistributedCommit commits{sites, router, options.promise};
+  detail::LinkMatching matching{sites, router, options.patience};
   concurrent::Notifier<host::HostEvent> events{500};
 
   mutable std::mutex mutex;  ///< protects everything below except the thread
   std::condition_variable changed;
   std::map<model::NetworkName, model::Network> expected;
-  std::optional<Error> unmatched;  ///< why senders of the present transition have not found their receivers
+  detail::LinkCounts counts;
   std::map<const Site*, bool> is_up;  ///< as it was reported last
   bool closed = false;
   std::thread watcher;
@@ -167,60 +148,6 @@ void DistributedTaskHost::Implementation::look_after(const Site& site) {
   if (site.reachable()) {
     report(site, true, "is there again");
   }
-}
-
-void DistributedTaskHost::Implementation::wait_for_links(const model::Network& network) {
-  const TimePoint deadline = in(kMatching);
-  std::map<const Site*, std::vector<std::pair<model::TaskId, int>>> by_site;
-  for (const auto& [task, count] : links_of(network)) {
-    if (const auto site = sites.locate(task, Which::Next)) {
-      by_site[*site].emplace_back(task, count);
-    }
-  }
-  std::vector<concurrent::ThreadPool::Job> jobs;
-  for (const auto& [site, links] : by_site) {
-    const std::size_t share = (links.size() + kCallsAtOnce - 1) / kCallsAtOnce;
-    for (std::size_t first = 0; first < links.size(); first += share) {
-      const std::span some(links.data() + first, std::min(share, links.size() - first));
-      jobs.emplace_back([this, some, deadline] {
-        for (const auto& [task, count] : some) {
-          if (auto found = wait_for_link(task, count, deadline); !found) {
-            const std::lock_guard lock(mutex);
-            unmatched = std::move(found.error());
-          }
-        }
-      });
-    }
-  }
-  sites.pool().run_all(std::move(jobs));
-}
-
-Result<void> DistributedTaskHost::Implementation::wait_for_link(const model::TaskId& task, int count,
-                                                                TimePoint deadline) const {
-  const auto site = sites.locate(task, Which::Next);
-  const auto reached = site ? router.reach(**site) : Result<detail::HostLink::Reached>(site.error());
-  if (!reached) {
-    return reached.error();
-  }
-  const Duration left = std::max(Duration(0), deadline - RealClock::instance().now());
-  type::ValueMap arguments;
-  arguments.append("count", count);
-  arguments.append("timeout_ms", std::chrono::duration_cast<std::chrono::milliseconds>(left).count());
-  const auto found =
-      reached->robot->call(task, "wait_matched", std::move(arguments), deadline + options.patience);
-  if (!found) {
-    return found.error();
-  }
-  if (!found->is_number() || found->as_double() < count) {
-    return fail(ErrorCode::DeadlineExceeded,
-                "has found " +
-                    (found->is_number() ? std::to_string(static_cast<int>(found->as_double())) : "none") +
-                    " of " + std::to_string(count) + " counterparts on other hosts within " +
-                    format_duration(kMatching) +
-                    "; check the addresses of the hosts, and that UDP passes between them",
-                task.str());
-  }
-  return {};
 }
 
 /// Each change once.
@@ -319,10 +246,7 @@ void DistributedTaskHost::expect(const model::Network& target) {
 void DistributedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
   auto& self = *implementation_;
   self.router.begin_transition();
-  {
-    const std::lock_guard lock(self.mutex);
-    self.unmatched.reset();
-  }
+  self.matching.begin_transition(before);
   const auto processes = model::task_processes(target);
   std::map<model::TaskId, model::DeploymentKey> wanted;
   for (const auto& task : target.tasks) {
@@ -343,17 +267,14 @@ void DistributedTaskHost::get_ready(const model::Network& target) {
   auto& self = *implementation_;
   self.sites.for_all(
       [&](const Site& site, HostedRobot& robot) { return robot.get_ready(self.sites.part(target, site)); });
-  self.wait_for_links(target);
+  self.matching.wait_for(target);
 }
 
 Result<void> DistributedTaskHost::arm_commit(const model::Transition& transition, TimePoint deadline) {
   auto& self = *implementation_;
-  {
-    const std::lock_guard lock(self.mutex);
-    if (self.unmatched) {
-      return fail(self.unmatched->code, "hosts do not receive each other's samples")
-          .because_of(*self.unmatched);
-    }
+  if (auto matched = self.matching.outcome(); !matched) {
+    const ErrorCode code = matched.error().code;
+    return fail(code, "hosts do not receive each other's samples").because_of(std::move(matched.error()));
   }
   return self.commits.arm(transition, deadline);
 }
@@ -440,7 +361,10 @@ void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoin
 }
 
 model::Network DistributedTaskHost::observe() const {
-  return implementation_->sites.look().network;
+  const HostView view = implementation_->sites.look();
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->counts.note(view.connections);
+  return view.network;
 }
 
 std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
@@ -460,7 +384,10 @@ std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
 }
 
 std::vector<host::ConnectionReport> DistributedTaskHost::connections() const {
-  return without_gateways(implementation_->sites.look().connections);
+  HostView view = implementation_->sites.look();
+  const std::lock_guard lock(implementation_->mutex);
+  implementation_->counts.note(view.connections);
+  return implementation_->counts.condense(std::move(view.connections));
 }
 
 Result<model::ComponentModel> DistributedTaskHost::describe(const model::TaskId& task) const {

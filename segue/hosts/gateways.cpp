@@ -246,31 +246,4 @@ Network without_gateways(Network network) {
   return network;
 }
 
-std::vector<host::ConnectionReport> without_gateways(std::vector<host::ConnectionReport> reports) {
-  std::map<TaskId, host::ConnectionReport> to_sender;
-  for (const auto& report : reports) {
-    if (is_link_task(report.connection.to.task)) {
-      to_sender.emplace(report.connection.to.task, report);
-    }
-  }
-  std::vector<host::ConnectionReport> whole;
-  for (auto& report : reports) {
-    if (is_link_task(report.connection.to.task)) {
-      continue;
-    }
-    if (const auto sender = sender_of(report.connection.from.task)) {
-      const auto first = to_sender.find(*sender);
-      if (first == to_sender.end()) {
-        continue;
-      }
-      const auto& sent = first->second;
-      report.connection.from = sent.connection.from;
-      report.dropped += sent.dropped + (sent.read > report.written ? sent.read - report.written : 0);
-      report.written = sent.written;
-    }
-    whole.push_back(std::move(report));
-  }
-  return whole;
-}
-
 }  // namespace segue::hosts

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/host/task_host.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,10 +46,6 @@ model::Network with_gateways(model::Network network, const GatewaySettings& sett
 
 /// The reverse. A connection between hosts is there where both of its halves are.
 model::Network without_gateways(model::Network network);
-
-/// The same for counts of samples. What a sender took and no receiver delivered counts as dropped, though
-/// some of it may be on its way.
-std::vector<host::ConnectionReport> without_gateways(std::vector<host::ConnectionReport> reports);
 
 /// Whether a task is a sender or receiver, by its id, which no file can contain.
 bool is_link_task(const model::TaskId& task);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/files.hpp>
+#include <segue/model/host_config.hpp>
 
 #include <support/paths.hpp>
 
@@ -211,12 +212,31 @@ TEST(TransitionFileTest, afterMustNameEarlierActions) {
   EXPECT_THAT(to_string(diagnostics), HasSubstr("earlier"));
 }
 
+TEST(HostConfigTest, IsReadWithPathsRelativeToTheFile) {
+  Diagnostics diagnostics;
+  const auto config = read_host_config(
+      "name: arm\nlisten: 0.0.0.0:7447\ncredentials: keys\nstate: /var/lib/segue\n"
+      "zygote: [segue_components_demo]\n",
+      "/etc/segue/host.yaml", diagnostics);
+  ASSERT_TRUE(config) << to_string(diagnostics);
+  EXPECT_EQ(
+      *config,
+      (HostConfig{"arm", "0.0.0.0:7447", "/etc/segue/keys", "/var/lib/segue", {"segue_components_demo"}}));
+}
+
+TEST(HostConfigTest, LibrariesAreNamesAndKeysAreKnown) {
+  Diagnostics diagnostics;
+  EXPECT_FALSE(read_host_config("zygote: [../evil]\nlissen: x\n", "host.yaml", diagnostics));
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("../evil"));
+  EXPECT_THAT(to_string(diagnostics), HasSubstr("did you mean 'listen'"));
+}
+
 TEST(RobotFileTest, theExampleOfTheManual) {
   Diagnostics diagnostics;
   const auto robot = read_robot(R"(robot: artemis
 hosts:
   onboard: local
-  base: {address: "tcp://10.0.0.2:7447", ca: certs/ca.pem}
+  base: {address: "tcp://10.0.0.2:7447", credentials: certs}
 libraries: [segue_components_demo]
 models: ["models/*.yaml"]
 controllers: [controllers/*.yaml]
@@ -229,7 +249,7 @@ look_ahead: {processes: 3, memory: 512MB}
   ASSERT_TRUE(robot) << to_string(diagnostics);
   EXPECT_THAT(diagnostics.items(), IsEmpty());
   EXPECT_THAT(robot->hosts, ElementsAre(Host{HostName("onboard"), "local", ""},
-                                        Host{HostName("base"), "tcp://10.0.0.2:7447", "certs/ca.pem"}));
+                                        Host{HostName("base"), "tcp://10.0.0.2:7447", "certs"}));
   EXPECT_EQ(robot->policies, (Policies{FailurePolicy::Restart,
                                        {5, std::chrono::milliseconds(200)},
                                        std::chrono::milliseconds(500)}));

@@ -40,7 +40,7 @@ Host read_host(const std::string& name, const Value& value, const Source& source
     Fields fields(value, what, source);
     fields.require("address", "'local' or an address such as 'tcp://10.0.0.2:7447'");
     host.address = fields.text("address");
-    host.ca = fields.text("ca");
+    host.credentials = fields.text("credentials");
     host.optional = fields.boolean("optional", false);
     fields.finish();
     if (host.address.empty()) return host;

@@ -24,12 +24,6 @@ void check_hosts(const Robot& robot, Diagnostics& diagnostics) {
       diagnostics.error("duplicate-host", "host " + quote(host.name.str()) + " is defined twice",
                         robot.where);
     }
-    if (host.address.starts_with("tcp:") && host.ca.empty()) {
-      diagnostics.warning("missing-ca",
-                          "host " + quote(host.name.str()) +
-                              " names no certificate authority ('ca'); it can only be reached with TLS",
-                          robot.where);
-    }
   }
 }
 

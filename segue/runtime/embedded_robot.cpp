@@ -10,6 +10,7 @@
 #include <segue/journal/journal.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/host_places.hpp>
 #include <segue/runtime/robot_tasks.hpp>
 #include <segue/task/realtime_log.hpp>
 
@@ -55,7 +56,7 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   }
   load_libraries(diagnostics, !options.stand_in && !options.only_stand_ins);
   load_models(diagnostics);
-  if (detail::has_other_hosts(robot)) {
+  if (has_other_hosts(robot)) {
     for (auto& gateway : hosts::gateway_models()) {
       catalog.add(std::move(gateway));
     }

@@ -5,20 +5,18 @@
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
-#include <segue/control/host_client.hpp>
 #include <segue/control/server.hpp>
 #include <segue/hosts/lease.hpp>
 #include <segue/process/process_server.hpp>
 #include <segue/runtime/daemon_processes.hpp>
+#include <segue/runtime/host_places.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 
 namespace segue::runtime::detail {
@@ -153,67 +151,7 @@ Result<hosts::RobotRequest> robot_request(const process::Launch& launch, const E
   return request;
 }
 
-constexpr std::string_view kUnixScheme = "unix:";
-constexpr std::string_view kTcpScheme = "tcp://";
-
-/// The address of a host without its port, where samples reach it.
-std::string data_address(const model::Host& host) {
-  if (!host.address.starts_with(kTcpScheme)) {
-    return "127.0.0.1";  // a Unix socket leads to this computer
-  }
-  const std::string rest = host.address.substr(kTcpScheme.size());
-  return rest.substr(0, rest.rfind(':'));
-}
-
-hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
-  hosts::GatewaySettings settings;
-  settings.robot = robot.name;
-  if (const char* domain = std::getenv("ROS_DOMAIN_ID")) {
-    settings.domain = std::atoi(domain);
-  }
-  bool all_here = true;
-  for (const auto& host : robot.hosts) {
-    if (host.is_local()) {
-      settings.own.push_back(host.name);
-    } else {
-      settings.addresses.emplace(host.name, data_address(host));
-      all_here = all_here && host.address.starts_with(kUnixScheme);
-    }
-  }
-  if (all_here) {
-    settings.addresses.emplace(model::kLocalHost, "127.0.0.1");
-  }
-  return settings;
-}
-
-hosts::ConnectHost connector_of(const model::Host& host) {
-  if (host.address.starts_with(kUnixScheme)) {
-    const fs::path socket = host.address.substr(kUnixScheme.size());
-    return [socket](TimePoint deadline, std::function<void()> gone) {
-      return control::connect_host(socket, deadline, std::move(gone));
-    };
-  }
-  return [](TimePoint, const std::function<void()>&) -> Result<std::unique_ptr<hosts::HostService>> {
-    return fail(ErrorCode::Unsupported, "hosts are reached by Unix sockets only");
-  };
-}
-
-std::vector<hosts::HostPlace> places(const model::Robot& robot) {
-  std::vector<hosts::HostPlace> all;
-  for (const auto& host : robot.hosts) {
-    if (!host.is_local()) {
-      all.push_back({host.name, host.address, host.optional, connector_of(host)});
-    }
-  }
-  return all;
-}
-
 }  // namespace
-
-bool has_other_hosts(const model::Robot& robot) {
-  return std::any_of(robot.hosts.begin(), robot.hosts.end(),
-                     [](const model::Host& host) { return !host.is_local(); });
-}
 
 Result<std::unique_ptr<RobotTasks>> RobotTasks::create(const model::Robot& robot,
                                                        const host::LibrarySet& libraries,
@@ -267,7 +205,7 @@ Result<void> RobotTasks::reach_hosts(const model::Robot& robot, const model::Com
   distributed.gateways = gateway_settings(robot);
   distributed.stand_in = options.stand_in;
   distributed.only_stand_ins = options.only_stand_ins;
-  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, places(robot), catalog,
+  distributed_ = std::make_unique<hosts::DistributedTaskHost>(*deployed_, host_places(robot), catalog,
                                                               std::move(distributed));
   // The lease of a runtime that was killed runs out soon.
   auto& clock = RealClock::instance();

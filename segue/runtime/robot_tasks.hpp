@@ -14,9 +14,6 @@
 
 namespace segue::runtime::detail {
 
-/// Whether deployments of the robot may live on other computers than the runtime's.
-bool has_other_hosts(const model::Robot& robot);
-
 /// The task host of a robot: all tasks in this process, or some in processes of their own, as its options
 /// say.
 class RobotTasks {

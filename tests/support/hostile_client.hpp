@@ -3,6 +3,7 @@
 
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/socket.hpp>
+#include <segue/control/detail/tcp_socket.hpp>
 #include <segue/control/detail/wire.hpp>
 #include <support/fake_robot.hpp>
 
@@ -31,6 +32,8 @@ class Raw {
  public:
   explicit Raw(const std::filesystem::path& socket)
       : descriptor_(detail::connect_socket(socket, kLong).value()) {}
+  /// Of a TCP server on this computer.
+  explicit Raw(std::uint16_t port) : descriptor_(detail::connect_tcp({"127.0.0.1", port}, soon()).value()) {}
 
   /// The number of bytes that the server accepts before it closes or stops reading for `patience`.
   std::size_t send(std::string_view bytes, Duration patience = kLong) {
@@ -72,6 +75,16 @@ class Raw {
       if (got == 0 || (got < 0 && errno != EAGAIN)) return true;
       if (got < 0 && !wait_for(POLLIN, kLong)) return false;
     }
+  }
+
+  /// Whether the server closes within that time; discards its data.
+  bool closes_within(Duration limit) {
+    char byte = 0;
+    while (wait_for(POLLIN, limit)) {
+      const auto got = ::recv(descriptor_.get(), &byte, 1, 0);
+      if (got == 0 || (got < 0 && errno != EAGAIN)) return true;
+    }
+    return false;
   }
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/control/detail/caller.hpp>
 
 #include <algorithm>
-#include <array>
 #include <exception>
 #include <string>
 
@@ -13,24 +13,11 @@ namespace {
 constexpr std::size_t kMaxCallsPerClient = 16;
 constexpr Duration kMaxTimeout = std::chrono::hours(24);
 
-/// In the order of Served.
-constexpr std::array<std::string_view, 4> kNouns = {"the robot", "the deployment process",
-                                                    "the process server", "the host"};
-constexpr std::array<std::string_view, 4> kKinds = {kRobotKind, kDeploymentKind, kProcessesKind, kHostKind};
-
 Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
   return fail(code, std::string(noun) + std::string(why));
 }
 
 }  // namespace
-
-std::string_view ServerCore::noun() const {
-  return kNouns.at(served.index());
-}
-
-std::string_view ServerCore::kind() const {
-  return kKinds.at(served.index());
-}
 
 TimePoint deadline_after(std::int64_t timeout) {
   return RealClock::instance().now() + std::clamp(Duration(timeout), Duration(0), kMaxTimeout);
@@ -46,6 +33,19 @@ Error thrown_by_service(std::string_view noun) {
   }
 }
 
+Result<void> Caller::require(Role needed) const {
+  const Peer& peer = client_->peer;
+  if (peer.role >= needed) return {};
+  const std::string has(to_string(peer.role));
+  const std::string needs(to_string(needed));
+  core_.refusals.tell(to_string(peer),
+                      "what it asked of " + std::string(core_.noun()) + " needs the role " + needs);
+  return fail(ErrorCode::PermissionDenied, quote(peer.name) + " may only " + has + " " +
+                                               std::string(core_.noun()) + "; this needs the role " + needs +
+                                               ", with which an administrator can enrol " + quote(peer.name) +
+                                               " anew");
+}
+
 Result<void> Caller::begin() {
   if (core_.stopping) {
     return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
@@ -58,8 +58,9 @@ Result<void> Caller::begin() {
   return {};
 }
 
-kj::Promise<Result<void>> Caller::run(std::function<void()> job) {
+kj::Promise<Result<void>> Caller::run(Role needed, std::function<void()> job) {
   using Fulfiller = kj::Own<kj::PromiseFulfiller<Result<void>>>;
+  if (auto permitted = require(needed); !permitted) return permitted;
   if (auto begun = begin(); !begun) {
     return begun;
   }

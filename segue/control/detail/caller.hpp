@@ -3,18 +3,9 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
-#include <segue/concurrent/thread_pool.hpp>
-#include <segue/control/detail/broadcast.hpp>
-#include <segue/control/detail/event_loop.hpp>
-#include <segue/control/detail/tally.hpp>
+#include <segue/control/detail/server_core.hpp>
 #include <segue/control/detail/wire.hpp>
-#include <segue/control/server.hpp>
-#include <segue/deploy/deployment_service.hpp>
-#include <segue/hosts/host_service.hpp>
-#include <segue/process/process_service.hpp>
 
-#include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -27,41 +18,6 @@
 /// used in the server's event loop, except for the jobs.
 namespace segue::control::detail {
 
-/// The state that all clients of a server share.
-struct ServerCore {
-  static constexpr std::size_t kMaxCalls = 64;
-
-  explicit ServerCore(Served what) : served(what) {}
-
-  template <class Service>
-  [[nodiscard]] Service& service() const {
-    return *std::get<Service*>(served);
-  }
-  /// "the robot", "the deployment process", "the process server", "the host".
-  [[nodiscard]] std::string_view noun() const;
-  /// The name of the service in the protocol: "robot", "deployment", "processes", "host".
-  [[nodiscard]] std::string_view kind() const;
-
-  const Served served;
-  std::atomic<bool> stopping{false};
-  Broadcast<host::TaskEvent> task_events;
-  Broadcast<process::ProcessInfo> process_events;
-  EventLoop loop;
-  Tally batches;  ///< in progress, on threads of the service
-  /// Destroyed before the loop, to which its jobs post.
-  concurrent::ThreadPool pool{"segue-calls", {kMaxCalls, 8}};
-};
-
-inline constexpr std::size_t kMaxListenersPerClient = 4;
-
-/// The state that all capabilities of a client share; outlives the connection while calls are in progress.
-struct ClientState {
-  bool greeted = false;
-  std::size_t calls = 0;
-  std::size_t streams = 0;
-  std::size_t listeners = 0;
-};
-
 /// When a call with this timeout, in nanoseconds, must be answered.
 TimePoint deadline_after(std::int64_t timeout);
 
@@ -70,9 +26,12 @@ class Caller {
  public:
   Caller(ServerCore& core, std::shared_ptr<ClientState> client) : core_(core), client_(std::move(client)) {}
 
-  /// Runs `job` on a thread of the pool and resolves when it has ended; ResourceExhausted or Unavailable, at
-  /// once, where it is not begun. `job` must not throw.
-  kj::Promise<Result<void>> run(std::function<void()> job);
+  /// PermissionDenied, which is logged too, unless the client's role includes `needed`.
+  Result<void> require(Role needed) const;
+
+  /// Runs `job` on a thread of the pool and resolves when it has ended; PermissionDenied, ResourceExhausted
+  /// or Unavailable, at once, where it is not begun. `job` must not throw.
+  kj::Promise<Result<void>> run(Role needed, std::function<void()> job);
 
   /// For a call that takes none of the pool's threads: it counts as one in progress until end(). Unavailable
   /// or ResourceExhausted where it may not be begun.
@@ -80,22 +39,37 @@ class Caller {
   void end() { --client_->calls; }
 
   /// Runs `job`, which returns a Result<T>, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
-  /// exceptions of the job included, become the `error` of the results. Parameters must have been read.
+  /// exceptions of the job included, become the `error` of the results; so does a role that does not include
+  /// `needed` (Observe, which everybody has, where none is named). Parameters must have been read.
   template <class Context, class Job, class Reply>
-  kj::Promise<void> answer(Context context, Job job, Reply reply);
+  kj::Promise<void> answer(Role needed, Context context, Job job, Reply reply);
+  template <class Context, class Job, class Reply>
+  kj::Promise<void> answer(Context context, Job job, Reply reply) {
+    return answer(Role::Observe, context, std::move(job), std::move(reply));
+  }
   /// The same in the loop itself, for a job that only reads what is at hand.
   template <class Context, class Job, class Reply>
   kj::Promise<void> answer_here(Context context, Job job, Reply reply);
   /// The same for a Result<void> without more to say.
   template <class Context, class Job>
-  kj::Promise<void> answer(Context context, Job job);
+  kj::Promise<void> answer(Context context, Job job) {
+    return answer(context, std::move(job), [](auto) {});
+  }
   /// The same for a Result<Value> that is the `answer` of the results; calls `done(results)` unless it is an
   /// error.
   template <class Context, class Job, class Done>
-  kj::Promise<void> answer_value(Context context, Job job, Done done);
+  kj::Promise<void> answer_value(Role needed, Context context, Job job, Done done);
+  template <class Context, class Job, class Done>
+  kj::Promise<void> answer_value(Context context, Job job, Done done) {
+    return answer_value(Role::Observe, context, std::move(job), std::move(done));
+  }
+  template <class Context, class Job>
+  kj::Promise<void> answer_value(Role needed, Context context, Job job) {
+    return answer_value(needed, context, std::move(job), [](auto) {});
+  }
   template <class Context, class Job>
   kj::Promise<void> answer_value(Context context, Job job) {
-    return answer_value(context, std::move(job), [](auto) {});
+    return answer_value(Role::Observe, context, std::move(job));
   }
 
   [[nodiscard]] ServerCore& core() const { return core_; }
@@ -103,7 +77,7 @@ class Caller {
 
  private:
   template <class Context, class Job, class Finish>
-  kj::Promise<void> begin_job(Context context, Job job, Finish finish);
+  kj::Promise<void> begin_job(Role needed, Context context, Job job, Finish finish);
 
   ServerCore& core_;
   std::shared_ptr<ClientState> client_;
@@ -123,7 +97,7 @@ auto guarded(Job& job, std::string_view noun) -> std::invoke_result_t<Job&> {
 
 /// `finish(outcome, results)` in the loop when `job` has ended or was refused.
 template <class Context, class Job, class Finish>
-kj::Promise<void> Caller::begin_job(Context context, Job job, Finish finish) {
+kj::Promise<void> Caller::begin_job(Role needed, Context context, Job job, Finish finish) {
   using Outcome = std::invoke_result_t<Job&>;
   struct Work {
     std::optional<Job> job;
@@ -133,7 +107,7 @@ kj::Promise<void> Caller::begin_job(Context context, Job job, Finish finish) {
   context.allowCancellation();
   auto work = std::make_shared<Work>();
   work->job.emplace(std::move(job));
-  auto done = run([work, noun = core_.noun()] {
+  auto done = run(needed, [work, noun = core_.noun()] {
     work->outcome.emplace(guarded(*work->job, noun));
     work->job.reset();
   });
@@ -159,10 +133,11 @@ void write_outcome(Outcome& outcome, Results results, Reply& reply) {
 }
 
 template <class Context, class Job, class Reply>
-kj::Promise<void> Caller::answer(Context context, Job job, Reply reply) {
-  return begin_job(context, std::move(job), [reply = std::move(reply)](auto& outcome, auto results) mutable {
-    write_outcome(outcome, results, reply);
-  });
+kj::Promise<void> Caller::answer(Role needed, Context context, Job job, Reply reply) {
+  return begin_job(needed, context, std::move(job),
+                   [reply = std::move(reply)](auto& outcome, auto results) mutable {
+                     write_outcome(outcome, results, reply);
+                   });
 }
 
 template <class Context, class Job, class Reply>
@@ -175,17 +150,13 @@ kj::Promise<void> Caller::answer_here(Context context, Job job, Reply reply) {
   return kj::READY_NOW;
 }
 
-template <class Context, class Job>
-kj::Promise<void> Caller::answer(Context context, Job job) {
-  return answer(context, std::move(job), [](auto) {});
-}
-
 template <class Context, class Job, class Done>
-kj::Promise<void> Caller::answer_value(Context context, Job job, Done done) {
-  return begin_job(context, std::move(job), [done = std::move(done)](auto& outcome, auto results) mutable {
-    encode(outcome, results.initAnswer());
-    if (outcome) done(results);
-  });
+kj::Promise<void> Caller::answer_value(Role needed, Context context, Job job, Done done) {
+  return begin_job(needed, context, std::move(job),
+                   [done = std::move(done)](auto& outcome, auto results) mutable {
+                     encode(outcome, results.initAnswer());
+                     if (outcome) done(results);
+                   });
 }
 
 }  // namespace segue::control::detail

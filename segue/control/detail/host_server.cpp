@@ -165,7 +165,8 @@ class HostServer final : public wire::Host::Server {
       request.launch.deployment = {};  // of whichever process is deployed
       return service.acquire(request, deadline);
     };
-    return caller_.answer(context, std::move(job),
+    // Who takes a robot away from a runtime that lives decides more than what it does next.
+    return caller_.answer(params.getTakeOver() ? Role::Administer : Role::Operate, context, std::move(job),
                           [caller = caller_](std::shared_ptr<HostedRobot>& robot, auto results) {
                             results.setRobot(kj::heap<HostedRobotServer>(caller, std::move(robot)));
                           });

@@ -31,7 +31,7 @@ class ProcessesServer final : public wire::Processes::Server {
       if (!checked) return checked.error();
       return service.start(*checked, deadline);
     };
-    return caller_.answer(context, std::move(job),
+    return caller_.answer(Role::Administer, context, std::move(job),
                           [](ProcessInfo& process, auto results) { encode(process, results.initProcess()); });
   }
 
@@ -43,9 +43,9 @@ class ProcessesServer final : public wire::Processes::Server {
                 deadline = deadline_after(params.getTimeout()), kill = params.getKill()] {
       return kill ? service.kill(robot, key, deadline) : service.stop(robot, key, deadline);
     };
-    return caller_.answer(context, std::move(job), [](process::ExitReason& reason, auto results) {
-      encode(reason, results.initExit());
-    });
+    return caller_.answer(
+        Role::Administer, context, std::move(job),
+        [](process::ExitReason& reason, auto results) { encode(reason, results.initExit()); });
   }
 
   kj::Promise<void> processes(ProcessesContext context) override {

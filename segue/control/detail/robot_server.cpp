@@ -23,10 +23,18 @@ Result<Value> as_value(const Result<void>& outcome) {
   return Value();
 }
 
+/// Who asks: what a client says of itself, behind what is known of one from another computer.
+template <class Params>
+std::string who_asks(const Params& params, const Peer& peer) {
+  std::string who = as_string(params.getWho());
+  if (peer.local) return who;
+  return to_string(peer) + (who.empty() ? "" : ": " + who);
+}
+
 /// Of requests that may be dry runs.
 template <class Params>
-SwitchOptions options_of(const Params& params) {
-  return {params.getDryRun(), params.getForce(), as_string(params.getOrder()), as_string(params.getWho())};
+SwitchOptions options_of(const Params& params, const Peer& peer) {
+  return {params.getDryRun(), params.getForce(), as_string(params.getOrder()), who_asks(params, peer)};
 }
 
 /// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
@@ -57,19 +65,21 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context, [&service = service(), controller = as_string(params.getController()),
-                  options = options_of(params), deadline = deadline_after(params.getTimeout())] {
+        Role::Operate, context,
+        [&service = service(), controller = as_string(params.getController()),
+         options = options_of(params, peer()), deadline = deadline_after(params.getTimeout())] {
           return service.switch_to(controller, options, deadline);
         });
   }
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(context, [&service = service(), text = as_string(params.getText()),
-                                          file = as_string(params.getFile()), options = options_of(params),
-                                          deadline = deadline_after(params.getTimeout())] {
-      return service.switch_to_network(text, file, options, deadline);
-    });
+    return caller_.answer_value(
+        Role::Operate, context,
+        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
+         options = options_of(params, peer()), deadline = deadline_after(params.getTimeout())] {
+          return service.switch_to_network(text, file, options, deadline);
+        });
   }
 
   kj::Promise<void> plan(PlanContext context) override {
@@ -85,10 +95,10 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> applyFiles(ApplyFilesContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context,
+        Role::Operate, context,
         [&service = service(),
-         options = SwitchOptions{false, params.getForce(), as_string(params.getOrder()),
-                                 as_string(params.getWho())},
+         options =
+             SwitchOptions{false, params.getForce(), as_string(params.getOrder()), who_asks(params, peer())},
          deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
   }
 
@@ -97,29 +107,31 @@ class RobotServer final : public wire::Robot::Server {
     std::vector<std::string> controllers;
     for (const auto name : params.getControllers())
       controllers.push_back(as_string(name));
-    return caller_.answer_value(context, [&service = service(), controllers = std::move(controllers),
-                                          deadline = deadline_after(params.getTimeout())] {
-      return service.prepare(controllers, deadline);
-    });
+    return caller_.answer_value(
+        Role::Operate, context,
+        [&service = service(), controllers = std::move(controllers),
+         deadline = deadline_after(params.getTimeout())] { return service.prepare(controllers, deadline); });
   }
 
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context, [&service = service(), text = as_string(params.getText()),
-                  file = as_string(params.getFile()), deadline = deadline_after(params.getTimeout())] {
+        Role::Operate, context,
+        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
+         deadline = deadline_after(params.getTimeout())] {
           return service.apply_transition(text, file, deadline);
         });
   }
 
   kj::Promise<void> resetBelief(ResetBeliefContext context) override {
-    return caller_.answer_value(context, [&service = service()] { return as_value(service.reset_belief()); });
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service()] { return as_value(service.reset_belief()); });
   }
 
   kj::Promise<void> setProperty(SetPropertyContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context,
+        Role::Operate, context,
         [&service = service(), task = as_string(params.getTask()), property = as_string(params.getProperty()),
          value = decode(params.getValue(), kMaxNodes),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -131,7 +143,7 @@ class RobotServer final : public wire::Robot::Server {
   kj::Promise<void> call(CallContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
-        context,
+        Role::Operate, context,
         [&service = service(), task = as_string(params.getTask()),
          operation = as_string(params.getOperation()), arguments = decode(params.getArguments(), kMaxNodes),
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
@@ -163,10 +175,12 @@ class RobotServer final : public wire::Robot::Server {
   }
 
   kj::Promise<void> shutDown(ShutDownContext context) override {
-    return caller_.answer_value(context, [&service = service()] { return as_value(service.shut_down()); });
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service()] { return as_value(service.shut_down()); });
   }
 
  private:
+  [[nodiscard]] const Peer& peer() const { return caller_.client()->peer; }
   [[nodiscard]] RobotService& service() const { return caller_.core().service<RobotService>(); }
 
   Caller caller_;

@@ -2,8 +2,10 @@
 #include <segue/base/text.hpp>
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/socket.hpp>
+#include <segue/control/detail/tcp_socket.hpp>
 
 #include <kj/debug.h>
+#include <kj/io.h>
 
 #include <algorithm>
 #include <exception>
@@ -43,11 +45,19 @@ wire::Gate::Client gate_of(capnp::RpcSystem<capnp::rpc::twoparty::VatId>& rpc) {
 /// An offer of memory has two descriptors; no other message has any.
 constexpr unsigned kMaxDescriptors = 2;
 
+constexpr unsigned kReadySocket =
+    kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK;
+
 }  // namespace
 
 Duration time_left(TimePoint deadline) {
   const TimePoint now = RealClock::instance().now();
   return deadline > now ? deadline - now : Duration(0);
+}
+
+std::string name_of(const Endpoint& endpoint) {
+  if (const auto* tcp = std::get_if<TcpEndpoint>(&endpoint)) return tcp->host;
+  return std::get<std::filesystem::path>(endpoint).stem().string();
 }
 
 Result<void> check_request(std::uint64_t words) {
@@ -63,11 +73,10 @@ struct RpcChannel::Failures final : kj::TaskSet::ErrorHandler {
   void taskFailed(kj::Exception&&) override {}
 };
 
-RpcChannel::Connection::Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors)
-    : stream_(io.lowLevelProvider->wrapUnixSocketFd(descriptor,
-                                                    kj::LowLevelAsyncIoProvider::TAKE_OWNERSHIP |
-                                                        kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC |
-                                                        kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
+RpcChannel::Connection::Connection(kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure,
+                                   unsigned descriptors)
+    : stream_(kj::mv(stream)),
+      secure_(secure),
       network_(*stream_, descriptors, capnp::rpc::twoparty::Side::CLIENT, reader_options()),
       rpc_(capnp::makeRpcClient(network_)),
       service_(kj::Exception(not_connected())) {}
@@ -105,6 +114,10 @@ void RpcChannel::Connection::watch(std::function<void()> gone) {
   if (gone) watch_ = network_.onDisconnect().then(std::move(gone)).eagerlyEvaluate(nullptr);
 }
 
+std::optional<Error> RpcChannel::Connection::problem() const {
+  return secure_ == nullptr ? std::nullopt : secure_->problem();
+}
+
 RpcChannel::RpcChannel(std::string who) : who_(std::move(who)) {}
 
 RpcChannel::~RpcChannel() {
@@ -115,33 +128,78 @@ RpcChannel::~RpcChannel() {
   });
 }
 
-Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const std::filesystem::path& socket,
-                                                     std::string_view kind, std::string who, Duration timeout,
-                                                     const Begin& first) {
+Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const Endpoint& endpoint, std::string_view kind,
+                                                     std::string who, Duration timeout, const Begin& first) {
   const TimePoint deadline = RealClock::instance().now() + timeout;
-  auto connected = connect_socket(socket, timeout);
+  const auto* path = std::get_if<std::filesystem::path>(&endpoint);
+  const auto* tcp = std::get_if<TcpEndpoint>(&endpoint);
+  auto connected = path != nullptr ? connect_socket(*path, timeout) : connect_tcp(tcp->address, deadline);
   if (!connected) return connected.error();
   try {
-    const std::shared_ptr<RpcChannel> channel(new RpcChannel(std::move(who)));
-    channel->loop_.run([&](kj::AsyncIoContext& io) {
-      channel->failures_ = std::make_unique<Failures>();
-      channel->calls_ = std::make_unique<kj::TaskSet>(*channel->failures_);
-      channel->connection_ = std::make_unique<Connection>(io, connected->release(),
-                                                          kind == kDeploymentKind ? kMaxDescriptors : 0);
-    });
-    const auto greeted = channel->ask(time_left(deadline), [&](Connection& connection) -> Answer {
-      auto hello = connection.hello(kind);
-      if (!first) return hello;
-      return hello.then([more = first(connection)](Result<Value>&& answer) mutable -> Answer {
-        if (!answer) return kj::mv(answer);
-        return more.then([answer = std::move(answer)]() mutable { return std::move(answer); });
-      });
-    });
-    if (!greeted) return greeted.error();
+    std::shared_ptr<RpcChannel> channel(new RpcChannel(std::move(who)));
+    const auto used = path != nullptr
+                          ? channel->use(std::move(*connected), kind == kDeploymentKind ? kMaxDescriptors : 0)
+                          : channel->use(std::move(*connected), *tcp, deadline);
+    if (!used) return used.error();
+    if (auto greeted = channel->greet(kind, deadline, first); !greeted) return greeted.error();
     return channel;
   } catch (const std::exception& exception) {
     return fail(ErrorCode::ResourceExhausted, std::string("cannot connect: ") + exception.what());
   }
+}
+
+Result<void> RpcChannel::use(Descriptor socket, unsigned descriptors) {
+  loop_.run([&](kj::AsyncIoContext& io) {
+    failures_ = std::make_unique<Failures>();
+    calls_ = std::make_unique<kj::TaskSet>(*failures_);
+    auto stream = io.lowLevelProvider->wrapUnixSocketFd(kj::AutoCloseFd(socket.release()), kReadySocket);
+    connection_ = std::make_unique<Connection>(kj::mv(stream), nullptr, descriptors);
+  });
+  return {};
+}
+
+Result<void> RpcChannel::use(Descriptor socket, const TcpEndpoint& endpoint, TimePoint deadline) {
+  auto done = std::make_shared<std::promise<Result<void>>>();
+  auto outcome = done->get_future();
+  loop_.run([&](kj::AsyncIoContext& io) {
+    failures_ = std::make_unique<Failures>();
+    calls_ = std::make_unique<kj::TaskSet>(*failures_);
+    auto stream = io.lowLevelProvider->wrapSocketFd(kj::AutoCloseFd(socket.release()), kReadySocket);
+    shake_hands(endpoint.credentials.encryption().connect(kj::mv(stream), endpoint.host), time_left(deadline),
+                done);
+  });
+  done.reset();  // so that it is broken where the loop has failed
+  return outcome.get();
+}
+
+void RpcChannel::shake_hands(kj::Own<SecureStream> stream, Duration timeout,
+                             const std::shared_ptr<std::promise<Result<void>>>& done) {
+  auto late = loop_.timer().afterDelay(to_kj(timeout)).then([this, timeout] {
+    return Result<Identity>(
+        fail(ErrorCode::DeadlineExceeded,
+             who_ + " did not answer within " + format_duration(timeout) + " in the TLS handshake"));
+  });
+  auto handshake = stream->handshake();
+  calls_->add(handshake.exclusiveJoin(kj::mv(late))
+                  .then([this, done, stream = kj::mv(stream)](Result<Identity>&& shown) mutable {
+                    if (!shown) return done->set_value(shown.error());
+                    SecureStream* secure = stream.get();
+                    connection_ = std::make_unique<Connection>(kj::mv(stream), secure, 0);
+                    done->set_value(Result<void>());
+                  }));
+}
+
+Result<void> RpcChannel::greet(std::string_view kind, TimePoint deadline, const Begin& first) {
+  const auto greeted = ask(time_left(deadline), [&](Connection& connection) -> Answer {
+    auto hello = connection.hello(kind);
+    if (!first) return hello;
+    return hello.then([more = first(connection)](Result<Value>&& answer) mutable -> Answer {
+      if (!answer) return kj::mv(answer);
+      return more.then([answer = std::move(answer)]() mutable { return std::move(answer); });
+    });
+  });
+  if (!greeted) return greeted.error();
+  return {};
 }
 
 bool RpcChannel::start(Duration timeout, Begin begin, Failed failed) {
@@ -188,6 +246,9 @@ void RpcChannel::close_stream(StreamId id) {
 }
 
 Error RpcChannel::translate(const kj::Exception& exception) const {
+  if (connection_ != nullptr) {
+    if (auto problem = connection_->problem()) return *problem;
+  }
   switch (exception.getType()) {
     case kj::Exception::Type::DISCONNECTED:
       return fail(ErrorCode::Unavailable, who_ + " is gone");

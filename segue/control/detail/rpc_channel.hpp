@@ -2,19 +2,22 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/control/detail/encryption.hpp>
 #include <segue/control/detail/event_loop.hpp>
 #include <segue/control/detail/wire.hpp>
+#include <segue/control/endpoint.hpp>
 
 #include <capnp/rpc-twoparty.h>
 
 #include <atomic>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <future>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +32,8 @@ inline constexpr Duration kGrace = std::chrono::seconds(2);
 
 /// The time until `deadline`; 0 where it has passed.
 Duration time_left(TimePoint deadline);
+/// For messages: the socket's name without its ending, or the host's.
+std::string name_of(const Endpoint& endpoint);
 /// ResourceExhausted where a request of so many words is more than a server takes.
 Result<void> check_request(std::uint64_t words);
 
@@ -46,8 +51,8 @@ class RpcChannel {
   /// The part that is only used in the loop's thread.
   class Connection {
    public:
-    /// Takes ownership of the descriptor. `descriptors` is how many a message may carry.
-    Connection(kj::AsyncIoContext& io, int descriptor, unsigned descriptors);
+    /// `descriptors` is how many a message may carry. `secure` is the stream where that uses TLS, else null.
+    Connection(kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure, unsigned descriptors);
 
     /// The service that hello() asks for. What is asked of it before the answer goes with hello(), and fails
     /// where that is refused; without hello() every call answers with an exception.
@@ -70,11 +75,14 @@ class RpcChannel {
     Answer hello(std::string_view kind);
     /// Calls `gone`, in the loop's thread, when the connection breaks.
     void watch(std::function<void()> gone);
+    /// Why the connection broke, where TLS says so.
+    [[nodiscard]] std::optional<Error> problem() const;
 
    private:
     capnp::Capability::Client held_capability(StreamId id);
 
     kj::Own<kj::AsyncCapabilityStream> stream_;
+    SecureStream* secure_;
     capnp::TwoPartyVatNetwork network_;
     capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
     capnp::Capability::Client service_;
@@ -87,8 +95,9 @@ class RpcChannel {
 
   /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". What
   /// `first`, called in the loop, asks of the service travels with hello(), so that all of it takes one round
-  /// trip; its promise is waited for unless hello() is refused.
-  static Result<std::shared_ptr<RpcChannel>> open(const std::filesystem::path& socket, std::string_view kind,
+  /// trip; its promise is waited for unless hello() is refused. `timeout` is for all of it: name, connection,
+  /// TLS and hello.
+  static Result<std::shared_ptr<RpcChannel>> open(const Endpoint& endpoint, std::string_view kind,
                                                   std::string who, Duration timeout, const Begin& first = {});
   ~RpcChannel();
   RpcChannel(const RpcChannel&) = delete;
@@ -125,6 +134,11 @@ class RpcChannel {
 
  private:
   explicit RpcChannel(std::string who);
+  Result<void> use(Descriptor socket, unsigned descriptors);
+  Result<void> use(Descriptor socket, const TcpEndpoint& endpoint, TimePoint deadline);
+  void shake_hands(kj::Own<SecureStream> stream, Duration timeout,
+                   const std::shared_ptr<std::promise<Result<void>>>& done);
+  Result<void> greet(std::string_view kind, TimePoint deadline, const Begin& first);
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 
   struct Failures;

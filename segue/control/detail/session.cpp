@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
-#include <segue/control/detail/services.hpp>
+#include <segue/control/detail/guarded_stream.hpp>
 #include <segue/control/detail/session.hpp>
+#include <segue/control/detail/socket.hpp>
+#include <segue/control/detail/tcp_socket.hpp>
 #include <segue/control/detail/wire.hpp>
 
 #include <kj/debug.h>
@@ -11,7 +13,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
-#include <optional>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -19,13 +21,10 @@ namespace segue::control::detail {
 
 namespace {
 
-/// A client that leaves more than this unread is not read from until it has read some. The number of messages
-/// counts too, since those that wait form a chain of promises, which is destroyed recursively.
-constexpr std::size_t kMaxUnreadBytes = std::size_t{16} << 20;
-constexpr std::size_t kMaxUnreadMessages = 256;
-constexpr auto kUnreadPause = 10 * kj::MILLISECONDS;
 constexpr auto kHelloTimeout = 5 * kj::SECONDS;
 constexpr auto kAcceptPause = 100 * kj::MILLISECONDS;
+/// How often the list of revoked certificates and the certificates of clients are looked at.
+constexpr auto kWatchPause = 500 * kj::MILLISECONDS;
 
 capnp::ReaderOptions reader_options() {
   capnp::ReaderOptions options;
@@ -37,138 +36,37 @@ capnp::ReaderOptions reader_options() {
 /// An offer of memory has two descriptors; no other message has any.
 constexpr unsigned kMaxDescriptors = 2;
 
-/// Passes all calls on, but does not read from a client that does not read its answers.
-class GuardedStream final : public kj::AsyncCapabilityStream {
- public:
-  GuardedStream(kj::Own<kj::AsyncCapabilityStream> inner, kj::Timer& timer)
-      : inner_(kj::mv(inner)), timer_(timer) {}
-
-  void watch(capnp::TwoPartyVatNetwork& network) { network_ = &network; }
-
-  kj::Promise<size_t> tryRead(void* buffer, size_t minimum, size_t maximum) override {
-    if (!is_backed_up()) return inner_->tryRead(buffer, minimum, maximum);
-    return pause().then([this, buffer, minimum, maximum] { return tryRead(buffer, minimum, maximum); });
-  }
-  kj::Promise<ReadResult> tryReadWithFds(void* buffer, size_t minimum, size_t maximum, kj::AutoCloseFd* fds,
-                                         size_t max_fds) override {
-    if (!is_backed_up()) return inner_->tryReadWithFds(buffer, minimum, maximum, fds, max_fds);
-    return pause().then([this, buffer, minimum, maximum, fds, max_fds] {
-      return tryReadWithFds(buffer, minimum, maximum, fds, max_fds);
-    });
-  }
-  kj::Promise<ReadResult> tryReadWithStreams(void* buffer, size_t minimum, size_t maximum,
-                                             kj::Own<kj::AsyncCapabilityStream>* streams,
-                                             size_t max_streams) override {
-    return inner_->tryReadWithStreams(buffer, minimum, maximum, streams, max_streams);
-  }
-  kj::Promise<void> write(const void* buffer, size_t size) override { return inner_->write(buffer, size); }
-  kj::Promise<void> write(kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> pieces) override {
-    return inner_->write(pieces);
-  }
-  kj::Promise<void> writeWithFds(kj::ArrayPtr<const kj::byte> data,
-                                 kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> more,
-                                 kj::ArrayPtr<const int> fds) override {
-    return inner_->writeWithFds(data, more, fds);
-  }
-  kj::Promise<void> writeWithStreams(kj::ArrayPtr<const kj::byte> data,
-                                     kj::ArrayPtr<const kj::ArrayPtr<const kj::byte>> more,
-                                     kj::Array<kj::Own<kj::AsyncCapabilityStream>> streams) override {
-    return inner_->writeWithStreams(data, more, kj::mv(streams));
-  }
-  kj::Promise<void> whenWriteDisconnected() override { return inner_->whenWriteDisconnected(); }
-  void shutdownWrite() override { inner_->shutdownWrite(); }
-
- private:
-  kj::Promise<void> pause() { return timer_.afterDelay(kUnreadPause); }
-
-  [[nodiscard]] bool is_backed_up() const {
-    return network_ != nullptr && (network_->getCurrentQueueSize() > kMaxUnreadBytes ||
-                                   network_->getCurrentQueueCount() > kMaxUnreadMessages);
-  }
-
-  kj::Own<kj::AsyncCapabilityStream> inner_;
-  kj::Timer& timer_;
-  capnp::TwoPartyVatNetwork* network_ = nullptr;
-};
-
 bool takes_descriptors(const ServerCore& core) {
   return core.kind() == kDeploymentKind;
 }
 
-capnp::Capability::Client make_service(const Caller& caller) {
-  const std::string_view kind = caller.core().kind();
-  if (kind == kDeploymentKind) return make_deployment_server(caller);
-  if (kind == kProcessesKind) return make_processes_server(caller);
-  if (kind == kHostKind) return make_host_server(caller);
-  return make_robot_server(caller);
+constexpr unsigned kReady =
+    kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK;
+
+/// What the receiver owns, to be wrapped as the kind of socket that it is.
+kj::AutoCloseFd duplicate(const kj::AsyncIoStream& accepted) {
+  KJ_IF_MAYBE (fd, accepted.getFd()) {
+    return kj::AutoCloseFd(::fcntl(*fd, F_DUPFD_CLOEXEC, 0));
+  }
+  return nullptr;
 }
-
-/// Accepts clients of the same protocol version that request the service which is offered.
-class GateServer final : public wire::Gate::Server {
- public:
-  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, const Sessions& others)
-      : core_(core), client_(std::move(client)), others_(others) {}
-
-  kj::Promise<void> hello(HelloContext context) override {
-    const auto params = context.getParams();
-    const auto refused =
-        refusal(params.getVersion(), as_string(params.getSoftware()), as_string(params.getWants()));
-    auto results = context.getResults();
-    results.setVersion(kProtocolVersion);
-    results.setSoftware(SEGUE_VERSION);
-    results.setServes(as_text(std::string(core_.kind())));
-    if (refused) {
-      encode(*refused, results.initError());
-    } else {
-      client_->greeted = true;
-      results.setService(make_service(Caller(core_, client_)));
-    }
-    return kj::READY_NOW;
-  }
-
- private:
-  [[nodiscard]] std::optional<Error> refusal(std::uint32_t version, const std::string& software,
-                                             const std::string& wants) const {
-    const std::string us(core_.noun());
-    if (version != kProtocolVersion) {
-      return fail(ErrorCode::Unsupported,
-                  us + " runs segue " SEGUE_VERSION " and speaks version " +
-                      std::to_string(kProtocolVersion) + " of the control protocol, segue " +
-                      software.substr(0, 32) + " speaks version " + std::to_string(version) +
-                      "; use programs of one version, that which the robot was started with");
-    }
-    if (wants != core_.kind()) {
-      return fail(ErrorCode::Unsupported, "the service " + quote(wants.substr(0, 32)) +
-                                              " was asked for where " + us + " (" + quote(core_.kind()) +
-                                              ") answers; give another socket");
-    }
-    if (const std::size_t open = others_.clients(); !client_->greeted && open >= Sessions::kMaxClients) {
-      return fail(ErrorCode::ResourceExhausted, us + " refuses further connections (" + std::to_string(open) +
-                                                    " are open); close one and try again");
-    }
-    return std::nullopt;
-  }
-
-  ServerCore& core_;
-  std::shared_ptr<ClientState> client_;
-  const Sessions& others_;
-};
 
 }  // namespace
 
 /// One connection, from accept to its end.
 class Session {
  public:
-  Session(Sessions& owner, kj::Own<kj::AsyncCapabilityStream> stream)
+  /// `secure` is the stream itself where that uses TLS, else null.
+  Session(Sessions& owner, kj::Own<kj::AsyncCapabilityStream> stream, SecureStream* secure, Peer peer,
+          std::string address)
       : owner_(owner),
         client_(std::make_shared<ClientState>()),
-        stream_(kj::mv(stream), owner.timer_),
-        network_(stream_, takes_descriptors(owner.core_) ? kMaxDescriptors : 0,
-                 capnp::rpc::twoparty::Side::SERVER, reader_options()),
-        cut_off_(kj::newPromiseAndFulfiller<void>()),
-        rpc_(capnp::makeRpcServer(network_, kj::heap<GateServer>(owner.core_, client_, owner))) {
-    stream_.watch(network_);
-    rpc_.setFlowLimit(kServerMessageWords);
+        address_(std::move(address)),
+        secure_(secure),
+        stream_(kj::mv(stream), owner.timer_, secure != nullptr),
+        cut_off_(kj::newPromiseAndFulfiller<void>()) {
+    client_->peer = std::move(peer);
+    if (secure_ == nullptr) serve();
     owner_.sessions_.push_back(this);
   }
   ~Session() noexcept { std::erase(owner_.sessions_, this); }
@@ -179,45 +77,122 @@ class Session {
   kj::Promise<void> end() {
     auto late = owner_.timer_.afterDelay(kHelloTimeout).then([this]() -> kj::Promise<void> {
       if (client_->greeted) return kj::NEVER_DONE;
+      refuse(rpc_.get() == nullptr ? "the TLS handshake was not done in time"
+                                   : "it has not said hello in time");
       return kj::READY_NOW;
     });
-    return network_.onDisconnect().exclusiveJoin(kj::mv(late)).exclusiveJoin(kj::mv(cut_off_.promise));
+    auto whole = secure_ == nullptr ? rpc_->network.onDisconnect() : enter();
+    return whole
+        .then([this] { note_fault("it has sent what is no message, or too large a one"); },
+              [this](kj::Exception&& exception) { note_fault(exception.getDescription().cStr()); })
+        .exclusiveJoin(kj::mv(late))
+        .exclusiveJoin(kj::mv(cut_off_.promise));
   }
-  /// Lets end() resolve; only once.
-  void cut_off() {
+  /// Lets end() resolve; only once. `why` is logged.
+  void cut_off(const std::string& why) {
+    refuse(why);
     is_cut_off_ = true;
     cut_off_.fulfiller->fulfill();
   }
   [[nodiscard]] bool is_cut_off() const { return is_cut_off_; }
   [[nodiscard]] bool greeted() const { return client_->greeted; }
+  [[nodiscard]] const std::string& address() const { return address_; }
+  /// Of a client that has proven who it is.
+  [[nodiscard]] const std::optional<Identity>& identity() const { return identity_; }
 
-  [[nodiscard]] bool idle() const { return client_->calls == 0 && network_.getCurrentQueueCount() == 0; }
+  [[nodiscard]] bool idle() const {
+    return client_->calls == 0 && (rpc_.get() == nullptr || rpc_->network.getCurrentQueueCount() == 0);
+  }
 
  private:
+  struct Rpc {
+    Rpc(Session& session, ServerCore& core)
+        : network(session.stream_, takes_descriptors(core) ? kMaxDescriptors : 0,
+                  capnp::rpc::twoparty::Side::SERVER, reader_options()),
+          system(capnp::makeRpcServer(network, make_gate(core, session.client_, [&owner = session.owner_] {
+                                        return owner.clients();
+                                      }))) {
+      session.stream_.watch(network);
+      system.setFlowLimit(kServerMessageWords);
+    }
+    mutable capnp::TwoPartyVatNetwork network;
+    capnp::RpcSystem<capnp::rpc::twoparty::VatId> system;
+  };
+
+  void serve() { rpc_ = kj::heap<Rpc>(*this, owner_.core_); }
+
+  /// The TLS handshake, then the service. Who is refused gets the time to read why.
+  kj::Promise<void> enter() {
+    return secure_->handshake().then([this](Result<Identity>&& shown) -> kj::Promise<void> {
+      if (!shown) {
+        refuse(shown.error().message);
+        return secure_->drain();
+      }
+      client_->peer.name = shown->name;
+      client_->peer.role = shown->role;
+      identity_ = std::move(*shown);
+      serve();
+      return rpc_->network.onDisconnect();
+    });
+  }
+
+  void refuse(const std::string& why) {
+    if (std::exchange(refused_, true)) return;
+    if (client_->peer.local) return log(LogLevel::Debug, "control", "cut off a local client: " + why);
+    std::string who = to_string(client_->peer);
+    if (client_->peer.name.empty() && !secure_->claimed_name().empty()) {
+      who = "a client that calls itself " + quote(secure_->claimed_name()) + " at " + client_->peer.from;
+    }
+    owner_.core_.refusals.tell(who, why);
+  }
+
+  /// A session whose client has not closed it ends through a fault of the client, such as garbage.
+  void note_fault(const std::string& what) {
+    const auto problem = secure_ == nullptr ? std::nullopt : secure_->problem();
+    if (problem) return refuse(problem->message);
+    if (!stream_.has_ended()) refuse(what);
+  }
+
   Sessions& owner_;
   std::shared_ptr<ClientState> client_;
+  const std::string address_;
+  SecureStream* secure_;
+  std::optional<Identity> identity_;
   GuardedStream stream_;
-  mutable capnp::TwoPartyVatNetwork network_;
   kj::PromiseFulfillerPair<void> cut_off_;
   bool is_cut_off_ = false;
-  capnp::RpcSystem<capnp::rpc::twoparty::VatId> rpc_;
+  bool refused_ = false;
+  kj::Own<Rpc> rpc_;
 };
 
-Sessions::Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket)
+Sessions::Sessions(ServerCore& core, kj::AsyncIoContext& io, const Doors& doors)
     : core_(core),
       io_(*io.lowLevelProvider),
       timer_(io.provider->getTimer()),
-      receiver_(io.lowLevelProvider->wrapListenSocketFd(socket.descriptor(),
-                                                        kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK)),
-      tasks_(*this),
-      accepting_(
-          accept().eagerlyEvaluate([this](kj::Exception&& exception) { taskFailed(kj::mv(exception)); })) {}
+      credentials_(doors.credentials),
+      user_(doors.user),
+      tasks_(*this) {
+  if (doors.local >= 0) open(doors.local, true);
+  if (doors.remote < 0) return;
+  open(doors.remote, false);
+  watching_ = watch().eagerlyEvaluate([this](kj::Exception&& exception) { taskFailed(kj::mv(exception)); });
+}
 
 Sessions::~Sessions() noexcept = default;
 
+void Sessions::open(int socket, bool is_local) {
+  auto door = kj::heap<Door>();
+  door->receiver = io_.wrapListenSocketFd(socket, kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
+  door->is_local = is_local;
+  door->accepting =
+      accept(*door).eagerlyEvaluate([this](kj::Exception&& exception) { taskFailed(kj::mv(exception)); });
+  doors_.push_back(kj::mv(door));
+}
+
 void Sessions::stop_accepting() {
-  accepting_ = nullptr;
-  receiver_ = nullptr;
+  for (auto& door : doors_)
+    door->accepting = nullptr;
+  doors_.clear();
 }
 
 bool Sessions::idle() const {
@@ -229,46 +204,78 @@ std::size_t Sessions::clients() const {
   return static_cast<std::size_t>(std::ranges::count_if(sessions_, &Session::greeted));
 }
 
-/// Cuts off the oldest connection whose client was not accepted, if there are too many of them.
+/// Cuts off the oldest connection whose client was not accepted, if there are too many of them. Whoever has
+/// the most loses one, so that a flood from one computer does not keep the others out.
 void Sessions::make_room() {
   const auto other = [](const Session* session) { return !session->greeted() && !session->is_cut_off(); };
-  const auto count = static_cast<std::size_t>(std::ranges::count_if(sessions_, other));
-  if (count >= kMaxOthers) (*std::ranges::find_if(sessions_, other))->cut_off();
+  std::map<std::string_view, std::size_t> counts;
+  std::size_t all = 0;
+  for (const Session* session : sessions_) {
+    if (!other(session)) continue;
+    ++counts[session->address()];
+    ++all;
+  }
+  if (all < kMaxOthers) return;
+  const auto most = std::ranges::max_element(counts, {}, [](const auto& item) { return item.second; })->first;
+  const auto victim = std::ranges::find_if(
+      sessions_, [&](const Session* session) { return other(session) && session->address() == most; });
+  (*victim)->cut_off("too many connections have not said hello, and this was the oldest");
 }
 
-/// A session ends with an error through a fault of its client, such as garbage, half a message or a reset, so
-/// this is only logged for debugging.
 void Sessions::taskFailed(kj::Exception&& exception) {
   log(LogLevel::Debug, "control", exception.getDescription().cStr());
 }
 
-kj::Promise<void> Sessions::accept() {
-  return receiver_->accept().then(
-      [this](kj::Own<kj::AsyncIoStream>&& stream) {
-        admit(*stream);
-        return accept();
+kj::Promise<void> Sessions::watch() {
+  return timer_.afterDelay(kWatchPause).then([this] {
+    const Encryption& encryption = credentials_->encryption();
+    credentials_->encryption().refresh();
+    for (Session* session : sessions_) {
+      if (!session->identity() || session->is_cut_off()) continue;
+      if (const auto refused = encryption.refusal(*session->identity())) session->cut_off(refused->message);
+    }
+    core_.refusals.settle();
+    return watch();
+  });
+}
+
+kj::Promise<void> Sessions::accept(Door& door) {
+  return door.receiver->accept().then(
+      [this, &door](kj::Own<kj::AsyncIoStream>&& stream) {
+        door.is_local ? admit_local(*stream) : admit_remote(*stream);
+        return accept(door);
       },
-      [this](kj::Exception&& exception) {  // there are no descriptors left: try again later
+      [this, &door](kj::Exception&& exception) {  // there are no descriptors left: try again later
         log(LogLevel::Warning, "control",
             std::string("cannot accept a client: ") + exception.getDescription().cStr());
-        return timer_.afterDelay(kAcceptPause).then([this] { return accept(); });
+        return timer_.afterDelay(kAcceptPause).then([this, &door] { return accept(door); });
       });
 }
 
-void Sessions::admit(const kj::AsyncIoStream& accepted) {
-  Descriptor socket;
-  KJ_IF_MAYBE (fd, accepted.getFd()) {
-    socket = Descriptor(::fcntl(*fd, F_DUPFD_CLOEXEC, 0));
-  }
+void Sessions::admit_local(const kj::AsyncIoStream& accepted) {
+  auto socket = duplicate(accepted);
   if (const auto trusted = check_peer(socket.get()); !trusted) {
     log(LogLevel::Warning, "control", "refused a client: " + trusted.error().message);
     return;
   }
   make_room();
-  auto stream = io_.wrapUnixSocketFd(
-      kj::AutoCloseFd(socket.release()),
-      kj::LowLevelAsyncIoProvider::ALREADY_CLOEXEC | kj::LowLevelAsyncIoProvider::ALREADY_NONBLOCK);
-  auto session = kj::heap<Session>(*this, kj::mv(stream));
+  add(kj::heap<Session>(*this, io_.wrapUnixSocketFd(kj::mv(socket), kReady), nullptr,
+                        Peer{user_, Role::Administer, {}, true}, std::string()));
+}
+
+void Sessions::admit_remote(const kj::AsyncIoStream& accepted) {
+  auto socket = duplicate(accepted);
+  if (socket.get() < 0) return;
+  tune_tcp(socket.get());
+  const TcpAddress address = peer_address(socket.get());
+  make_room();
+  auto stream = credentials_->encryption().accept(io_.wrapSocketFd(kj::mv(socket), kReady));
+  SecureStream* secure = stream.get();
+  add(kj::heap<Session>(*this, kj::mv(stream), secure, Peer{{}, Role::Observe, to_string(address), false},
+                        address.host));
+}
+
+void Sessions::add(kj::Own<Session> session) {
   auto end = session->end();
   tasks_.add(end.attach(kj::mv(session)));
 }

@@ -2,28 +2,40 @@
 #pragma once
 
 #include <segue/control/detail/caller.hpp>
-#include <segue/control/detail/socket.hpp>
+#include <segue/control/detail/encryption.hpp>
+#include <segue/control/detail/gate_server.hpp>
 
-#include <capnp/rpc-twoparty.h>
+#include <kj/async-io.h>
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace segue::control::detail {
 
 class Session;
 
+/// Where a server listens. The descriptors stay open as long as the sessions.
+struct Doors {
+  int local = -1;   ///< a Unix socket; -1: none
+  int remote = -1;  ///< TCP; -1: none
+  std::optional<Credentials> credentials;
+  std::string user;  ///< the name of this program's user, which clients of the Unix socket get
+};
+
 /// The connections of a server: accepts them, checks the peer, limits their number, drops those that do not
-/// say hello in time, and stops reading from those that do not read their answers. Created, used and
-/// destroyed in the event loop's thread.
+/// say hello in time (with TLS: that have not ended the handshake by then either) or whose certificate is
+/// revoked or expires meanwhile, and stops reading from those that do not read their answers. Created, used
+/// and destroyed in the event loop's thread.
 class Sessions final : private kj::TaskSet::ErrorHandler {
  public:
-  static constexpr std::size_t kMaxClients = 64;
   /// Connections beyond kMaxClients, of clients that have not said hello yet or are told why they are
-  /// refused. Where there are more, the oldest of them is closed, so silent connections keep nobody out.
+  /// refused. Where there are more, the oldest of them is closed, of the address that has the most, so silent
+  /// connections keep nobody out.
   static constexpr std::size_t kMaxOthers = 64;
 
-  Sessions(ServerCore& core, kj::AsyncIoContext& io, const ListeningSocket& socket);
+  Sessions(ServerCore& core, kj::AsyncIoContext& io, const Doors& doors);
   ~Sessions() noexcept;
 
   void stop_accepting();
@@ -34,18 +46,32 @@ class Sessions final : private kj::TaskSet::ErrorHandler {
 
  private:
   friend class Session;
+  /// One of the doors, while clients are accepted there.
+  struct Door {
+    kj::Own<kj::ConnectionReceiver> receiver;
+    bool is_local = true;
+    kj::Promise<void> accepting = nullptr;
+  };
+
   void taskFailed(kj::Exception&& exception) override;
-  kj::Promise<void> accept();
-  void admit(const kj::AsyncIoStream& accepted);
+  void open(int socket, bool is_local);
+  kj::Promise<void> accept(Door& door);
+  void admit_local(const kj::AsyncIoStream& accepted);
+  void admit_remote(const kj::AsyncIoStream& accepted);
+  void add(kj::Own<Session> session);
   void make_room();
+  /// Looks after certificates now and then.
+  kj::Promise<void> watch();
 
   ServerCore& core_;
   kj::LowLevelAsyncIoProvider& io_;
   kj::Timer& timer_;
-  kj::Own<kj::ConnectionReceiver> receiver_;
+  const std::optional<Credentials> credentials_;
+  const std::string user_;
+  std::vector<kj::Own<Door>> doors_;
   std::vector<Session*> sessions_;  ///< in the order in which they were accepted
   kj::TaskSet tasks_;               ///< holds the sessions
-  kj::Promise<void> accepting_;
+  kj::Promise<void> watching_ = nullptr;
 };
 
 }  // namespace segue::control::detail

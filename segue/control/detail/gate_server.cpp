@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/control/detail/gate_server.hpp>
+#include <segue/control/detail/services.hpp>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace segue::control::detail {
+
+namespace {
+
+capnp::Capability::Client make_service(const Caller& caller) {
+  const std::string_view kind = caller.core().kind();
+  if (kind == kDeploymentKind) return make_deployment_server(caller);
+  if (kind == kProcessesKind) return make_processes_server(caller);
+  if (kind == kHostKind) return make_host_server(caller);
+  return make_robot_server(caller);
+}
+
+/// Accepts clients of the same protocol version that request the service which is offered.
+class GateServer final : public wire::Gate::Server {
+ public:
+  GateServer(ServerCore& core, std::shared_ptr<ClientState> client, std::function<std::size_t()> clients)
+      : core_(core), client_(std::move(client)), clients_(std::move(clients)) {}
+
+  kj::Promise<void> hello(HelloContext context) override {
+    const auto params = context.getParams();
+    const auto refused =
+        refusal(params.getVersion(), as_string(params.getSoftware()), as_string(params.getWants()));
+    auto results = context.getResults();
+    results.setVersion(kProtocolVersion);
+    results.setSoftware(SEGUE_VERSION);
+    results.setServes(as_text(std::string(core_.kind())));
+    if (refused) {
+      if (!client_->peer.local) core_.refusals.tell(to_string(client_->peer), refused->message);
+      encode(*refused, results.initError());
+    } else {
+      client_->greeted = true;
+      results.setService(make_service(Caller(core_, client_)));
+    }
+    return kj::READY_NOW;
+  }
+
+ private:
+  [[nodiscard]] std::optional<Error> refusal(std::uint32_t version, const std::string& software,
+                                             const std::string& wants) const {
+    const std::string us(core_.noun());
+    if (version != kProtocolVersion) {
+      return fail(ErrorCode::Unsupported,
+                  us + " runs segue " SEGUE_VERSION " and speaks version " +
+                      std::to_string(kProtocolVersion) + " of the control protocol, segue " +
+                      software.substr(0, 32) + " speaks version " + std::to_string(version) +
+                      "; use programs of one version, that which the robot was started with");
+    }
+    if (wants != core_.kind()) {
+      return fail(ErrorCode::Unsupported, "the service " + quote(wants.substr(0, 32)) +
+                                              " was asked for where " + us + " (" + quote(core_.kind()) +
+                                              ") answers; give another socket");
+    }
+    if (const std::size_t open = clients_(); !client_->greeted && open >= kMaxClients) {
+      return fail(ErrorCode::ResourceExhausted, us + " refuses further connections (" + std::to_string(open) +
+                                                    " are open); close one and try again");
+    }
+    return std::nullopt;
+  }
+
+  ServerCore& core_;
+  std::shared_ptr<ClientState> client_;
+  const std::function<std::size_t()> clients_;
+};
+
+}  // namespace
+
+wire::Gate::Client make_gate(ServerCore& core, std::shared_ptr<ClientState> client,
+                             std::function<std::size_t()> clients) {
+  return kj::heap<GateServer>(core, std::move(client), std::move(clients));
+}
+
+}  // namespace segue::control::detail

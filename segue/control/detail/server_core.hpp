@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/concurrent/thread_pool.hpp>
+#include <segue/control/detail/broadcast.hpp>
+#include <segue/control/detail/event_loop.hpp>
+#include <segue/control/detail/refusal_log.hpp>
+#include <segue/control/detail/tally.hpp>
+#include <segue/control/peer.hpp>
+#include <segue/control/server.hpp>
+#include <segue/deploy/deployment_service.hpp>
+#include <segue/hosts/host_service.hpp>
+#include <segue/process/process_service.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <string_view>
+#include <variant>
+
+namespace segue::control::detail {
+
+/// The state that all clients of a server share.
+struct ServerCore {
+  static constexpr std::size_t kMaxCalls = 64;
+
+  explicit ServerCore(Served what) : served(what) {}
+
+  template <class Service>
+  [[nodiscard]] Service& service() const {
+    return *std::get<Service*>(served);
+  }
+  /// "the robot", "the deployment process", "the process server", "the host".
+  [[nodiscard]] std::string_view noun() const;
+  /// The name of the service in the protocol: "robot", "deployment", "processes", "host".
+  [[nodiscard]] std::string_view kind() const;
+
+  const Served served;
+  std::atomic<bool> stopping{false};
+  Broadcast<host::TaskEvent> task_events;
+  Broadcast<process::ProcessInfo> process_events;
+  RefusalLog refusals;  ///< used in the loop's thread only
+  EventLoop loop;
+  Tally batches;  ///< in progress, on threads of the service
+  /// Destroyed before the loop, to which its jobs post.
+  concurrent::ThreadPool pool{"segue-calls", {kMaxCalls, 8}};
+};
+
+inline constexpr std::size_t kMaxListenersPerClient = 4;
+
+/// The state that all capabilities of a client share; outlives the connection while calls are in progress.
+struct ClientState {
+  Peer peer;
+  bool greeted = false;
+  std::size_t calls = 0;
+  std::size_t streams = 0;
+  std::size_t listeners = 0;
+};
+
+}  // namespace segue::control::detail

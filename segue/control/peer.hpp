@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+
+#include <string>
+#include <string_view>
+
+namespace segue::control {
+
+/// What a client may do; each role includes those before it.
+enum class Role {
+  Observe,    ///< look: states, samples of ports, events, the journal
+  Operate,    ///< also request controllers, set properties, call operations
+  Administer  ///< also start and end processes, which run component libraries as the server's user
+};
+
+/// "observe", "operate", "administer"; they stand in certificates.
+std::string_view to_string(Role role);
+/// InvalidArgument names the roles there are.
+Result<Role> role_from(std::string_view text);
+
+/// The client at the other end of a connection, as far as the server knows for certain.
+struct Peer {
+  std::string name;  ///< of its certificate; of its user on this computer. Empty where it is not known yet
+  Role role = Role::Observe;
+  std::string from;    ///< "10.0.0.3:52114"; empty for a client on this computer
+  bool local = false;  ///< connected through the Unix socket
+};
+
+/// "'ann' (operate) at 10.0.0.3:52114", for messages.
+std::string to_string(const Peer& peer);
+
+}  // namespace segue::control
