@@ -29,7 +29,9 @@ class ChainTest : public HostsTest {
     std::uint64_t lost = 0;
   };
   Counted counted();
-  /// Waits until the consumer gets samples, and checks that it was never without one.
+  /// Waits until the consumer has got more samples.
+  void wait_for_more();
+  /// The same, and checks that none was ever missing.
   void expect_flow();
   /// Stops the producer, and waits until the consumer has everything that was written.
   void expect_all_arrived();

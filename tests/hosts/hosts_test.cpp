@@ -171,6 +171,7 @@ void HostsTest::SetUp() {
 }
 
 void HostsTest::TearDown() {
+  if (HasFailure() && runtime_) std::fprintf(stderr, "runtime: %s\n", runtime_->output().c_str());
   if (runtime_) stop_robot();
   for (const auto& [name, host] : hosts_) {
     host->thaw();
