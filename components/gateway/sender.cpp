@@ -18,6 +18,9 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 constexpr std::array<std::byte, 5> kEmptyMessage = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0},
                                                     std::byte{0}};
 
+/// How long a Sender that stops tries to get rid of what it still has.
+constexpr segue::Duration kLastSamples = std::chrono::seconds(1);
+
 /// Samples in place, of a type that the configuration tells.
 class AnyInput final : public InputPortBase {
  public:
@@ -55,6 +58,18 @@ class Sender final : public Link {
       if (!sample) return;
       send(*sample.get());
     }
+  }
+
+  /// A buffer owes its reader what it has taken: what waits is sent, and what was sent is waited for, for a
+  /// second each where the other side does not take it.
+  void on_stop() override {
+    if (policy().kind != segue::BufferKind::Buffer || Link::matched() == 0) return;
+    const segue::TimePoint end = now() + kLastSamples;
+    while (const SampleRef sample = in_->take()) {
+      send(*sample.get());
+      if (now() >= end) break;
+    }
+    ::dds_wait_for_acks(writer_.get(), kLastSamples.count());
   }
 
   void on_cleanup() override {

@@ -147,7 +147,7 @@ Result<void> ActionRouter::place(std::size_t index, Batch& batch) const {
 
 void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
   const auto batch =
-      std::make_shared<Batch>(Batch{std::move(actions), deadline, std::move(completed), {}, {}});
+      std::make_shared<Batch>(Batch{std::move(actions), deadline, std::move(completed), {}, {}, {}});
   std::vector<host::Completed> refused;
   for (std::size_t i = 0; i < batch->actions.size(); ++i) {
     if (auto placed = place(i, *batch); !placed) {
@@ -158,6 +158,7 @@ void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline,
       refused.push_back({i, std::move(error)});
     }
   }
+  defer_receivers(*batch);
   for (const auto& [site, indices] : batch->at_site) {
     begin_at(*site, indices, batch);
   }
@@ -165,7 +166,55 @@ void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline,
     begin_hand_over(what, batch);
   }
   if (!refused.empty()) {
-    batch->completed(std::move(refused));
+    report(batch, std::move(refused));
+  }
+}
+
+void ActionRouter::defer_receivers(Batch& batch) {
+  std::map<model::TaskId, std::size_t> stopped;
+  for (const auto& [site, indices] : batch.at_site) {
+    for (const std::size_t index : indices) {
+      const auto& action = batch.actions[index];
+      if (action.kind == model::ActionKind::Stop && is_link_task(*action.task())) {
+        stopped.emplace(*action.task(), index);
+      }
+    }
+  }
+  const auto waits_for = [&](const model::Action& action) {
+    const auto* what = std::get_if<model::ConnectionAction>(&action.what);
+    const bool disconnects = action.kind == model::ActionKind::Disconnect && what != nullptr;
+    const auto sender = disconnects                              ? sender_of(what->connection.from.task)
+                        : action.kind == model::ActionKind::Stop ? sender_of(*action.task())
+                                                                 : std::nullopt;
+    return sender ? stopped.find(*sender) : stopped.end();
+  };
+  for (auto& [site, indices] : batch.at_site) {
+    std::erase_if(indices, [&, site = site](std::size_t index) {
+      const auto first = waits_for(batch.actions[index]);
+      if (first == stopped.end()) {
+        return false;
+      }
+      batch.afterwards[first->second][site].push_back(index);
+      return true;
+    });
+  }
+  std::erase_if(batch.at_site, [](const auto& item) { return item.second.empty(); });
+}
+
+void ActionRouter::report(const BatchPtr& batch, std::vector<host::Completed> ended) {
+  std::vector<std::size_t> indices;
+  for (const auto& one : ended) {
+    indices.push_back(one.index);
+  }
+  batch->completed(std::move(ended));
+  for (const std::size_t index : indices) {
+    const auto next = batch->afterwards.find(index);
+    if (next == batch->afterwards.end()) {
+      continue;
+    }
+    for (const auto& [site, later] : next->second) {
+      begin_at(*site, later, batch);
+    }
   }
 }
 
@@ -178,7 +227,7 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
       error.subject = batch->actions[index].label();
       failed.push_back({index, std::move(error)});
     }
-    return batch->completed(std::move(failed));
+    return report(batch, std::move(failed));
   }
   std::vector<model::Action> actions;
   for (const std::size_t index : indices) {
@@ -191,7 +240,7 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
                                 one.index = indices[one.index];
                                 note_placement(batch->actions[one.index], one.outcome);
                               }
-                              batch->completed(std::move(ended));
+                              report(batch, std::move(ended));
                             });
 }
 
@@ -200,7 +249,7 @@ void ActionRouter::begin_hand_over(const HandOver& what, const BatchPtr& batch) 
     const TimePoint begin = RealClock::instance().now();
     const auto& action = std::get<model::HandOverAction>(batch->actions[what.index].what);
     auto outcome = hand_over(what, action, batch->deadline);
-    batch->completed({{what.index, std::move(outcome), RealClock::instance().now() - begin}});
+    report(batch, {{what.index, std::move(outcome), RealClock::instance().now() - begin}});
   };
   if (!sites_.pool().submit(job)) {
     job();

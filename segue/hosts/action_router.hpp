@@ -48,6 +48,8 @@ class ActionRouter {
     host::Completion completed;
     std::map<Site*, Indices> at_site;
     std::vector<HandOver> hand_overs;
+    /// Actions that begin when another one, that with the key's index, has ended.
+    std::map<std::size_t, std::map<Site*, Indices>> afterwards;
   };
   using BatchPtr = std::shared_ptr<const Batch>;
 
@@ -55,6 +57,9 @@ class ActionRouter {
   [[nodiscard]] Result<void> place(std::size_t index, Batch& batch) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
+  /// What a sender had taken is delivered before its receivers stop and are disconnected.
+  static void defer_receivers(Batch& batch);
+  void report(const BatchPtr& batch, std::vector<host::Completed> ended);
   void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
   void begin_hand_over(const HandOver& what, const BatchPtr& batch);
   Result<void> hand_over(const HandOver& what, const model::HandOverAction& action, TimePoint deadline) const;

@@ -18,8 +18,8 @@ bool Task::same_configuration(const Task& other) const {
 
 bool Deployment::same_process(const Deployment& other) const {
   auto attributes = [](const Deployment& d) {
-    return std::tie(d.host, d.process, d.deployer, d.scheduler, d.priority, d.cpus, d.optional,
-                    d.environment, d.libraries);
+    return std::tie(d.host, d.process, d.deployer, d.scheduler, d.priority, d.cpus, d.optional, d.environment,
+                    d.libraries);
   };
   return attributes(*this) == attributes(other) && limits == other.limits;
 }

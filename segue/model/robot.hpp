@@ -16,7 +16,7 @@ namespace segue::model {
 
 struct Host {
   HostName name;
-  std::string address;      ///< "local", "tcp://10.0.0.2:7447" or "unix:/run/segue/host.sock"
+  std::string address;      ///< "local", "tcp://10.0.0.2:7447" or "unix:/run/segue/@host.sock"
   std::string credentials;  ///< folder of certificates, for TCP; empty: the user's own
   bool optional = false;    ///< the robot can be switched while it cannot be reached
   [[nodiscard]] bool is_local() const { return address == "local"; }

@@ -17,7 +17,7 @@ namespace {
 /// "local", "tcp://10.0.0.2:7447" or "tcp://[fe80::1]:7447".
 bool is_address(std::string_view address) {
   constexpr std::string_view kScheme = "tcp://";
-  if (address == "local" || address.starts_with("unix:/")) return true;
+  if (address == "local" || (address.starts_with("unix:") && address.size() > 5)) return true;
   if (!address.starts_with(kScheme)) return false;
   address.remove_prefix(kScheme.size());
   const auto colon = address.rfind(':');

@@ -54,7 +54,7 @@ hosts::ConnectHost connector_of(const model::Robot& robot, const model::Host& ho
 
 Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Host& host) {
   if (host.address.starts_with(kUnixScheme)) {
-    return control::Endpoint(fs::path(host.address.substr(kUnixScheme.size())));
+    return control::Endpoint(fs::absolute(robot.folder / host.address.substr(kUnixScheme.size())));
   }
   auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
   if (!address) {
