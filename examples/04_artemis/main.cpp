@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main demo: a robot with four controllers makes all twelve transitions between them while samples flow
-// between its 8 to 17 processes. Stand-ins (simulated components) replace the rover's drivers.
+// between its 8 to 17 processes, on this computer or on several hosts. Stand-ins (simulated components)
+// replace the rover's drivers.
+#include "hosts.hpp"
 #include "report.hpp"
 
 #include <segue/runtime/embedded_robot.hpp>
 
 #include <array>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -45,39 +49,78 @@ int walk(runtime::EmbeddedRobot& robot, demo::Report& report) {
   return report.summarise() ? 0 : 1;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+struct Arguments {
+  const char* robot_file = nullptr;
   bool everything = false;
   bool in_process = false;
-  bool understood = argc >= 2;
-  for (int i = 2; i < argc; ++i) {
-    everything = everything || std::strcmp(argv[i], "--all") == 0;
-    in_process = in_process || std::strcmp(argv[i], "--in-process") == 0;
-    understood =
-        understood && (std::strcmp(argv[i], "--all") == 0 || std::strcmp(argv[i], "--in-process") == 0);
+  std::size_t hosts = 0;  ///< 0: only this computer
+};
+
+constexpr unsigned long kMostHosts = 9;
+
+/// Nothing where they are not understood.
+std::optional<Arguments> read_arguments(std::span<char*> words) {
+  if (words.size() < 2) return std::nullopt;
+  Arguments arguments;
+  arguments.robot_file = words[1];
+  for (std::size_t i = 2; i < words.size(); ++i) {
+    const std::string word = words[i];
+    if (word == "--all") {
+      arguments.everything = true;
+    } else if (word == "--in-process") {
+      arguments.in_process = true;
+    } else if (word == "--hosts" && i + 1 < words.size()) {
+      arguments.hosts = std::strtoul(words[++i], nullptr, 10);
+      if (arguments.hosts < 1 || arguments.hosts > kMostHosts) return std::nullopt;
+    } else {
+      return std::nullopt;
+    }
   }
-  if (!understood) {
-    std::fputs(
-        "usage: artemis_demo ROBOT_FILE [--all] [--in-process]\n"
-        "  --all         print every action, not the first of each kind\n"
-        "  --in-process  all tasks in this one process\n",
-        stderr);
-    return 2;
+  if (arguments.in_process && arguments.hosts > 0) return std::nullopt;
+  return arguments;
+}
+
+int run(const Arguments& arguments) {
+  demo::Hosts hosts;
+  std::filesystem::path file = arguments.robot_file;
+  const std::filesystem::path table = file.parent_path() / "table7.yaml";
+  if (arguments.hosts > 0) {
+    if (const auto started = hosts.start(arguments.hosts, file); !started) {
+      std::fprintf(stderr, "%s\n", to_string(started.error()).c_str());
+      return 1;
+    }
+    file = hosts.robot_file();
   }
   Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
   options.stand_in = true;
-  options.placement = in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
-  const auto robot = runtime::EmbeddedRobot::open(argv[1], diagnostics, options);
+  options.placement =
+      arguments.in_process ? runtime::TaskPlacement::InProcess : runtime::TaskPlacement::Processes;
+  const auto robot = runtime::EmbeddedRobot::open(file, diagnostics, options);
   if (!robot) {
     std::fputs(to_string(diagnostics).c_str(), stderr);
     return 1;
   }
-  auto report = demo::Report::create(robot->robot().folder / "table7.yaml", everything, in_process);
+  auto report = demo::Report::create(table, arguments.everything, arguments.in_process, hosts.names());
   if (!report) {
     std::fprintf(stderr, "%s\n", to_string(report.error()).c_str());
     return 1;
   }
   return walk(*robot, *report);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto arguments = read_arguments({argv, static_cast<std::size_t>(argc)});
+  if (!arguments) {
+    std::fputs(
+        "usage: artemis_demo ROBOT_FILE [--all] [--in-process | --hosts N]\n"
+        "  --all         print every action, not the first of each kind\n"
+        "  --in-process  all tasks in this one process\n"
+        "  --hosts N     the processes dealt out to N hosts (1 to 9), which are daemons on this computer\n",
+        stderr);
+    return 2;
+  }
+  return run(*arguments);
 }

@@ -32,14 +32,19 @@ int parent_of(const fs::path& process) {
   return parent;
 }
 
-/// A child of this process, or of its zygote.
-bool is_ours(const fs::path& process) {
-  const int parent = parent_of(process);
-  return parent == ::getpid() || parent_of(fs::path("/proc") / std::to_string(parent)) == ::getpid();
+/// A child of this process, or of a zygote, which is a child of this process or of a daemon.
+bool is_ours(fs::path process) {
+  constexpr int kGenerations = 3;
+  for (int i = 0; i < kGenerations; ++i) {
+    const int parent = parent_of(process);
+    if (parent == ::getpid()) return true;
+    process = fs::path("/proc") / std::to_string(parent);
+  }
+  return false;
 }
 
-/// "rover_io", from its arguments "segue-deployment", "artemis/rover_io"; "" for any other program, and for
-/// the zygote and its spare child.
+/// "rover_io", from its arguments "segue-deployment", "artemis/rover_io"; on other hosts "rover_io@a"; "" for
+/// any other program, and for the zygote and its spare child.
 std::string deployment_name(const fs::path& process) {
   const std::string command = content(process / "cmdline");
   const auto program = command.find('\0');

@@ -3,6 +3,8 @@
 
 #include "processes.hpp"
 
+#include <segue/base/text.hpp>
+#include <segue/hosts/gateways.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <algorithm>
@@ -56,11 +58,53 @@ int count_of(const model::ActionCounts& counts, const std::string& column) {
   return -1;
 }
 
+/// Whether an action serves connections between hosts only, which the paper's rover has none of.
+bool is_for_links(const model::Action& action) {
+  if (const auto* what = std::get_if<model::DeploymentAction>(&action.what))
+    return what->deployment.process == hosts::kGatewayProcess;
+  if (const auto* what = std::get_if<model::ConnectionAction>(&action.what))
+    return hosts::is_link_task(what->connection.to.task);
+  return action.task() != nullptr && hosts::is_link_task(*action.task());
+}
+
 model::ActionCounts counts_of(const runtime::SwitchResult& result) {
   model::ActionCounts counts;
-  for (const auto& record : result.actions)
-    ++counts.by_kind.at(static_cast<std::size_t>(record.action.kind));
+  for (const auto& record : result.actions) {
+    if (!is_for_links(record.action)) ++counts.by_kind.at(static_cast<std::size_t>(record.action.kind));
+  }
   return counts;
+}
+
+/// The processes that a network needs: "slam", on other hosts "slam@a", and on each of several hosts the one
+/// that connects it with the others.
+std::set<std::string> processes_of(const model::Network& network) {
+  std::set<std::string> names;
+  std::set<std::string> used;
+  for (const auto& deployment : network.deployments) {
+    const bool is_here = deployment.host == model::kLocalHost;
+    const std::string place = is_here ? "" : "@" + deployment.host.str();
+    names.insert(deployment.process.str() + place);
+    used.insert(place);
+  }
+  for (const auto& place : used) {
+    if (used.size() > 1) names.insert(hosts::kGatewayProcess.str() + place);
+  }
+  return names;
+}
+
+/// What each host holds: "a: 5 processes, 12 tasks".
+void print_hosts(const model::Network& network) {
+  std::map<std::string, std::pair<std::size_t, std::size_t>> hosts;
+  for (const auto& deployment : network.deployments)
+    ++hosts[deployment.host.str()].first;
+  for (const auto& [task, process] : model::task_processes(network))
+    ++hosts[process.host.str()].second;
+  std::string line = "  hosts        ";
+  for (const auto& [name, held] : hosts) {
+    line += (line.back() == ' ' ? " " : "; ") + name + ": " + std::to_string(held.first) + " processes, " +
+            std::to_string(held.second) + " tasks";
+  }
+  std::puts(line.c_str());
 }
 
 std::set<std::string> named_tasks(const runtime::SwitchResult& result) {
@@ -84,12 +128,14 @@ Flow measure_flow(runtime::EmbeddedRobot& robot) {
   return flow;
 }
 
-Result<Report> Report::create(const std::filesystem::path& table, bool everything, bool in_process) {
+Result<Report> Report::create(const std::filesystem::path& table, bool everything, bool in_process,
+                              std::vector<std::string> hosts) {
   auto document = type::load_yaml(table);
   if (!document) return document.error();
   Report report;
   report.everything_ = everything;
   report.in_process_ = in_process;
+  report.hosts_ = std::move(hosts);
   const type::Value* rows = document->find("transitions");
   if (rows == nullptr || !rows->is_list())
     return fail(ErrorCode::ParseError, table.string() + " has no list 'transitions'");
@@ -108,6 +154,10 @@ void Report::introduce(runtime::EmbeddedRobot& robot) {
       "The Artemis rover (Wirkus et al. 2020): four controllers, switched online %s.\n"
       "Every component is a stand-in: it has the ports, connections and life cycle, but no driver.\n\n",
       in_process_ ? "in one process" : "in processes of their own");
+  if (!hosts_.empty()) {
+    std::printf("Hosts: %s. They are daemons on this computer; samples between them travel by DDS.\n\n",
+                listed(hosts_).c_str());
+  }
   std::printf("  %-22s %6s %10s %12s\n", "controller", "tasks", "processes", "connections");
   for (const auto& name : robot.runtime().controllers()) {
     const auto network = robot.runtime().controller(name);
@@ -203,10 +253,7 @@ bool Report::switched(const runtime::SwitchResult& result, const Flow& before, c
 
 void Report::check_processes(runtime::EmbeddedRobot& robot) {
   const model::Network network = robot.runtime().belief();
-  std::set<std::string> expected;
-  for (const auto& deployment : network.deployments) {
-    if (!in_process_) expected.insert(deployment.process.str());
-  }
+  const std::set<std::string> expected = in_process_ ? std::set<std::string>() : processes_of(network);
   const Processes found = look_at_processes();
   const std::size_t pools = in_process_ ? 0 : 2 * (expected.size() + 1);
   auto wrong = robot.runtime().observed_differences();
@@ -220,6 +267,7 @@ void Report::check_processes(runtime::EmbeddedRobot& robot) {
   std::printf("  processes     %zu, %zu pools of shared memory, %zu tasks, %zu connections: %s\n",
               found.names.size(), found.pools, network.tasks.size(), network.connections.size(),
               wrong.empty() ? "exactly what the controller says" : "NOT what the controller says");
+  if (!hosts_.empty() && !network.empty()) print_hosts(network);
   for (const auto& sentence : wrong)
     std::printf("                %s\n", sentence.c_str());
   ++looks_;

@@ -24,7 +24,9 @@ Flow measure_flow(segue::runtime::EmbeddedRobot& robot);
 class Report {
  public:
   /// Reads the paper's table. `everything`: print every action. `in_process`: there are no other processes.
-  static segue::Result<Report> create(const std::filesystem::path& table, bool everything, bool in_process);
+  /// `hosts`: where they are; none: on the runtime's own.
+  static segue::Result<Report> create(const std::filesystem::path& table, bool everything, bool in_process,
+                                      std::vector<std::string> hosts);
 
   void introduce(segue::runtime::EmbeddedRobot& robot);
   bool started(const segue::runtime::SwitchResult& result);
@@ -49,6 +51,7 @@ class Report {
 
   bool everything_ = false;
   bool in_process_ = false;
+  std::vector<std::string> hosts_;
   std::map<std::pair<std::string, std::string>, Columns> table_;
   int transitions_ = 0;
   int actions_ = 0;

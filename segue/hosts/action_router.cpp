@@ -6,6 +6,7 @@
 #include <segue/host/full_id.hpp>
 #include <segue/hosts/gateways.hpp>
 
+#include <map>
 #include <utility>
 
 namespace segue::hosts::detail {
@@ -15,18 +16,35 @@ namespace {
 using deploy::detail::Which;
 using deploy::detail::which_of;
 
-/// What a receiver delivers begins and ends with what its sender gets on the other computer. So its
-/// connections carry samples whenever they are there, and no sample is lost between the commits of both.
-model::Action for_host(model::Action action) {
-  if (auto* what = std::get_if<model::ConnectionAction>(&action.what)) {
-    what->at_once = is_link_task(what->connection.from.task);
+/// Those receivers that go on as they are.
+std::set<model::TaskId> kept_receivers(const model::Network& before, const model::Network& target) {
+  const auto processes_before = model::task_processes(before);
+  const auto processes = model::task_processes(target);
+  std::map<model::TaskId, const model::Task*> tasks;
+  for (const auto& task : before.tasks) {
+    tasks.emplace(task.id, &task);
   }
-  return action;
+  std::set<model::TaskId> kept;
+  for (const auto& task : target.tasks) {
+    const auto was = tasks.find(task.id);
+    if (!sender_of(task.id) || was == tasks.end()) {
+      continue;
+    }
+    const auto process_before = processes_before.find(task.id);
+    const auto process = processes.find(task.id);
+    const bool moves = process_before == processes_before.end() || process == processes.end() ||
+                       process_before->second != process->second;
+    if (!moves && was->second->state == task.state && was->second->same_configuration(task)) {
+      kept.insert(task.id);
+    }
+  }
+  return kept;
 }
 
 }  // namespace
 
-void ActionRouter::begin_transition() {
+void ActionRouter::begin_transition(const model::Network& before, const model::Network& target) {
+  auto kept = kept_receivers(before, target);
   std::map<const Site*, std::uint64_t> connections;
   for (const auto& site : sites_.all()) {
     if (const auto reached = site->reach()) {
@@ -35,11 +53,25 @@ void ActionRouter::begin_transition() {
   }
   const std::lock_guard lock(mutex_);
   connections_ = std::move(connections);
+  kept_ = std::move(kept);
 }
 
 void ActionRouter::end_transition() {
   const std::lock_guard lock(mutex_);
   connections_.reset();
+  kept_.clear();
+}
+
+bool ActionRouter::at_once(const model::Connection& connection) const {
+  const std::lock_guard lock(mutex_);
+  return is_link_task(connection.from.task) && !kept_.contains(connection.from.task);
+}
+
+model::Action ActionRouter::for_host(model::Action action) const {
+  if (auto* what = std::get_if<model::ConnectionAction>(&action.what)) {
+    what->at_once = at_once(what->connection);
+  }
+  return action;
 }
 
 Result<HostLink::Reached> ActionRouter::reach(const Site& site) const {

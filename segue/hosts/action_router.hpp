@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace segue::hosts::detail {
@@ -24,8 +25,13 @@ class ActionRouter {
 
   /// From now on until end_transition(), only computers that can be reached now, through the connections of
   /// now, take part.
-  void begin_transition();
+  void begin_transition(const model::Network& before, const model::Network& target);
   void end_transition();
+  /// Whether a connection carries samples whenever it is there, not from commit to commit. What a new
+  /// receiver delivers begins and ends with what its sender gets on the other computer, so that no sample is
+  /// lost between the commits of both. A receiver that goes on delivers to each reader from commit to commit,
+  /// so that no sample gets to two readers of which one takes the other's place.
+  [[nodiscard]] bool at_once(const model::Connection& connection) const;
   /// The computer as the transition in progress may use it; Unavailable where its connection is another one.
   Result<HostLink::Reached> reach(const Site& site) const;
 
@@ -47,6 +53,7 @@ class ActionRouter {
   };
   using BatchPtr = std::shared_ptr<const Batch>;
 
+  [[nodiscard]] model::Action for_host(model::Action action) const;
   [[nodiscard]] Result<void> place(std::size_t index, Batch& batch) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
@@ -59,8 +66,9 @@ class ActionRouter {
   void note_placement(const model::Action& action, const Result<void>& outcome) const;
 
   Sites& sites_;
-  mutable std::mutex mutex_;                                         ///< protects the member below
+  mutable std::mutex mutex_;                                         ///< protects both below
   std::optional<std::map<const Site*, std::uint64_t>> connections_;  ///< of the transition in progress
+  std::set<model::TaskId> kept_;  ///< receivers that the transition in progress leaves as they are
 };
 
 }  // namespace segue::hosts::detail

@@ -3,7 +3,6 @@
 
 #include <segue/base/text.hpp>
 #include <segue/deploy/action_ids.hpp>
-#include <segue/hosts/gateways.hpp>
 
 #include <map>
 #include <optional>
@@ -17,11 +16,11 @@ namespace {
 using deploy::detail::Which;
 
 /// Whether an action makes or ends a connection with the commit, rather than at once.
-const model::Connection* at_commit(const model::Action& action) {
+const model::Connection* at_commit(const model::Action& action, const ActionRouter& router) {
   const auto* what = std::get_if<model::ConnectionAction>(&action.what);
   const bool begins = action.kind == model::ActionKind::Connect && action.phase == model::Phase::Prepare;
   const bool ends = action.kind == model::ActionKind::Disconnect && action.phase == model::Phase::Retire;
-  if (what == nullptr || (!begins && !ends) || is_link_task(what->connection.from.task)) {
+  if (what == nullptr || (!begins && !ends) || router.at_once(what->connection)) {
     return nullptr;
   }
   return &what->connection;
@@ -64,7 +63,7 @@ Result<void> DistributedCommit::ask_all(const std::set<const Site*>& sites, cons
 Result<void> DistributedCommit::arm(const model::Transition& transition, TimePoint deadline) {
   std::map<const Site*, model::Transition> parts;
   for (const auto& action : transition.actions) {
-    const auto* connection = at_commit(action);
+    const auto* connection = at_commit(action, router_);
     if (connection == nullptr) {
       continue;
     }

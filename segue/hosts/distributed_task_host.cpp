@@ -245,7 +245,7 @@ void DistributedTaskHost::expect(const model::Network& target) {
 
 void DistributedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
   auto& self = *implementation_;
-  self.router.begin_transition();
+  self.router.begin_transition(before, target);
   self.matching.begin_transition(before);
   const auto processes = model::task_processes(target);
   std::map<model::TaskId, model::DeploymentKey> wanted;

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Real samples between hosts, while the robot switches.
+#include "../fault/robot_checks.hpp"
+#include "chain.hpp"
+
+namespace segue::testing {
+namespace {
+
+constexpr int kRounds = 5;
+
+using SamplesBetweenHosts = ChainTest;
+
+TEST_F(SamplesBetweenHosts, arrive_in_order_without_switches) {
+  make_chain();
+  start_chain("plain");
+  expect_flow();
+  expect_all_arrived();
+}
+
+TEST_F(SamplesBetweenHosts, arrive_in_order_while_others_come_and_go) {
+  make_chain();
+  start_chain("plain");
+  const auto before = all_deployments();
+  for (int i = 0; i < kRounds; ++i) {
+    switch_to("more");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("more")), "");
+    expect_flow();
+    switch_to("plain");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  }
+  EXPECT_EQ(all_deployments(), before);
+  expect_all_arrived();
+}
+
+// A relay that is removed takes with it what it has not passed on yet. The consumer counts that.
+TEST_F(SamplesBetweenHosts, arrive_once_and_in_order_although_the_relay_is_exchanged) {
+  make_chain();
+  start_chain("plain");
+  wait_for_more();
+  for (int i = 0; i < kRounds; ++i) {
+    SCOPED_TRACE(i);
+    switch_to("other");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("other")), "");
+    switch_to("plain");
+    EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  }
+  wait_for_more();
+  switch_to("still");
+  const std::uint64_t written = updates("producer");
+  Counted at_end;
+  const bool all = eventually([&] {
+    at_end = counted();
+    return at_end.count + at_end.lost >= written;
+  });
+  EXPECT_TRUE(all) << at_end.count << " have arrived, " << at_end.lost << " are missing, of " << written;
+  EXPECT_EQ(at_end.count + at_end.lost, written);
+  EXPECT_LT(at_end.lost, written / 2);
+}
+
+}  // namespace
+}  // namespace segue::testing
