@@ -26,6 +26,21 @@ model::Action for_host(model::Action action) {
 
 }  // namespace
 
+void ActionRouter::report(const BatchPtr& batch, std::vector<host::Completed> ended) {
+  const std::size_t count = ended.size();
+  batch->completed(std::move(ended));
+  const std::lock_guard lock(mutex_);
+  in_progress_ -= count;
+  if (in_progress_ == 0) {
+    idle_.notify_all();
+  }
+}
+
+void ActionRouter::close() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return in_progress_ == 0; });
+}
+
 void ActionRouter::begin_transition() {
   std::map<const Site*, std::uint64_t> connections;
   for (const auto& site : sites_.all()) {
@@ -116,6 +131,10 @@ Result<void> ActionRouter::place(std::size_t index, Batch& batch) const {
 void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
   const auto batch =
       std::make_shared<Batch>(Batch{std::move(actions), deadline, std::move(completed), {}, {}});
+  {
+    const std::lock_guard lock(mutex_);
+    in_progress_ += batch->actions.size();
+  }
   std::vector<host::Completed> refused;
   for (std::size_t i = 0; i < batch->actions.size(); ++i) {
     if (auto placed = place(i, *batch); !placed) {
@@ -133,7 +152,7 @@ void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline,
     begin_hand_over(what, batch);
   }
   if (!refused.empty()) {
-    batch->completed(std::move(refused));
+    report(batch, std::move(refused));
   }
 }
 
@@ -146,7 +165,7 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
       error.subject = batch->actions[index].label();
       failed.push_back({index, std::move(error)});
     }
-    return batch->completed(std::move(failed));
+    return report(batch, std::move(failed));
   }
   std::vector<model::Action> actions;
   for (const std::size_t index : indices) {
@@ -159,7 +178,7 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
                                 one.index = indices[one.index];
                                 note_placement(batch->actions[one.index], one.outcome);
                               }
-                              batch->completed(std::move(ended));
+                              report(batch, std::move(ended));
                             });
 }
 
@@ -168,7 +187,7 @@ void ActionRouter::begin_hand_over(const HandOver& what, const BatchPtr& batch) 
     const TimePoint begin = RealClock::instance().now();
     const auto& action = std::get<model::HandOverAction>(batch->actions[what.index].what);
     auto outcome = hand_over(what, action, batch->deadline);
-    batch->completed({{what.index, std::move(outcome), RealClock::instance().now() - begin}});
+    report(batch, {{what.index, std::move(outcome), RealClock::instance().now() - begin}});
   };
   if (!sites_.pool().submit(job)) {
     job();

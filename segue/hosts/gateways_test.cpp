@@ -266,11 +266,11 @@ TEST(Gateways, SamplesAreCountedFromWriterToReader) {
 }
 
 /// Processes on three hosts and in the runtime's own; no links, which check() refuses between hosts.
-model::Network random_spread(testing::Random& random) {
-  auto network = testing::random_network(random, {.tasks = 12, .processes = 6, .connections = 24});
+model::Network random_spread(segue::testing::Random& random) {
+  auto network = segue::testing::random_network(random, {.tasks = 12, .processes = 6, .connections = 24});
   for (auto& deployment : network.deployments) {
     deployment.host = model::HostName(std::array{"localhost", "left", "right", "base"}.at(
-        static_cast<std::size_t>(testing::up_to(random, 3))));
+        static_cast<std::size_t>(segue::testing::up_to(random, 3))));
   }
   for (auto& connection : network.connections) {
     connection.policy.transport = Transport::Automatic;
@@ -279,10 +279,10 @@ model::Network random_spread(testing::Random& random) {
 }
 
 RC_GTEST_PROP(GatewaysOfAnyNetwork, comeAndGo, (std::uint64_t seed)) {
-  testing::Random random(seed);
+  segue::testing::Random random(seed);
   const auto network = random_spread(random);
   auto settings = gateways_of();
-  if (testing::one_in(random, 2)) {
+  if (segue::testing::one_in(random, 2)) {
     settings.own = {model::HostName("base")};
   }
   const auto whole = expand(network, settings);
@@ -302,7 +302,7 @@ RC_GTEST_PROP(GatewaysOfAnyNetwork, comeAndGo, (std::uint64_t seed)) {
 }
 
 RC_GTEST_PROP(GatewaysOfAnyNetwork, areOneForEachPortPolicyAndHost, (std::uint64_t seed)) {
-  testing::Random random(seed);
+  segue::testing::Random random(seed);
   const auto whole = expand(random_spread(random));
   std::set<TaskId> ids;
   std::set<model::DeploymentKey> keys;
