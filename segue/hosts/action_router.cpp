@@ -43,6 +43,11 @@ std::set<model::TaskId> kept_receivers(const model::Network& before, const model
 
 }  // namespace
 
+void ActionRouter::close() {
+  std::unique_lock lock(mutex_);
+  idle_.wait(lock, [this] { return in_progress_ == 0; });
+}
+
 void ActionRouter::begin_transition(const model::Network& before, const model::Network& target) {
   auto kept = kept_receivers(before, target);
   std::map<const Site*, std::uint64_t> connections;
@@ -148,6 +153,10 @@ Result<void> ActionRouter::place(std::size_t index, Batch& batch) const {
 void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
   const auto batch =
       std::make_shared<Batch>(Batch{std::move(actions), deadline, std::move(completed), {}, {}, {}});
+  {
+    const std::lock_guard lock(mutex_);
+    in_progress_ += batch->actions.size();
+  }
   std::vector<host::Completed> refused;
   for (std::size_t i = 0; i < batch->actions.size(); ++i) {
     if (auto placed = place(i, *batch); !placed) {
@@ -215,6 +224,11 @@ void ActionRouter::report(const BatchPtr& batch, std::vector<host::Completed> en
     for (const auto& [site, later] : next->second) {
       begin_at(*site, later, batch);
     }
+  }
+  const std::lock_guard lock(mutex_);
+  in_progress_ -= indices.size();
+  if (in_progress_ == 0) {
+    idle_.notify_all();
   }
 }
 

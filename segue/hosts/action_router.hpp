@@ -4,6 +4,8 @@
 #include <segue/hosts/sites.hpp>
 #include <segue/model/transition.hpp>
 
+#include <condition_variable>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -22,6 +24,9 @@ class ActionRouter {
 
   /// As TaskHost::begin_all: one message for each computer.
   void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
+
+  /// Waits until all actions that were begun are reported.
+  void close();
 
   /// From now on until end_transition(), only computers that can be reached now, through the connections of
   /// now, take part.
@@ -59,14 +64,16 @@ class ActionRouter {
   [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
   /// What a sender had taken is delivered before its receivers stop and are disconnected.
   static void defer_receivers(Batch& batch);
-  void report(const BatchPtr& batch, std::vector<host::Completed> ended);
   void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
   void begin_hand_over(const HandOver& what, const BatchPtr& batch);
   Result<void> hand_over(const HandOver& what, const model::HandOverAction& action, TimePoint deadline) const;
   void note_placement(const model::Action& action, const Result<void>& outcome) const;
+  void report(const BatchPtr& batch, std::vector<host::Completed> ended);
 
   Sites& sites_;
-  mutable std::mutex mutex_;                                         ///< protects both below
+  mutable std::mutex mutex_;  ///< protects everything below
+  std::condition_variable idle_;
+  std::size_t in_progress_ = 0;                                      ///< actions that are not reported yet
   std::optional<std::map<const Site*, std::uint64_t>> connections_;  ///< of the transition in progress
   std::set<model::TaskId> kept_;  ///< receivers that the transition in progress leaves as they are
 };

@@ -2,6 +2,7 @@
 #include <segue/hosts/distributed_check.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/deploy/action_dispatcher.hpp>
 
 #include <algorithm>
 #include <map>
@@ -15,16 +16,19 @@ class Checker {
  public:
   Checker(const model::Network& network, const Sites& sites, const model::ComponentCatalog& catalog,
           const DistributedOptions& options)
-      : network_(network), sites_(sites), catalog_(catalog), options_(options) {}
+      : network_(network),
+        sites_(sites),
+        catalog_(catalog),
+        options_(options),
+        processes_(model::task_processes(network)) {}
 
   Diagnostics check() {
     for (const auto& deployment : network_.deployments) {
       check_deployment(deployment);
     }
-    const auto processes = model::task_processes(network_);
     for (const auto& task : network_.tasks) {
-      const auto process = processes.find(task.id);
-      check_task(task, process == processes.end() ? model::kLocalHost : process->second.host);
+      const auto process = processes_.find(task.id);
+      check_task(task, process == processes_.end() ? model::kLocalHost : process->second.host);
     }
     check_libraries();
     for (const auto& connection : network_.connections) {
@@ -115,8 +119,9 @@ class Checker {
       return;
     }
     const Transport transport = connection.policy.transport;
-    const bool crosses = from->second != to->second;
-    if (crosses && (transport == Transport::Local || transport == Transport::SharedMemory)) {
+    if (from->second == to->second) {
+      check_link_within(connection, *from->second);
+    } else if (transport == Transport::Local || transport == Transport::SharedMemory) {
       findings_.error("link",
                       to_string(connection) + ": 'link: " + std::string(to_string(transport)) +
                           "' needs both tasks on one host, but they live on " +
@@ -126,10 +131,26 @@ class Checker {
     }
   }
 
+  /// The runtime's own computer checks its links itself.
+  void check_link_within(const model::Connection& connection, const Site& site) {
+    if (site.link() == nullptr) {
+      return;
+    }
+    const auto& from = processes_.at(connection.from.task);
+    const auto& to = processes_.at(connection.to.task);
+    if (from == to) {
+      return;
+    }
+    if (auto possible = deploy::detail::check_link(connection, from, to); !possible) {
+      findings_.error("link", to_string(connection) + ": " + possible.error().message, connection.where);
+    }
+  }
+
   const model::Network& network_;
   const Sites& sites_;
   const model::ComponentCatalog& catalog_;
   const DistributedOptions& options_;
+  const std::map<model::TaskId, model::DeploymentKey> processes_;
   Diagnostics findings_;
   std::map<model::TaskId, const Site*> site_of_;
   std::map<std::string, std::set<const Site*>> used_;  ///< libraries, and the hosts that use them

@@ -15,6 +15,12 @@ namespace {
 
 using deploy::detail::Which;
 
+void note(const Site& site, const Error& error, std::uint64_t number) {
+  site.note(error, number);
+}
+/// Errors of arm_commit() may be those of a single process on the host, which itself is well.
+void leave(const Site& /*site*/, const Error& /*error*/, std::uint64_t /*number*/) {}
+
 /// Whether an action makes or ends a connection with the commit, rather than at once.
 const model::Connection* at_commit(const model::Action& action, const ActionRouter& router) {
   const auto* what = std::get_if<model::ConnectionAction>(&action.what);
@@ -29,7 +35,7 @@ const model::Connection* at_commit(const model::Action& action, const ActionRout
 }  // namespace
 
 Result<void> DistributedCommit::ask_all(const std::set<const Site*>& sites, const std::string& what,
-                                        const Ask& ask) const {
+                                        const Ask& ask, const Failed& failed) const {
   std::vector<std::optional<Error>> errors(sites.size());
   std::vector<concurrent::ThreadPool::Job> jobs;
   for (const Site* site : sites) {
@@ -37,7 +43,9 @@ Result<void> DistributedCommit::ask_all(const std::set<const Site*>& sites, cons
       const auto reached = router_.reach(*site);
       const auto done = reached ? ask(*site, *reached->robot) : Result<void>(reached.error());
       if (!done) {
-        site->note(done.error());
+        if (reached) {
+          failed(*site, done.error(), reached->number);
+        }
         error = done.error();
       }
     });
@@ -84,9 +92,12 @@ Result<void> DistributedCommit::arm(const model::Transition& transition, TimePoi
     number = ++number_;
     armed_ = involved;
   }
-  return ask_all(involved, "cannot prepare to commit", [&](const Site& site, HostedRobot& robot) {
-    return robot.arm_commit(parts.at(&site), number, deadline);
-  });
+  return ask_all(
+      involved, "cannot prepare to commit",
+      [&](const Site& site, HostedRobot& robot) {
+        return robot.arm_commit(parts.at(&site), number, deadline);
+      },
+      leave);
 }
 
 Result<void> DistributedCommit::commit() {
@@ -97,13 +108,28 @@ Result<void> DistributedCommit::commit() {
     number = number_;
     involved = std::exchange(armed_, {});
   }
-  auto promised = ask_all(involved, "did not promise to commit",
-                          [&](const Site&, HostedRobot& robot) { return robot.vote(number, promise_); });
-  if (!promised) {
+  if (auto promised = promise(involved, number); !promised) {
     return promised;
   }
-  return ask_all(involved, "did not confirm the commit; what it did is seen once it answers again",
-                 [&](const Site&, HostedRobot& robot) { return robot.commit(number); });
+  return ask_all(
+      involved, "did not confirm the commit; what it did is seen once it answers again",
+      [&](const Site&, HostedRobot& robot) { return robot.commit(number); }, note);
+}
+
+Result<void> DistributedCommit::promise(const std::set<const Site*>& sites, std::uint64_t number) const {
+  const TimePoint begin = RealClock::instance().now();
+  // The first promises must last until all have got the order. So an answer may take no more than half.
+  const auto vote = [&](const Site&, HostedRobot& robot) -> Result<void> {
+    auto voted = robot.vote(number, promise_);
+    const Duration took = RealClock::instance().now() - begin;
+    if (voted && took > promise_ / 2) {
+      return fail(ErrorCode::InvalidState, "it took " + format_duration(took) +
+                                               " to promise, too long for a promise of " +
+                                               format_duration(promise_));
+    }
+    return voted;
+  };
+  return ask_all(sites, "did not promise to commit", vote, note);
 }
 
 void DistributedCommit::give_up() {

@@ -100,6 +100,7 @@ void DistributedTaskHost::Implementation::close() {
       site->link()->release();
     }
   }
+  router.close();
   sites.pool().close();
   events.set_listener({});
 }
@@ -141,7 +142,9 @@ void DistributedTaskHost::Implementation::look_after(const Site& site) {
   }
   if (!site.reachable()) {
     report(site, false, site.link()->report().state);
-    if (site.link()->connect(options.request, in(options.patience))) {
+    auto request = options.request;
+    request.take_over = false;  // else two runtimes would take the robot from each other forever
+    if (site.link()->connect(request, in(options.patience))) {
       greet(site);
     }
   }
@@ -374,6 +377,8 @@ std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
       continue;
     }
     for (auto& report : site->link()->last_seen().tasks) {
+      // It may have been replaced on another host meanwhile.
+      report.id = implementation_->sites.placements().name(host::plain_id(report.id), report.process);
       report.unknown = true;
       report.error = "unknown: host " + quote(site->name().str()) + " cannot be reached";
       reports.push_back(std::move(report));

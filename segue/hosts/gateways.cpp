@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/hosts/gateways.hpp>
 
+#include <segue/base/sha256.hpp>
 #include <segue/host/full_id.hpp>
 
 #include <algorithm>
@@ -40,14 +41,21 @@ TaskId receiver_id(const TaskId& sender, const HostName& host) {
   return TaskId(sender.str() + kMark + host.str());
 }
 
-/// ROS 2 allows letters, digits and underscores between slashes.
+/// ROS 2 allows letters, digits and underscores between slashes. Other texts get a number as well, so that
+/// "left-arm" and "left_arm" differ.
 std::string topic_part(const std::string& text) {
   std::string part = text;
   std::replace_if(
       part.begin(), part.end(),
       [](char c) { return !((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')); },
       '_');
-  return part;
+  return part == text ? part : part + "_x" + sha256(text).substr(0, 12);
+}
+
+bool is_gateway(const model::Deployment& deployment) {
+  return deployment.process == kGatewayProcess &&
+         std::all_of(deployment.tasks.begin(), deployment.tasks.end(),
+                     [](const model::Placement& placement) { return is_link_task(placement.task); });
 }
 
 /// The policy of one half; how samples get from process to process is decided there.
@@ -62,12 +70,11 @@ class Expander {
   Expander(Network network, const GatewaySettings& settings, const TypeOf& type_of)
       : network_(std::move(network)), settings_(settings), type_of_(type_of) {
     for (const auto& [task, process] : model::task_processes(network_)) {
-      const bool own =
-          std::find(settings.own.begin(), settings.own.end(), process.host) != settings.own.end();
-      host_of_.emplace(task, own ? model::kLocalHost : process.host);
+      host_of_.emplace(task, normal(process.host));
     }
     for (const auto& task : network_.tasks) {
       tasks_.emplace(task.id, &task);
+      ids_.insert(task.id);
       hosts_.insert(host_of(task.id));
     }
   }
@@ -76,12 +83,7 @@ class Expander {
     if (hosts_.size() < 2) {
       return std::move(network_);
     }
-    for (const auto& host : hosts_) {
-      auto& gateway = gateways_[host];
-      gateway.host = host;
-      gateway.process = kGatewayProcess;
-      gateway.libraries = {kGatewayLibrary};
-    }
+    add_gateways();
     std::vector<Connection> connections;
     for (auto& connection : network_.connections) {
       const bool known = tasks_.contains(connection.from.task) && tasks_.contains(connection.to.task);
@@ -102,9 +104,31 @@ class Expander {
   }
 
  private:
+  [[nodiscard]] HostName normal(const HostName& host) const {
+    const bool own = std::find(settings_.own.begin(), settings_.own.end(), host) != settings_.own.end();
+    return own ? model::kLocalHost : host;
+  }
   [[nodiscard]] HostName host_of(const TaskId& task) const {
     const auto found = host_of_.find(task);
     return found == host_of_.end() ? model::kLocalHost : found->second;
+  }
+
+  /// One on each host; those that are there already get what is added.
+  void add_gateways() {
+    for (const auto& host : hosts_) {
+      auto& gateway = gateways_[host];
+      gateway.host = host;
+      gateway.process = kGatewayProcess;
+      gateway.libraries = {kGatewayLibrary};
+    }
+    std::erase_if(network_.deployments, [this](const model::Deployment& deployment) {
+      const auto gateway = gateways_.find(normal(deployment.host));
+      if (gateway == gateways_.end() || !is_gateway(deployment)) {
+        return false;
+      }
+      gateway->second = deployment;
+      return true;
+    });
   }
 
   void add_link(const Connection& connection, std::vector<Connection>& connections) {
@@ -241,8 +265,7 @@ Network without_gateways(Network network) {
   }
   network.connections = std::move(connections);
   std::erase_if(network.tasks, [](const model::Task& task) { return is_link_task(task.id); });
-  std::erase_if(network.deployments,
-                [](const model::Deployment& deployment) { return deployment.process == kGatewayProcess; });
+  std::erase_if(network.deployments, is_gateway);
   return network;
 }
 

@@ -29,7 +29,7 @@ Result<void> HostLink::connect(const RobotRequest& request, TimePoint deadline) 
     }
   }
   if (!made) {
-    lose(to_string(made.error()));
+    lose(std::nullopt, to_string(made.error()));
     const std::lock_guard lock(mutex_);
     refusal_ = made.error().code == ErrorCode::AlreadyExists ? std::optional(made.error()) : std::nullopt;
     return made.error();
@@ -106,25 +106,31 @@ Result<void> HostLink::measure(HostService& service) {
 
 Result<void> HostLink::tend() {
   std::shared_ptr<Connection> connection;
+  std::uint64_t number = 0;
   {
     const std::lock_guard lock(mutex_);
+    if (connection_ == nullptr) {
+      return fail(ErrorCode::Unavailable, why_, place_.name.str());
+    }
     connection = connection_;
-  }
-  if (connection == nullptr) {
-    return fail(ErrorCode::Unavailable, why_, place_.name.str());
+    number = number_;
   }
   auto alive = connection->robot->renew();
   if (alive) {
     alive = measure(*connection->service);
   }
   if (!alive) {
-    lose(to_string(alive.error()));
+    lose(number, to_string(alive.error()));
   }
   return alive;
 }
 
-std::shared_ptr<HostLink::Connection> HostLink::take(const std::string& why) {
+std::shared_ptr<HostLink::Connection> HostLink::take(std::optional<std::uint64_t> number,
+                                                     const std::string& why) {
   const std::lock_guard lock(mutex_);
+  if (number && *number != number_) {
+    return nullptr;
+  }
   if (connection_ != nullptr || why_.empty()) {
     since_ = RealClock::instance().now();
   }
@@ -132,15 +138,15 @@ std::shared_ptr<HostLink::Connection> HostLink::take(const std::string& why) {
   return std::exchange(connection_, nullptr);
 }
 
-void HostLink::lose(const std::string& why) {
-  const auto lost = take(why);
+void HostLink::lose(std::optional<std::uint64_t> number, const std::string& why) {
+  const auto lost = take(number, why);
   if (lost != nullptr) {
     lost->robot->set_listener({});
   }
 }
 
 void HostLink::release() {
-  const auto ended = take("the runtime has ended");
+  const auto ended = take(std::nullopt, "the runtime has ended");
   if (ended != nullptr) {
     ended->robot->set_listener({});
     (void)ended->robot->release();

@@ -45,8 +45,9 @@ class HostLink {
   Result<void> connect(const RobotRequest& request, TimePoint deadline);
   /// Extends the lease, and measures the round trip and the host's clock. An error: the connection is lost.
   Result<void> tend();
-  /// What is asked of the host from now on fails, until connect() succeeds.
-  void lose(const std::string& why);
+  /// What is asked of the host from now on fails, until connect() succeeds. Does nothing where the connection
+  /// of that number has been replaced already: a call that fails late says nothing of the present one.
+  void lose(std::optional<std::uint64_t> number, const std::string& why);
   /// Gives up the lease, so that another runtime may have the robot at once.
   void release();
 
@@ -76,7 +77,7 @@ class HostLink {
   Result<std::shared_ptr<Connection>> open(TimePoint deadline);
   Result<HostInfo> acquire(Connection& connection, const RobotRequest& request, TimePoint deadline);
   /// Hands the connection over to the caller, who destroys it without the lock.
-  std::shared_ptr<Connection> take(const std::string& why);
+  std::shared_ptr<Connection> take(std::optional<std::uint64_t> number, const std::string& why);
   Result<void> measure(HostService& service);
 
   const HostPlace place_;

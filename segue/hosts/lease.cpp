@@ -21,6 +21,10 @@ std::uint64_t read_epoch(const std::filesystem::path& file) {
   return epoch;
 }
 
+Error closed(const std::string& robot) {
+  return fail(ErrorCode::Unavailable, "the daemon of this host has ended", robot);
+}
+
 }  // namespace
 
 Lease::Lease(std::string robot, std::filesystem::path file, const Clock& clock)
@@ -39,6 +43,9 @@ Result<void> Lease::keep(std::uint64_t epoch) const {
 
 Result<std::uint64_t> Lease::acquire(const std::string& holder, bool take_over, TimePoint deadline) {
   std::unique_lock lock(mutex_);
+  if (closed_) {
+    return closed(robot_);
+  }
   if (const Duration remaining = left(); holder != holder_ && remaining > Duration(0) && !take_over) {
     return fail(ErrorCode::AlreadyExists,
                 "runtime " + quote(holder_) + " commands this robot, for another " +
@@ -56,6 +63,9 @@ Result<std::uint64_t> Lease::acquire(const std::string& holder, bool take_over, 
     return fail(ErrorCode::DeadlineExceeded, "actions that the former runtime had begun have not ended",
                 robot_);
   }
+  if (closed_) {
+    return closed(robot_);
+  }
   if (mine != epoch_) {
     return fail(ErrorCode::Superseded, "another runtime has got the robot meanwhile", robot_);
   }
@@ -66,6 +76,9 @@ Result<std::uint64_t> Lease::acquire(const std::string& holder, bool take_over, 
 
 Result<void> Lease::renew(std::uint64_t epoch) {
   const std::lock_guard lock(mutex_);
+  if (closed_) {
+    return closed(robot_);
+  }
   if (epoch != epoch_ || holder_.empty()) {
     return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
   }
@@ -75,11 +88,21 @@ Result<void> Lease::renew(std::uint64_t epoch) {
 
 Result<void> Lease::release(std::uint64_t epoch) {
   const std::lock_guard lock(mutex_);
+  if (closed_) {
+    return closed(robot_);
+  }
   if (epoch != epoch_) {
     return fail(ErrorCode::Superseded, "another runtime commands this robot", robot_);
   }
   holder_.clear();
   return {};
+}
+
+void Lease::close() {
+  std::unique_lock lock(mutex_);
+  closed_ = true;
+  holder_.clear();
+  idle_.wait(lock, [&] { return working_ == 0; });
 }
 
 LeaseInfo Lease::info() const {
@@ -88,12 +111,15 @@ LeaseInfo Lease::info() const {
 }
 
 Error Lease::refusal(std::uint64_t epoch) const {
-  const LeaseInfo now = info();
+  const std::lock_guard lock(mutex_);
+  if (closed_) {
+    return closed(robot_);
+  }
   const std::string who =
-      now.holder.empty() ? "its lease was given up" : "runtime " + quote(now.holder) + " commands it";
+      holder_.empty() ? "its lease was given up" : "runtime " + quote(holder_) + " commands it";
   return fail(ErrorCode::Superseded,
               "this runtime does not command the robot on this host any more: " + who + " (epoch " +
-                  std::to_string(now.epoch) + ", not " + std::to_string(epoch) + ")",
+                  std::to_string(epoch_) + ", not " + std::to_string(epoch) + ")",
               robot_);
 }
 

@@ -33,6 +33,8 @@ class Lease {
   Result<void> renew(std::uint64_t epoch);
   /// Superseded where the epoch is not the present one.
   Result<void> release(std::uint64_t epoch);
+  /// The daemon ends: nobody has the lease any more, nor gets it. Blocks until all work has ended.
+  void close();
   [[nodiscard]] LeaseInfo info() const;
 
   /// Work under an epoch: acquire() waits for its end. Empty where the epoch is not the present one.
@@ -65,6 +67,7 @@ class Lease {
   std::string holder_;
   TimePoint until_{};
   std::size_t working_ = 0;
+  bool closed_ = false;
 };
 
 }  // namespace segue::hosts

@@ -49,6 +49,8 @@ struct LocalHost::Implementation {
 
   Result<std::shared_ptr<detail::LeasedRobot>> leased(const std::string& robot);
   Result<process::Launch> launch_of(const RobotRequest& request) const;
+  /// All robots that have ever had a lease here, as if nobody had it now.
+  [[nodiscard]] std::map<std::string, LeaseInfo> kept() const;
   [[nodiscard]] fs::path robots_folder() const { return options.state / "robots"; }
   [[nodiscard]] fs::path epoch_file(const std::string& robot) const {
     return robots_folder() / (robot + std::string(kEpochSuffix));
@@ -80,6 +82,19 @@ Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(c
   return found;
 }
 
+std::map<std::string, LeaseInfo> LocalHost::Implementation::kept() const {
+  std::map<std::string, LeaseInfo> leases;
+  std::error_code error;
+  for (fs::directory_iterator entry(robots_folder(), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string robot = entry->path().stem().string();
+    if (entry->path().extension() == kEpochSuffix && is_identifier(robot)) {
+      leases.emplace(robot, Lease(robot, entry->path(), RealClock::instance()).info());
+    }
+  }
+  return leases;
+}
+
 /// Model files of another computer become files here.
 Result<process::Launch> LocalHost::Implementation::launch_of(const RobotRequest& request) const {
   process::Launch launch = request.launch;
@@ -104,10 +119,18 @@ Result<process::Launch> LocalHost::Implementation::launch_of(const RobotRequest&
   return launch;
 }
 
-LocalHost::LocalHost(std::shared_ptr<Implementation> implementation)
+LocalHost::LocalHost(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 
-LocalHost::~LocalHost() = default;
+/// Robots that were given out may outlive this, but the processes' service need not.
+LocalHost::~LocalHost() {
+  const std::lock_guard lock(implementation_->mutex);
+  for (const auto& [name, robot] : implementation_->robots) {
+    const std::lock_guard one(robot->acquiring);
+    robot->lease.close();
+    robot->here.reset();
+  }
+}
 
 Result<std::unique_ptr<LocalHost>> LocalHost::create(process::ProcessService& processes,
                                                      deploy::Connector connector,
@@ -118,7 +141,7 @@ Result<std::unique_ptr<LocalHost>> LocalHost::create(process::ProcessService& pr
     }
   }
   return std::unique_ptr<LocalHost>(
-      new LocalHost(std::make_shared<Implementation>(processes, std::move(connector), options)));
+      new LocalHost(std::make_unique<Implementation>(processes, std::move(connector), options)));
 }
 
 Result<HostInfo> LocalHost::info() {
@@ -131,10 +154,19 @@ Result<std::chrono::system_clock::time_point> LocalHost::clock() {
 }
 
 Result<std::vector<LeaseInfo>> LocalHost::robots() {
-  const std::lock_guard lock(implementation_->mutex);
+  std::map<std::string, LeaseInfo> known = implementation_->kept();
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    for (const auto& [name, robot] : implementation_->robots) {
+      known[name] = robot->lease.info();
+    }
+  }
   std::vector<LeaseInfo> all;
-  for (const auto& [name, robot] : implementation_->robots) {
-    all.push_back(robot->lease.info());
+  for (auto& [name, lease] : known) {
+    const auto running = implementation_->processes->processes(name);
+    if (!lease.holder.empty() || (running && !running->empty())) {
+      all.push_back(std::move(lease));
+    }
   }
   return all;
 }

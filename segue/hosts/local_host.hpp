@@ -24,6 +24,7 @@ class LocalHost final : public HostService {
   static Result<std::unique_ptr<LocalHost>> create(process::ProcessService& processes,
                                                    deploy::Connector connector,
                                                    const LocalHostOptions& options);
+  /// Waits for calls in progress. The robots that were given out answer Unavailable from then on.
   ~LocalHost() override;
 
   Result<HostInfo> info() override;
@@ -33,9 +34,8 @@ class LocalHost final : public HostService {
 
  private:
   struct Implementation;
-  explicit LocalHost(std::shared_ptr<Implementation> implementation);
-  /// Shared with the robots that were given out, which answer Unavailable once this is destroyed.
-  const std::shared_ptr<Implementation> implementation_;
+  explicit LocalHost(std::unique_ptr<Implementation> implementation);
+  const std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace segue::hosts

@@ -99,9 +99,9 @@ Result<HostLink::Reached> Site::reach() const {
   return link_->reach();
 }
 
-void Site::note(const Error& error) const {
+void Site::note(const Error& error, std::uint64_t number) const {
   if (link_ != nullptr && is_lost(error.code)) {
-    link_->lose(to_string(error));
+    link_->lose(number, to_string(error));
   }
 }
 
@@ -114,7 +114,7 @@ Sites::Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vect
 }
 
 Result<Site*> Sites::find(const model::HostName& host) const {
-  if (host == model::kLocalHost ||
+  if (host.empty() || host == model::kLocalHost ||
       std::find(own_names_.begin(), own_names_.end(), host) != own_names_.end()) {
     return sites_.front().get();
   }
@@ -171,7 +171,7 @@ void Sites::for_all(const Work& work) const {
         return;
       }
       if (const auto done = work(site, *reached->robot); !done) {
-        site.note(done.error());
+        site.note(done.error(), reached->number);
       }
     });
   }

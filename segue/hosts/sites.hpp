@@ -28,8 +28,9 @@ class Site {
   [[nodiscard]] HostLink* link() const { return link_.get(); }
   [[nodiscard]] Result<HostLink::Reached> reach() const;
   [[nodiscard]] bool reachable() const { return link_ == nullptr || link_->reachable(); }
-  /// After a call failed: where nobody answered, or another runtime commands, the connection is given up.
-  void note(const Error& error) const;
+  /// After a call over connection `number` failed: where nobody answered, or another runtime commands, the
+  /// connection is given up.
+  void note(const Error& error, std::uint64_t number) const;
 
  private:
   const model::HostName name_;
@@ -44,7 +45,7 @@ class Sites {
   Sites(HostedRobot& own, std::vector<model::HostName> own_names, std::vector<HostPlace> hosts);
 
   [[nodiscard]] const std::vector<std::unique_ptr<Site>>& all() const { return sites_; }
-  /// NotFound where the robot has no such host.
+  /// NotFound where the robot has no such host. The key of the runtime's own process has an empty one.
   [[nodiscard]] Result<Site*> find(const model::HostName& host) const;
   [[nodiscard]] deploy::detail::PlacementTable& placements() const { return placements_; }
   [[nodiscard]] concurrent::ThreadPool& pool() const { return pool_; }

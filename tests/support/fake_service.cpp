@@ -258,9 +258,12 @@ Result<void> FakeService::set_property(const model::TaskId& /*task*/, std::strin
   return answer<void>("set_property", [] { return Result<void>(); });
 }
 
-Result<type::Value> FakeService::call(const model::TaskId& /*task*/, std::string_view /*operation*/,
+/// A link finds all its counterparts; other operations return their arguments.
+Result<type::Value> FakeService::call(const model::TaskId& /*task*/, std::string_view operation,
                                       const type::Value& arguments, TimePoint /*deadline*/) {
-  return answer<type::Value>("call", [&]() -> Result<type::Value> { return arguments; });
+  return answer<type::Value>("call", [&]() -> Result<type::Value> {
+    return operation == "wait_matched" ? *arguments.find("count") : arguments;
+  });
 }
 
 Result<std::unique_ptr<host::PortReader>> FakeService::open_reader(const model::PortRef& /*port*/,

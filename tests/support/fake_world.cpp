@@ -64,7 +64,14 @@ void FakeWorld::change(const std::function<void()>& what) {
 
 FakePtr FakeWorld::find(const std::string& process) const {
   const std::lock_guard lock(mutex);
-  const auto found = processes_.find({model::kLocalHost, model::ProcessName(process)});
+  const auto found = std::find_if(processes_.begin(), processes_.end(),
+                                  [&](const auto& item) { return item.first.process.str() == process; });
+  return found == processes_.end() ? nullptr : found->second;
+}
+
+FakePtr FakeWorld::find(const model::DeploymentKey& key) const {
+  const std::lock_guard lock(mutex);
+  const auto found = processes_.find(key);
   return found == processes_.end() ? nullptr : found->second;
 }
 
@@ -284,7 +291,7 @@ FakeWorld::Verdict FakeWorld::judge(const std::string& what, const FakePtr& proc
 Result<process::ProcessInfo> FakeProcesses::start(const process::Launch& launch, TimePoint /*deadline*/) {
   const auto verdict = world_.judge("start", nullptr);
   if (verdict.take_effect) {
-    const auto same = world_.find(launch.deployment.process.str());
+    const auto same = world_.find(launch.deployment.key());
     if (same != nullptr && !same->other_version) {
       return fail(ErrorCode::AlreadyExists, "runs already");
     }
@@ -313,7 +320,7 @@ Result<process::ExitReason> FakeProcesses::end(const std::string& how, const mod
                                                int signal) {
   const auto verdict = world_.judge(how, nullptr);
   if (verdict.take_effect) {
-    const auto process = world_.find(key.process.str());
+    const auto process = world_.find(key);
     if (process == nullptr) {
       return fail(ErrorCode::NotFound, "no such process");
     }

@@ -68,7 +68,8 @@ class FakeWorld {
   /// The network that TaskHost::observe() has to show.
   [[nodiscard]] model::Network truth() const;
   [[nodiscard]] std::size_t orphaned_endpoints() const;
-  [[nodiscard]] FakePtr find(const std::string& process) const;
+  [[nodiscard]] FakePtr find(const std::string& process) const;  ///< the first of that name
+  [[nodiscard]] FakePtr find(const model::DeploymentKey& key) const;
   FakePtr own() { return own_; }
   /// The process ends by itself.
   void kill(const FakePtr& process, int signal = 9);

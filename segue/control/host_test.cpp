@@ -1,0 +1,478 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/control/host_client.hpp>
+#include <segue/control/server.hpp>
+#include <support/fake_deployment.hpp>
+#include <support/random_actions.hpp>
+
+#include <rapidcheck.h>
+
+#include <atomic>
+#include <future>
+#include <map>
+#include <thread>
+
+namespace segue::control {
+namespace {
+
+using namespace std::chrono_literals;
+using model::TaskId;
+
+/// Remembers what was asked; tasks are those of a FakeDeployment.
+class FakeHostedRobot final : public hosts::HostedRobot {
+ public:
+  Gate entered;  ///< withdraw() has begun, which blocks
+  Gate go_on;
+  FakeDeployment tasks;
+  std::atomic<bool> blocks{false};
+
+  /// Set before and read after calls.
+  struct Fields {
+    std::vector<std::string> asked;
+    std::optional<Error> refusal;
+    hosts::HostView view;
+    model::Network before;
+    model::Network target;
+    model::Transition transition;
+    std::uint64_t number = 0;
+    Duration duration{0};
+  };
+  void set(const std::function<void(Fields&)>& change) {
+    const std::lock_guard lock(mutex_);
+    change(fields_);
+  }
+  Fields fields() {
+    const std::lock_guard lock(mutex_);
+    return fields_;
+  }
+  void tell(const host::HostEvent& event) {
+    const std::lock_guard lock(listening_);
+    if (listener_) listener_(event);
+  }
+  bool has_listener() {
+    const std::lock_guard lock(listening_);
+    return listener_ != nullptr;
+  }
+
+  Result<void> renew() override { return note("renew"); }
+  Result<void> release() override { return note("release"); }
+  Result<hosts::HostView> look() override {
+    if (auto noted = note("look"); !noted) return noted.error();
+    return fields().view;
+  }
+  Result<void> expect(const model::Network& target) override {
+    return note("expect", [&](Fields& fields) { fields.target = target; });
+  }
+  Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
+    return note("begin_transition", [&](Fields& fields) {
+      fields.before = before;
+      fields.target = target;
+    });
+  }
+  Result<void> get_ready(const model::Network& target) override {
+    return note("get_ready", [&](Fields& fields) { fields.target = target; });
+  }
+  Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
+                          TimePoint deadline) override {
+    return note("arm_commit", [&](Fields& fields) {
+      fields.transition = transition;
+      fields.number = number;
+      fields.duration = deadline - RealClock::instance().now();
+    });
+  }
+  Result<void> vote(std::uint64_t number, Duration validity) override {
+    return note("vote", [&](Fields& fields) {
+      fields.number = number;
+      fields.duration = validity;
+    });
+  }
+  Result<void> commit(std::uint64_t number) override {
+    return note("commit", [&](Fields& fields) { fields.number = number; });
+  }
+  Result<void> conclude(const model::Transition& transition) override {
+    return note("conclude", [&](Fields& fields) { fields.transition = transition; });
+  }
+  Result<void> withdraw() override {
+    if (blocks) {
+      entered.open();
+      go_on.wait();
+    }
+    return note("withdraw");
+  }
+  Result<void> end_processes(TimePoint deadline) override {
+    return note("end_processes",
+                [&](Fields& fields) { fields.duration = deadline - RealClock::instance().now(); });
+  }
+  void set_listener(host::TaskHost::Listener listener) override {
+    const std::lock_guard lock(listening_);
+    listener_ = std::move(listener);
+  }
+
+  void begin_all(std::vector<model::Action> actions, TimePoint deadline,
+                 host::Completion completed) override {
+    tasks.begin_all(std::move(actions), deadline, std::move(completed));
+  }
+  Result<std::optional<task::SavedState>> save_state(const TaskId& task, TimePoint deadline) override {
+    return tasks.save_state(task, deadline);
+  }
+  Result<void> restore_state(const TaskId& task, const task::SavedState& state, TimePoint deadline) override {
+    return tasks.restore_state(task, state, deadline);
+  }
+  Result<model::ComponentModel> describe(const TaskId& task) override { return tasks.describe(task); }
+  Result<type::Value> properties(const TaskId& task) override { return tasks.properties(task); }
+  Result<void> set_property(const TaskId& task, std::string_view path, const type::Value& value,
+                            TimePoint deadline) override {
+    return tasks.set_property(task, path, value, deadline);
+  }
+  Result<type::Value> call(const TaskId& task, std::string_view operation, const type::Value& arguments,
+                           TimePoint deadline) override {
+    return tasks.call(task, operation, arguments, deadline);
+  }
+  Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
+                                                        std::size_t buffer) override {
+    return tasks.open_reader(port, buffer);
+  }
+
+ private:
+  Result<void> note(const std::string& what, const std::function<void(Fields&)>& change = {}) {
+    const std::lock_guard lock(mutex_);
+    fields_.asked.push_back(what);
+    if (change) change(fields_);
+    if (fields_.refusal) return *fields_.refusal;
+    return {};
+  }
+
+  std::mutex mutex_;
+  Fields fields_;
+  std::mutex listening_;
+  host::TaskHost::Listener listener_;
+};
+
+class FakeHostDaemon final : public hosts::HostService {
+ public:
+  const std::shared_ptr<FakeHostedRobot> robot = std::make_shared<FakeHostedRobot>();
+  hosts::HostInfo who{};
+  std::vector<hosts::LeaseInfo> leases{};
+  std::chrono::system_clock::time_point time{};
+
+  hosts::RobotRequest request() {
+    const std::lock_guard lock(mutex_);
+    return request_;
+  }
+  Result<hosts::HostInfo> info() override { return who; }
+  Result<std::chrono::system_clock::time_point> clock() override { return time; }
+  Result<std::vector<hosts::LeaseInfo>> robots() override { return leases; }
+  Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& request,
+                                                      TimePoint /*deadline*/) override {
+    const std::lock_guard lock(mutex_);
+    request_ = request;
+    if (request.holder == "late") return fail(ErrorCode::AlreadyExists, "runtime 'early' commands it");
+    return std::shared_ptr<hosts::HostedRobot>(robot);
+  }
+
+ private:
+  std::mutex mutex_;
+  hosts::RobotRequest request_;
+};
+
+class HostTest : public ControlTest {
+ protected:
+  void TearDown() override {
+    daemon_.robot->go_on.open();
+    daemon_.robot->tasks.release.open();
+    ControlTest::TearDown();
+  }
+  void serve() {
+    auto server = Server::listen(socket_, &daemon_);
+    ASSERT_TRUE(server) << to_string(server.error());
+    server_ = std::move(*server);
+  }
+  std::unique_ptr<hosts::HostService> client(std::function<void()> gone = nullptr) {
+    auto connected = connect_host(socket_, soon(), std::move(gone));
+    EXPECT_TRUE(connected) << to_string(connected.error());
+    return connected ? std::move(*connected) : nullptr;
+  }
+  static hosts::RobotRequest request() {
+    hosts::RobotRequest request;
+    request.holder = "me/1/2";
+    request.launch.robot = "spot";
+    return request;
+  }
+  static std::shared_ptr<hosts::HostedRobot> robot_of(hosts::HostService& host) {
+    auto robot = host.acquire(request(), soon());
+    EXPECT_TRUE(robot) << to_string(robot.error());
+    return robot ? std::move(*robot) : nullptr;
+  }
+
+  FakeHostDaemon daemon_;
+};
+
+TEST_F(HostTest, WhatADaemonSaysTravels) {
+  daemon_.who.name = model::HostName("left");
+  daemon_.who.software = "9.9";
+  daemon_.who.architecture = "aarch64";
+  daemon_.who.pid = 42;
+  daemon_.who.libraries = {{"lib", "0123", {model::ComponentName("a::B"), model::ComponentName("a::C")}},
+                           {"none", "", {}}};
+  daemon_.leases = {{"spot", "me/1/2", UINT64_MAX, 5s}, {"mule", "", 0, 0s}};
+  daemon_.time = std::chrono::system_clock::now();
+  serve();
+  const auto host = client();
+  const auto info = host->info().value();
+  EXPECT_EQ(info.name, daemon_.who.name);
+  EXPECT_EQ(info.software, "9.9");
+  EXPECT_EQ(info.architecture, "aarch64");
+  EXPECT_EQ(info.pid, 42);
+  EXPECT_EQ(info.libraries, daemon_.who.libraries);
+  EXPECT_EQ(host->clock().value(), daemon_.time);
+  const auto leases = host->robots().value();
+  ASSERT_EQ(leases.size(), 2U);
+  EXPECT_EQ(leases[0].robot, "spot");
+  EXPECT_EQ(leases[0].holder, "me/1/2");
+  EXPECT_EQ(leases[0].epoch, UINT64_MAX);
+  EXPECT_EQ(leases[0].left, Duration(5s));
+  EXPECT_EQ(leases[1].robot, "mule");
+}
+
+TEST_F(HostTest, ARequestForARobotTravels) {
+  serve();
+  const auto host = client();
+  auto asked = request();
+  asked.launch.libraries = {"one", "two"};
+  asked.launch.stand_in = true;
+  asked.launch.stand_ins = "text";
+  asked.launch.log_level = "debug";
+  asked.models = {{"arm.yaml", std::string("a\0b", 3)}, {"", ""}};
+  asked.take_over = true;
+  ASSERT_TRUE(host->acquire(asked, soon()));
+  const auto got = daemon_.request();
+  EXPECT_EQ(got.holder, asked.holder);
+  EXPECT_EQ(got.launch, asked.launch);
+  EXPECT_TRUE(got.take_over);
+  ASSERT_EQ(got.models.size(), 2U);
+  EXPECT_EQ(got.models[0].name, "arm.yaml");
+  EXPECT_EQ(got.models[0].text, asked.models[0].text);
+  asked.holder = "late";
+  const auto refused = host->acquire(asked, soon());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::AlreadyExists);
+  asked.launch.robot = "";
+  EXPECT_FALSE(host->acquire(asked, soon()));
+}
+
+TEST_F(HostTest, TransitionsOfARobotTravel) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  auto& fake = *daemon_.robot;
+  rc::check("round trip", [&](std::uint64_t seed) {
+    segue::testing::Random random(seed);
+    const auto transition = segue::testing::random_transition(random);
+    const auto before = segue::testing::random_network(random, segue::testing::everything());
+    const auto target = segue::testing::random_network(random, segue::testing::everything());
+    RC_ASSERT(robot->begin_transition(before, target).has_value());
+    RC_ASSERT(fake.fields().before == before);
+    RC_ASSERT(fake.fields().target == target);
+    RC_ASSERT(robot->expect(before).has_value());
+    RC_ASSERT(fake.fields().target == before);
+    RC_ASSERT(robot->get_ready(target).has_value());
+    RC_ASSERT(fake.fields().target == target);
+    RC_ASSERT(robot->arm_commit(transition, seed, soon()).has_value());
+    RC_ASSERT(fake.fields().transition == transition);
+    RC_ASSERT(fake.fields().number == seed);
+    RC_ASSERT(fake.fields().duration > 1s && fake.fields().duration <= kLong);
+    RC_ASSERT(robot->conclude({}).has_value());
+    RC_ASSERT(fake.fields().transition == model::Transition{});
+    RC_ASSERT(robot->perform(transition.actions, soon()).size() == transition.actions.size());
+    RC_ASSERT(transition.actions.empty() || fake.tasks.seen()->performed == transition.actions);
+    fake.set([&](auto& fields) { fields.view.network = target; });
+    RC_ASSERT(robot->look().value().network == target);
+  });
+}
+
+TEST_F(HostTest, OrdersOfACommitTravel) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  auto& fake = *daemon_.robot;
+  EXPECT_TRUE(robot->vote(UINT64_MAX, 1234567891ns));
+  EXPECT_EQ(fake.fields().number, UINT64_MAX);
+  EXPECT_EQ(fake.fields().duration, 1234567891ns);
+  EXPECT_TRUE(robot->commit(7));
+  EXPECT_EQ(fake.fields().number, 7U);
+  EXPECT_TRUE(robot->withdraw());
+  EXPECT_TRUE(robot->renew());
+  EXPECT_TRUE(robot->release());
+  EXPECT_TRUE(robot->end_processes(soon()));
+  EXPECT_LE(fake.fields().duration, kLong);
+  EXPECT_EQ(fake.fields().asked,
+            (std::vector<std::string>{"vote", "commit", "withdraw", "renew", "release", "end_processes"}));
+}
+
+TEST_F(HostTest, RefusalsTravel) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  daemon_.robot->set([](auto& fields) { fields.refusal = fail(ErrorCode::Superseded, "no", "spot"); });
+  const std::map<std::string, Result<void>> answers = {{"renew", robot->renew()},
+                                                       {"release", robot->release()},
+                                                       {"expect", robot->expect({})},
+                                                       {"begin_transition", robot->begin_transition({}, {})},
+                                                       {"get_ready", robot->get_ready({})},
+                                                       {"arm_commit", robot->arm_commit({}, 1, soon())},
+                                                       {"vote", robot->vote(1, 1s)},
+                                                       {"commit", robot->commit(1)},
+                                                       {"conclude", robot->conclude({})},
+                                                       {"withdraw", robot->withdraw()},
+                                                       {"end_processes", robot->end_processes(soon())}};
+  for (const auto& [what, answer] : answers) {
+    ASSERT_FALSE(answer) << what;
+    EXPECT_EQ(answer.error().code, ErrorCode::Superseded) << what;
+    EXPECT_EQ(answer.error().subject, "spot") << what;
+  }
+  EXPECT_EQ(robot->look().error().code, ErrorCode::Superseded);
+}
+
+TEST_F(HostTest, TasksOfARobotAreAskedThroughItsHost) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  auto& tasks = daemon_.robot->tasks;
+  tasks.value = type::Value("properties");
+  EXPECT_EQ(robot->properties(TaskId("a")).value(), type::Value("properties"));
+  EXPECT_EQ(robot->properties(TaskId("no")).error().code, ErrorCode::NotFound);
+  const task::SavedState state{"/demo/State", 3, type::Value(5)};
+  EXPECT_FALSE(robot->save_state(TaskId("a"), soon()).value());
+  ASSERT_TRUE(robot->restore_state(TaskId("a"), state, soon()));
+  EXPECT_EQ(robot->save_state(TaskId("a"), soon()).value(), state);
+  const auto reader = robot->open_reader({TaskId("a"), "out"}, 5);
+  ASSERT_TRUE(reader) << to_string(reader.error());
+  EXPECT_EQ((*reader)->read(2).size(), 2U);
+}
+
+TEST_F(HostTest, WhatAHostHoldsTravels) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  daemon_.robot->set([](auto& fields) {
+    host::TaskReport task;
+    task.id = TaskId("a");
+    task.process = {model::HostName("left"), model::ProcessName("p")};
+    task.pid = 7;
+    task.error = "bad";
+    fields.view.tasks = {task};
+    host::ConnectionReport connection;
+    connection.connection.from = {TaskId("a"), "out"};
+    connection.connection.to = {TaskId("b"), "in"};
+    connection.written = UINT64_MAX;
+    connection.dropped = 3;
+    fields.view.connections = {connection};
+  });
+  const auto view = robot->look().value();
+  ASSERT_EQ(view.tasks.size(), 1U);
+  EXPECT_EQ(view.tasks[0].id, TaskId("a"));
+  EXPECT_EQ(to_string(view.tasks[0].process), "left/p");
+  EXPECT_EQ(view.tasks[0].pid, 7);
+  EXPECT_EQ(view.tasks[0].error, "bad");
+  ASSERT_EQ(view.connections.size(), 1U);
+  EXPECT_EQ(view.connections[0].written, UINT64_MAX);
+  EXPECT_EQ(view.connections[0].dropped, 3U);
+}
+
+TEST_F(HostTest, EventsOfARobotTravel) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  std::mutex mutex;
+  std::vector<host::HostEvent> events;
+  robot->set_listener([&](const host::HostEvent& event) {
+    const std::lock_guard lock(mutex);
+    events.push_back(event);
+  });
+  ASSERT_TRUE(eventually([&] { return daemon_.robot->has_listener(); }));
+  daemon_.robot->tell(host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
+  daemon_.robot->tell(
+      host::ProcessEvent{{model::HostName("left"), model::ProcessName("p")}, "has ended", true});
+  ASSERT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return events.size() == 2;
+  }));
+  const std::lock_guard lock(mutex);
+  const auto& task = std::get<host::TaskEvent>(events[0]);
+  EXPECT_EQ(task.task, TaskId("a"));
+  EXPECT_EQ(task.state, TaskState::Fatal);
+  EXPECT_EQ(task.message, "why");
+  const auto& process = std::get<host::ProcessEvent>(events[1]);
+  EXPECT_EQ(to_string(process.process), "left/p");
+  EXPECT_EQ(process.message, "has ended");
+  EXPECT_TRUE(process.gone);
+}
+
+TEST_F(HostTest, AConnectionThatBreaksIsTold) {
+  serve();
+  std::atomic<int> gone{0};
+  const auto host = client([&] { ++gone; });
+  const auto robot = robot_of(*host);
+  daemon_.robot->blocks = true;
+  auto blocked = std::async(std::launch::async, [&] { return robot->withdraw(); });
+  daemon_.robot->entered.wait();
+  auto ends = std::async(std::launch::async, [&] { server_.reset(); });
+  daemon_.robot->go_on.open();
+  ends.get();
+  EXPECT_TRUE(blocked.get()) << "calls in progress are answered";
+  EXPECT_TRUE(eventually([&] { return gone == 1; }));
+  EXPECT_EQ(robot->look().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->renew().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->vote(1, 1s).error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->commit(1).error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(robot->properties(TaskId("a")).error().code, ErrorCode::Unavailable);
+  const auto actions = {action_of(model::ActionKind::Stop, "a")};
+  EXPECT_EQ(robot->perform(actions, soon()).front().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(host->info().error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(host->acquire(request(), soon()).error().code, ErrorCode::Unavailable);
+  EXPECT_EQ(gone, 1);
+}
+
+TEST_F(HostTest, ARobotKeepsItsConnection) {
+  serve();
+  auto host = client();
+  const auto robot = robot_of(*host);
+  host.reset();
+  EXPECT_TRUE(robot->look());
+  EXPECT_TRUE(robot->renew());
+}
+
+TEST_F(HostTest, ClientsAndServersMayEndAtAnyTime) {
+  for (int round = 0; round < 15; ++round) {
+    serve();
+    std::atomic<bool> over{false};
+    std::vector<std::thread> users;
+    for (int i = 0; i < 2; ++i) {
+      users.emplace_back([&] {
+        std::atomic<int> heard{0};
+        auto connected = connect_host(socket_, soon(), [&] { ++heard; });
+        if (!connected) return;
+        auto robot = (*connected)->acquire(request(), soon());
+        if (!robot) return;
+        (*robot)->set_listener([&](const host::HostEvent&) { ++heard; });
+        for (int call = 0; call < 10; ++call) {
+          (void)(*robot)->look();
+          (*robot)->begin_all({action_of(model::ActionKind::Stop, "a")}, soon(), [](const auto&) {});
+        }
+      });
+    }
+    std::thread events([&] {
+      while (!over)
+        daemon_.robot->tell(host::TaskEvent{TaskId("a"), TaskState::Fatal, "why"});
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(round));
+    server_.reset();
+    for (auto& user : users)
+      user.join();
+    over = true;
+    events.join();
+    EXPECT_FALSE(daemon_.robot->has_listener());
+  }
+}
+
+}  // namespace
+}  // namespace segue::control

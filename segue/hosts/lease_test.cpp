@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/hosts/lease.hpp>
+
+#include <segue/base/file.hpp>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <future>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace segue::hosts {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+
+class SettableClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const override { return TimePoint(now_.load()); }
+  void sleep_until(TimePoint when) override { now_ = when.time_since_epoch(); }
+  void pass(Duration duration) { now_ = now_.load() + duration; }
+
+ private:
+  std::atomic<Duration> now_{Duration(1h)};
+};
+
+TimePoint before_long() {
+  return RealClock::instance().now() + 30s;
+}
+TimePoint at_once() {
+  return RealClock::instance().now();
+}
+
+class LeaseTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "segue-lease-XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    lease_.emplace("spot", file(), clock_);
+  }
+  void TearDown() override {
+    lease_.reset();
+    fs::remove_all(folder_);
+  }
+  [[nodiscard]] fs::path file() const { return folder_ / "spot.epoch"; }
+
+  /// The epoch that the holder got; 0 where it was refused.
+  std::uint64_t acquire(const std::string& holder, bool take_over = false) {
+    return lease_->acquire(holder, take_over, before_long()).value_or(0);
+  }
+  ErrorCode refusal_of(const std::string& holder, bool take_over = false, TimePoint deadline = at_once()) {
+    const auto got = lease_->acquire(holder, take_over, deadline);
+    EXPECT_FALSE(got);
+    return got ? ErrorCode::Internal : got.error().code;
+  }
+
+  fs::path folder_;
+  SettableClock clock_;
+  std::optional<Lease> lease_;
+};
+
+TEST_F(LeaseTest, EpochsGrowAlsoOverARestart) {
+  EXPECT_EQ(lease_->info().epoch, 0U);
+  const auto first = acquire("a");
+  EXPECT_GT(first, 0U);
+  ASSERT_TRUE(lease_->release(first));
+  const auto second = acquire("b");
+  EXPECT_GT(second, first);
+  lease_.emplace("spot", file(), clock_);
+  EXPECT_EQ(lease_->info().holder, "");
+  EXPECT_EQ(lease_->info().epoch, second);
+  EXPECT_FALSE(lease_->renew(second)) << "a restart of the daemon ends all leases";
+  EXPECT_GT(acquire("c"), second);
+}
+
+TEST_F(LeaseTest, NobodyElseGetsItBeforeItHasRunOut) {
+  ASSERT_GT(acquire("a"), 0U);
+  EXPECT_EQ(lease_->info().holder, "a");
+  EXPECT_EQ(lease_->info().left, Lease::kValidity);
+  clock_.pass(Lease::kValidity - 1ms);
+  const auto refused = lease_->acquire("b", false, before_long());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::AlreadyExists);
+  EXPECT_NE(refused.error().message.find("'a'"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(lease_->info().holder, "a");
+  clock_.pass(1ms);
+  EXPECT_EQ(lease_->info().left, 0ms);
+  EXPECT_GT(acquire("b"), 0U);
+}
+
+TEST_F(LeaseTest, RenewingExtendsIt) {
+  const auto epoch = acquire("a");
+  clock_.pass(Lease::kValidity - 1ms);
+  ASSERT_TRUE(lease_->renew(epoch));
+  clock_.pass(Lease::kValidity - 1ms);
+  EXPECT_EQ(refusal_of("b"), ErrorCode::AlreadyExists);
+  clock_.pass(1h);
+  EXPECT_TRUE(lease_->renew(epoch)) << "nobody else has got it";
+  EXPECT_EQ(refusal_of("b"), ErrorCode::AlreadyExists);
+}
+
+TEST_F(LeaseTest, TheSameHolderGetsItAtOnce) {
+  const auto first = acquire("a");
+  const auto second = acquire("a");
+  EXPECT_GT(second, first);
+  EXPECT_EQ(lease_->renew(first).error().code, ErrorCode::Superseded);
+  EXPECT_FALSE(Lease::Work(*lease_, first));
+  EXPECT_TRUE(Lease::Work(*lease_, second));
+}
+
+TEST_F(LeaseTest, WhoTakesItOverEndsWhatWentBefore) {
+  const auto first = acquire("a");
+  const auto second = acquire("b", true);
+  ASSERT_GT(second, first);
+  EXPECT_EQ(lease_->renew(first).error().code, ErrorCode::Superseded);
+  EXPECT_EQ(lease_->release(first).error().code, ErrorCode::Superseded);
+  EXPECT_EQ(lease_->info().holder, "b") << "the former one cannot give it up";
+  EXPECT_FALSE(Lease::Work(*lease_, first));
+  EXPECT_EQ(lease_->refusal(first).code, ErrorCode::Superseded);
+  EXPECT_NE(lease_->refusal(first).message.find("'b'"), std::string::npos);
+  EXPECT_EQ(refusal_of("a"), ErrorCode::AlreadyExists);
+}
+
+TEST_F(LeaseTest, WhoReleasesItCanDoNothingAnyMore) {
+  const auto epoch = acquire("a");
+  ASSERT_TRUE(lease_->release(epoch));
+  EXPECT_EQ(lease_->info().left, 0ms);
+  EXPECT_FALSE(Lease::Work(*lease_, epoch));
+  EXPECT_EQ(lease_->renew(epoch).error().code, ErrorCode::Superseded);
+  EXPECT_TRUE(lease_->release(epoch)) << "twice does no harm";
+  EXPECT_GT(acquire("b"), epoch);
+}
+
+TEST_F(LeaseTest, AnEpochThatNeverWasHasNoWork) {
+  EXPECT_FALSE(Lease::Work(*lease_, 0));
+  const auto epoch = acquire("a");
+  EXPECT_FALSE(Lease::Work(*lease_, 0));
+  EXPECT_FALSE(Lease::Work(*lease_, epoch + 1));
+}
+
+TEST_F(LeaseTest, AcquiringWaitsForWorkInProgress) {
+  const auto first = acquire("a");
+  std::optional<Lease::Work> work(std::in_place, *lease_, first);
+  Lease::Work moved(std::move(*work));
+  work.reset();
+  ASSERT_TRUE(moved);
+  auto next = std::async(std::launch::async, [&] { return acquire("b", true); });
+  EXPECT_EQ(next.wait_for(50ms), std::future_status::timeout);
+  EXPECT_FALSE(Lease::Work(*lease_, first)) << "nothing more begins";
+  { const Lease::Work ends(std::move(moved)); }
+  const auto second = next.get();
+  EXPECT_GT(second, first);
+  EXPECT_TRUE(Lease::Work(*lease_, second));
+}
+
+TEST_F(LeaseTest, NobodyHasItWhereWorkDoesNotEnd) {
+  const auto first = acquire("a");
+  {
+    const Lease::Work work(*lease_, first);
+    EXPECT_EQ(refusal_of("b", true, RealClock::instance().now() + 20ms), ErrorCode::DeadlineExceeded);
+    EXPECT_EQ(lease_->info().holder, "");
+    EXPECT_FALSE(lease_->renew(first));
+    EXPECT_FALSE(Lease::Work(*lease_, first));
+    EXPECT_FALSE(Lease::Work(*lease_, lease_->info().epoch));
+    EXPECT_EQ(refusal_of("c"), ErrorCode::DeadlineExceeded);
+  }
+  EXPECT_GT(acquire("a"), first) << "also the former one may try again";
+}
+
+TEST_F(LeaseTest, WhoWaitsIsSupersededByWhoComesLater) {
+  const auto first = acquire("a");
+  std::optional<Lease::Work> work(std::in_place, *lease_, first);
+  auto early = std::async(std::launch::async, [&] { return lease_->acquire("b", true, before_long()); });
+  while (lease_->info().epoch == first) {
+    std::this_thread::yield();
+  }
+  auto late = std::async(std::launch::async, [&] { return lease_->acquire("c", false, before_long()); });
+  while (lease_->info().epoch == first + 1) {
+    std::this_thread::yield();
+  }
+  work.reset();
+  const auto b = early.get();
+  const auto c = late.get();
+  ASSERT_FALSE(b);
+  EXPECT_EQ(b.error().code, ErrorCode::Superseded);
+  ASSERT_TRUE(c) << to_string(c.error());
+  EXPECT_EQ(lease_->info().holder, "c");
+}
+
+TEST_F(LeaseTest, NobodyGetsItWhereTheEpochCannotBeKept) {
+  const auto first = acquire("a");
+  fs::remove_all(folder_);
+  EXPECT_EQ(refusal_of("b", true), ErrorCode::IoError);
+  EXPECT_TRUE(lease_->renew(first)) << "nothing has changed";
+  EXPECT_TRUE(Lease::Work(*lease_, first));
+  fs::create_directory(folder_);
+  EXPECT_GT(acquire("b", true), first);
+}
+
+TEST_F(LeaseTest, AFileThatIsNoEpochCountsAsNone) {
+  ASSERT_TRUE(write_file(file(), "no number\n"));
+  lease_.emplace("spot", file(), clock_);
+  EXPECT_EQ(lease_->info().epoch, 0U);
+  EXPECT_GT(acquire("a"), 0U);
+}
+
+TEST_F(LeaseTest, NoTwoHoldersWorkAtTheSameTime) {
+  std::atomic<std::uint64_t> working{0};
+  std::atomic<int> overlaps{0};
+  std::atomic<int> done{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&, holder = "h" + std::to_string(i)] {
+      for (int round = 0; round < 20; ++round) {
+        const auto epoch = lease_->acquire(holder, true, before_long());
+        for (int call = 0; epoch && call < 20; ++call) {
+          const Lease::Work work(*lease_, *epoch);
+          if (!work) {
+            break;
+          }
+          const auto other = working.exchange(*epoch);
+          overlaps += other > *epoch ? 1 : 0;
+          ++done;
+        }
+      }
+    });
+  }
+  for (auto& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(overlaps, 0) << "an older epoch worked after a newer one";
+  EXPECT_GT(done, 0);
+}
+
+}  // namespace
+}  // namespace segue::hosts
