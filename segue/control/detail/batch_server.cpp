@@ -42,7 +42,7 @@ class Batch final : private kj::TaskSet::ErrorHandler {
   void finish(Result<Outcomes> outcomes) {
     sending_.reset();
     follower_.reset();
-    caller_.end();
+    caller_.end_batch();
     caller_.core().batches.remove();
     (*std::exchange(done_, nullptr)).fulfill(std::move(outcomes));
   }
@@ -86,9 +86,9 @@ class Batch final : private kj::TaskSet::ErrorHandler {
 kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks,
                                             Follower follower, std::uint64_t ticket,
                                             std::vector<model::Action> actions, TimePoint deadline) {
-  if (auto begun = caller.begin(); !begun) return Result<Outcomes>(begun.error());
+  if (auto begun = caller.begin_batch(); !begun) return Result<Outcomes>(begun.error());
   if (actions.empty()) {
-    caller.end();
+    caller.end_batch();
     return Result<Outcomes>(Outcomes());
   }
   ServerCore& core = caller.core();

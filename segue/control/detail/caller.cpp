@@ -11,6 +11,8 @@ namespace segue::control::detail {
 namespace {
 
 constexpr std::size_t kMaxCallsPerClient = 16;
+/// Batches wait for hooks of tasks, on a host for those of many tasks at once.
+constexpr std::size_t kMaxBatchesPerClient = 256;
 constexpr Duration kMaxTimeout = std::chrono::hours(24);
 
 Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
@@ -55,6 +57,18 @@ Result<void> Caller::begin() {
                 "this client has too many calls in progress; wait for one to end");
   }
   ++client_->calls;
+  return {};
+}
+
+Result<void> Caller::begin_batch() {
+  if (core_.stopping) {
+    return refused(ErrorCode::Unavailable, core_.noun(), " is shutting down");
+  }
+  if (client_->batches >= kMaxBatchesPerClient) {
+    return fail(ErrorCode::ResourceExhausted,
+                "this client has too many batches of actions in progress; wait for one to end");
+  }
+  ++client_->batches;
   return {};
 }
 

@@ -37,6 +37,9 @@ class Caller {
   /// or ResourceExhausted where it may not be begun.
   Result<void> begin();
   void end() { --client_->calls; }
+  /// The same for a batch of actions, of which there may be more.
+  Result<void> begin_batch();
+  void end_batch() { --client_->batches; }
 
   /// Runs `job`, which returns a Result<T>, then `reply(T&, results)` (for T void: `reply(results)`). Errors,
   /// exceptions of the job included, become the `error` of the results; so does a role that does not include

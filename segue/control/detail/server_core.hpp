@@ -52,6 +52,7 @@ struct ClientState {
   Peer peer;
   bool greeted = false;
   std::size_t calls = 0;
+  std::size_t batches = 0;  ///< of actions, in progress
   std::size_t streams = 0;
   std::size_t listeners = 0;
 };

@@ -101,7 +101,8 @@ class Session {
   [[nodiscard]] const std::optional<Identity>& identity() const { return identity_; }
 
   [[nodiscard]] bool idle() const {
-    return client_->calls == 0 && (rpc_.get() == nullptr || rpc_->network.getCurrentQueueCount() == 0);
+    return client_->calls == 0 && client_->batches == 0 &&
+           (rpc_.get() == nullptr || rpc_->network.getCurrentQueueCount() == 0);
   }
 
  private:
