@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/belief.hpp>
 
+#include <segue/base/clock.hpp>
 #include <segue/runtime/network_sets.hpp>
+
+#include <algorithm>
 
 namespace segue::runtime::detail {
 
@@ -13,6 +16,15 @@ void set_state(BeliefState& held, const model::TaskId& id, TaskState state) {
       task->state = state;
     }
   }
+}
+
+/// Whether a computer was lost or found after that moment.
+bool any_came_or_went_since(TimePoint begin, const host::TaskHost& host) {
+  const auto computers = host.computers();
+  const Duration elapsed = RealClock::instance().now() - begin;
+  return std::any_of(computers.begin(), computers.end(), [&](const host::ComputerReport& computer) {
+    return computer.name != model::kLocalHost && computer.since < elapsed;
+  });
 }
 
 }  // namespace
@@ -36,14 +48,20 @@ BeliefState split_observation(model::Network seen, const model::Network& control
 }
 
 Observation Belief::observe() const {
+  constexpr int kAttempts = 4;  // a computer that comes and goes all the time delays nobody for long
   Observation seen;
-  {
-    const std::lock_guard lock(mutex_);
-    seen.task_events = task_events_;
-    seen.adoptions = adoptions_;
+  for (int attempt = 1;; ++attempt) {
+    const TimePoint begin = RealClock::instance().now();
+    {
+      const std::lock_guard lock(mutex_);
+      seen.task_events = task_events_;
+      seen.adoptions = adoptions_;
+    }
+    seen.network = host_.observe();
+    if (attempt == kAttempts || !any_came_or_went_since(begin, host_)) {
+      return seen;
+    }
   }
-  seen.network = host_.observe();
-  return seen;
 }
 
 BeliefState Belief::held() const {

@@ -42,6 +42,7 @@ class Belief {
  public:
   explicit Belief(const host::TaskHost& host) : host_(host) {}
 
+  /// Taken while no computer was lost or found: what is there is either wholly in the snapshot or not at all.
   [[nodiscard]] Observation observe() const;
   [[nodiscard]] BeliefState held() const;
   [[nodiscard]] model::Network controller() const;

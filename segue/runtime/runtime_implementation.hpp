@@ -127,7 +127,8 @@ struct Runtime::Implementation {
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
-  void bring_back_returned_hosts(const detail::Observation& seen);
+  /// `hosts` had returned before the snapshot was taken.
+  void bring_back(const std::set<model::HostName>& hosts, const detail::Observation& seen);
   /// Both return what could not be resolved in as many attempts as the policy permits, as sentences.
   std::vector<std::string> handle_faults(const detail::Observation& seen);
   std::vector<std::string> collect_leftovers(const detail::Observation& seen);

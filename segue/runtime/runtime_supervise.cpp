@@ -108,19 +108,27 @@ TimePoint Runtime::Implementation::next_supervision() const {
 }
 
 void Runtime::Implementation::supervise() {
+  const auto lost = detail::unreachable_hosts(host);
+  std::set<model::HostName> returned;
+  {
+    const std::lock_guard lock(mutex);
+    returned = returned_hosts;  // the snapshot shows what these hold, but maybe not that of later ones
+  }
   const Observation seen = belief.observe();
   next_observation = RealClock::instance().now() + options.policies.watch;
   if (belief.is_assumed()) {
     return;
   }
   const auto held = belief.held();
-  if (!belief.refresh(detail::split_observation(seen.network, held.controller, held.wanted), seen)) {
-    wake_worker();  // the belief was replaced meanwhile: supervise again with a new snapshot
+  const bool is_current =
+      belief.refresh(detail::split_observation(seen.network, held.controller, held.wanted), seen);
+  if (!is_current || detail::unreachable_hosts(host) != lost) {
+    wake_worker();  // the belief was replaced, or a host came or went: supervise again with a new snapshot
     return;
   }
   note_differences(seen.network);
   forget_ended(seen.network);
-  bring_back_returned_hosts(seen);
+  bring_back(returned, seen);
   auto left = handle_faults(seen);
   auto leftovers = collect_leftovers(seen);
   left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
@@ -149,11 +157,12 @@ void Runtime::Implementation::forget_ended(const model::Network& observed) {
 }
 
 /// A computer that was away runs what it ran then, or less, whatever has been requested meanwhile.
-void Runtime::Implementation::bring_back_returned_hosts(const Observation& seen) {
-  std::set<model::HostName> hosts;
+void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts, const Observation& seen) {
   {
     const std::lock_guard lock(mutex);
-    hosts.swap(returned_hosts);
+    for (const auto& returned : hosts) {
+      returned_hosts.erase(returned);
+    }
   }
   const auto held = belief.held();
   if (hosts.empty() || !held.wanted) {
