@@ -221,7 +221,7 @@ Result<void> ActionDispatcher::place_connection(std::size_t index, const model::
   }
   const RecordPtr writer = from ? from->record : nullptr;
   const RecordPtr reader = to ? to->record : nullptr;
-  const bool at_commit = 
+  const bool at_commit =
       action.kind == ActionKind::Connect && action.phase == model::Phase::Prepare && !at_once;
   if (at_commit) {
     commits_.note_waiting({writer, reader});
