@@ -3,6 +3,7 @@
 #include <support/fake_deployment.hpp>
 #include <support/secure_server.hpp>
 
+#include <fstream>
 #include <functional>
 
 namespace segue::control {

@@ -26,6 +26,7 @@ bool set_up(SSL_CTX* context, const Material& material) {
   SSL_CTX_set_verify_depth(context, 1);
   X509_STORE* store = SSL_CTX_get_cert_store(context);
   return SSL_CTX_set_min_proto_version(context, TLS1_3_VERSION) == 1 &&
+         SSL_CTX_set_max_proto_version(context, 0) == 1 &&  // whatever the system's configuration says
          SSL_CTX_set_num_tickets(context, 0) == 1 &&
          SSL_CTX_use_certificate(context, material.certificate.get()) == 1 &&
          SSL_CTX_use_PrivateKey(context, material.key.get()) == 1 &&

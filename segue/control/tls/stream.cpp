@@ -17,6 +17,9 @@ namespace {
 
 /// How much is encrypted before it is sent.
 constexpr std::size_t kBatch = std::size_t{64} << 10;
+/// How much OpenSSL may have to say of its own accord before we send again. Only who asks for new keys again
+/// and again makes it say so much.
+constexpr std::size_t kMostUnasked = std::size_t{64} << 10;
 /// How much of what somebody sends who was refused is read.
 constexpr std::size_t kMostDrained = std::size_t{64} << 10;
 
@@ -128,6 +131,10 @@ kj::Promise<size_t> Stream::read(kj::byte* buffer, size_t minimum, size_t maximu
     if (good == 1) continue;
     switch (SSL_get_error(ssl_.get(), good)) {
       case SSL_ERROR_WANT_READ:
+        if (BIO_ctrl_pending(to_send_) > kMostUnasked) {
+          problem_ = fail(ErrorCode::ResourceExhausted, other() + " asks for new keys too often");
+          return KJ_EXCEPTION(DISCONNECTED, problem_->message);
+        }
         return feed().then([=, this](bool more) -> kj::Promise<size_t> {
           if (!more) return done;
           return read(buffer, minimum, maximum, done);
