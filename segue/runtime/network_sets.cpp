@@ -105,6 +105,9 @@ model::Network subtract(const model::Network& all, const model::Network& part) {
 }
 
 model::Network without_hosts(model::Network network, const std::set<model::HostName>& hosts) {
+  if (hosts.empty()) {
+    return network;
+  }
   const auto processes = model::task_processes(network);
   const auto is_there = [&](const model::TaskId& task) {
     const auto process = processes.find(task);

@@ -127,12 +127,13 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
   if (auto refusal = refusal_for_unknown(controller, quoted_name(controller.name), host)) {
     return tl::unexpected(std::move(*refusal));
   }
-  model::Network target = unite(reachable_part(controller, host), already_present(keep, current));
+  auto lost = unreachable_hosts(host);
+  model::Network target = unite(without_hosts(controller, lost), already_present(keep, current));
   auto transition = solve_from_observed(current, target, catalog, std::move(options));
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));
   }
-  return SwitchPlan{std::move(controller), std::move(target), std::move(*transition)};
+  return SwitchPlan{std::move(controller), std::move(target), std::move(*transition), std::move(lost)};
 }
 
 tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current, model::Transition transition,
@@ -153,7 +154,7 @@ tl::expected<SwitchPlan, Refusal> plan_transition(const model::Network& current,
   if (auto refusal = refusal_for(*target, host, catalog)) {
     return tl::unexpected(std::move(*refusal));
   }
-  return SwitchPlan{*target, *target, std::move(transition)};
+  return SwitchPlan{*target, *target, std::move(transition), unreachable_hosts(host)};
 }
 
 std::string quoted_name(const model::NetworkName& name) {

@@ -20,6 +20,8 @@ struct SwitchPlan {
   model::Network controller;  ///< the requested controller
   model::Network target;      ///< the controller, and the standby parts that stay
   model::Transition transition;
+  /// Computers that could not be reached. Nothing there is part of the target, or touched.
+  std::set<model::HostName> lost{};
 };
 
 /// Why a request is refused: the error, and all findings of validation if there are several.

@@ -154,7 +154,7 @@ RuntimeState Runtime::Implementation::serve(PendingApply job, RuntimeState befor
 std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& job,
                                                             const model::Network& controller) {
   const TimePoint begin = RealClock::instance().now();
-  const detail::Observation current = belief.starting_point();
+  const auto [current, plan] = plan_from_now(controller, job.options);
   SwitchResult result;
   result.cause = Cause::Apply;
   result.request = job.number;
@@ -164,7 +164,6 @@ std::optional<SwitchResult> Runtime::Implementation::update(const PendingApply& 
   result.from = result.to = result.runs = controller.name;
   result.from_version = result.runs_version = belief.version();
   result.to_version = controller.version;
-  const auto plan = this->plan(current.network, controller, job.options);
   result.solve_time = RealClock::instance().now() - begin;
   if (!plan) {
     return refused(std::move(result), plan.error());

@@ -19,6 +19,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <utility>
 
 namespace segue::runtime {
 
@@ -69,6 +70,9 @@ struct Runtime::Implementation {
   tl::expected<detail::SwitchPlan, detail::Refusal> plan(const model::Network& current,
                                                          const Request& request,
                                                          const RequestOptions& options) const;
+  /// A snapshot and a plan that starts from it; both leave out the same computers.
+  std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>> plan_from_now(
+      const Request& request, const RequestOptions& options) const;
   SwitchResult serve(const detail::PendingRequest& job);
   void answer(detail::PendingRequest& job, SwitchResult result);
   SwitchResult superseded(const detail::PendingRequest& job) const;

@@ -69,10 +69,9 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
 SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   const TimePoint begin = RealClock::instance().now();
   SwitchResult result = new_result(job);
-  detail::Observation current = belief.starting_point();
+  const auto [current, plan] = plan_from_now(job.request, job.options);
   result.from = current.network.name;
   result.from_version = belief.version();
-  const auto plan = this->plan(current.network, job.request, job.options);
   result.solve_time = RealClock::instance().now() - begin;
   if (!plan) {
     result.runs = result.from;
@@ -87,6 +86,19 @@ SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   }
   carry_out(current.network, *plan, job.options.action_deadline, result);
   return result;
+}
+
+std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>>
+Runtime::Implementation::plan_from_now(const Request& request, const RequestOptions& request_options) const {
+  constexpr int kAttempts = 4;  // a computer that comes and goes all the time delays nobody for long
+  for (int attempt = 1;; ++attempt) {
+    const auto lost = detail::unreachable_hosts(host);
+    auto current = belief.starting_point();
+    auto plan = this->plan(current.network, request, request_options);
+    if (!plan || plan->lost == lost || attempt == kAttempts) {
+      return {std::move(current), std::move(plan)};
+    }
+  }
 }
 
 tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(

@@ -262,7 +262,8 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
   const auto held = belief.held();
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
-  plan.target = detail::reachable_part(detail::unite(plan.controller, standby), host);
+  plan.lost = detail::unreachable_hosts(host);
+  plan.target = detail::without_hosts(detail::unite(plan.controller, standby), plan.lost);
   auto transition = solve::repair(seen.network, plan.target, catalog,
                                   detail::solve_options(host, model::Order::Seamless, false), scope);
   if (!transition) {
@@ -307,8 +308,9 @@ void Runtime::Implementation::look_ahead() {
   plan.controller = held.wanted.value_or(held.controller);
   auto ahead = plan_ahead(plan.controller);
   const Observation seen = belief.starting_point();
-  plan.target = detail::reachable_part(
-      detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), host);
+  plan.lost = detail::unreachable_hosts(host);
+  plan.target = detail::without_hosts(
+      detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), plan.lost);
   auto how = detail::solve_options(host, model::Order::Seamless, false);
   how.idle = detail::idle_tasks(seen.network, held.controller);
   auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));

@@ -265,8 +265,8 @@ Undo Transaction::undo(const Failure& failed) {
   context_.log.add(EventKind::TransitionUndone, plan_.transition.to.str(),
                    failed.what + " failed; going back to " + quoted_name(before_.name));
   undo.error = bring_to(before_, undo.actions);
-  const model::Network observed = context_.host.observe();
-  undo.restored = is_restored(reachable_part(before_, context_.host), observed);
+  const auto [observed, lost] = look();
+  undo.restored = is_restored(without_hosts(before_, lost), observed);
   if (!undo.restored && options_.fallback && options_.fallback->name != plan_.transition.to) {
     context_.log.add(EventKind::TransitionUndone, options_.fallback->name.str(),
                      "the old network cannot be restored; trying the fallback network");
@@ -274,16 +274,26 @@ Undo Transaction::undo(const Failure& failed) {
     if (auto error = bring_to(*options_.fallback, undo.actions)) {
       undo.error = std::move(error);
     } else {
-      undo.fell_back = includes(context_.host.observe(), *options_.fallback);
+      const auto [now, missing] = look();
+      undo.fell_back = includes(now, without_hosts(*options_.fallback, missing));
     }
   }
   undo.duration = RealClock::instance().now() - started;
   return undo;
 }
 
+Transaction::Look Transaction::look() const {
+  Look seen{{}, plan_.lost};
+  seen.lost.merge(unreachable_hosts(context_.host));  // also one that comes back now
+  seen.network = context_.host.observe();
+  seen.lost.merge(unreachable_hosts(context_.host));
+  seen.network = without_hosts(std::move(seen.network), seen.lost);
+  return seen;
+}
+
 std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vector<ActionRecord>& actions) {
-  const model::Network observed = context_.host.observe();
-  const model::Network target = reachable_part(whole, context_.host);
+  const auto [observed, lost] = look();
+  const model::Network target = without_hosts(whole, lost);
   const auto way = solve_from_observed(observed, reachable(target, observed), context_.catalog,
                                        solve_options(context_.host, model::Order::Seamless, false));
   if (!way) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 namespace segue::runtime::detail {
@@ -72,6 +73,13 @@ class Transaction {
   bool replan(const Failure& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
   Undo undo(const Failure& failed);
+  /// What runs now, without computers that are lost or were when the transition was planned: what these hold
+  /// was not part of it.
+  struct Look {
+    model::Network network;
+    std::set<model::HostName> lost;
+  };
+  [[nodiscard]] Look look() const;
   /// Solves from the observed network to what of `whole` can be reached and executes that; appends to
   /// `actions`.
   std::optional<Error> bring_to(const model::Network& whole, std::vector<ActionRecord>& actions);
