@@ -336,8 +336,7 @@ TEST_F(HostTest, TasksOfARobotAreAskedThroughItsHost) {
   serve();
   const auto host = client();
   const auto robot = robot_of(*host);
-  auto& tasks = daemon_.robot->tasks;
-  tasks.value = type::Value("properties");
+  ASSERT_TRUE(robot->set_property(TaskId("a"), "what", type::Value("properties"), soon()));
   EXPECT_EQ(robot->properties(TaskId("a")).value(), type::Value("properties"));
   EXPECT_EQ(robot->properties(TaskId("no")).error().code, ErrorCode::NotFound);
   const task::SavedState state{"/demo/State", 3, type::Value(5)};
