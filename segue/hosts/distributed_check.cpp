@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string_view>
 
 namespace segue::hosts::detail {
 
@@ -94,8 +95,9 @@ class Checker {
       std::map<std::string, First> first;  // by architecture
       for (const Site* site : used_on) {
         const HostInfo info = site->link()->info();
-        const auto found = std::find_if(info.libraries.begin(), info.libraries.end(),
-                                        [&](const LibraryInfo& one) { return one.name == library; });
+        const auto found = std::find_if(
+            info.libraries.begin(), info.libraries.end(),
+            [&, library = std::string_view(library)](const LibraryInfo& one) { return one.name == library; });
         if (found == info.libraries.end()) {
           continue;
         }
