@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/hosts/host_service.hpp>
+#include <segue/hosts/clock_reading.hpp>
 #include <segue/model/files.hpp>
 #include <segue/runtime/host_places.hpp>
 
@@ -31,19 +31,8 @@ struct Answer {
   std::optional<Error> error;
   hosts::HostInfo info;
   std::vector<hosts::LeaseInfo> robots;
-  Duration round_trip{0};
-  Duration clock_offset{0};
+  hosts::ClockReading clock;
 };
-
-Result<void> measure(hosts::HostService& service, Answer& answer) {
-  const TimePoint begin = RealClock::instance().now();
-  const auto before = std::chrono::system_clock::now();
-  const auto there = service.clock();
-  if (!there) return there.error();
-  answer.round_trip = RealClock::instance().now() - begin;
-  answer.clock_offset = std::chrono::duration_cast<Duration>(*there - (before + answer.round_trip / 2));
-  return {};
-}
 
 Result<void> ask(const hosts::HostPlace& place, Answer& answer) {
   const auto service = place.connect(RealClock::instance().now() + kPatience, {});
@@ -54,7 +43,10 @@ Result<void> ask(const hosts::HostPlace& place, Answer& answer) {
   auto robots = (*service)->robots();
   if (!robots) return robots.error();
   answer.robots = std::move(*robots);
-  return measure(**service, answer);
+  const auto clock = hosts::read_clock(**service);
+  if (!clock) return clock.error();
+  answer.clock = *clock;
+  return {};
 }
 
 /// All hosts at the same time.
@@ -62,7 +54,7 @@ std::vector<Answer> ask_all(const model::Robot& robot) {
   const auto places = runtime::host_places(robot);
   std::vector<Answer> answers;
   for (const auto& host : robot.hosts) {
-    if (!host.is_local()) answers.push_back({host, {}, {}, {}});
+    if (!host.is_local()) answers.push_back({host, {}, {}, {}, {}});
   }
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -88,8 +80,8 @@ Value host_value(const Answer& answer) {
   map.set("software", answer.info.software);
   map.set("architecture", answer.info.architecture);
   map.set("pid", answer.info.pid);
-  map.set("round_trip_s", seconds(answer.round_trip));
-  map.set("clock_offset_s", seconds(answer.clock_offset));
+  map.set("round_trip_s", seconds(answer.clock.round_trip));
+  map.set("clock_offset_s", seconds(answer.clock.offset));
   Value::List libraries;
   for (const auto& library : answer.info.libraries) {
     libraries.push_back(Value::map({{"name", library.name},
@@ -137,7 +129,7 @@ void print_hosts(const std::vector<Answer>& answers) {
       continue;
     }
     table.add({answer.host.name.str(), answer.host.address, answer.info.software, answer.info.architecture,
-               format_duration(answer.round_trip), signed_seconds(answer.clock_offset),
+               format_duration(answer.clock.round_trip), signed_seconds(answer.clock.offset),
                fmt::format("{}", answer.info.libraries.size()), printable(robots_cell(answer))});
   }
   print(table.text());

@@ -2,6 +2,7 @@
 #include <segue/hosts/host_link.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/hosts/clock_reading.hpp>
 
 namespace segue::hosts::detail {
 
@@ -85,19 +86,14 @@ Result<HostInfo> HostLink::acquire(Connection& connection, const RobotRequest& r
 }
 
 Result<void> HostLink::measure(HostService& service) {
-  const TimePoint begin = RealClock::instance().now();
-  const auto before = std::chrono::system_clock::now();
-  const auto there = service.clock();
-  if (!there) {
-    return there.error();
+  const auto clock = read_clock(service);
+  if (!clock) {
+    return clock.error();
   }
-  const Duration took = RealClock::instance().now() - begin;
-  // As in NTP: the host read its clock half a round trip ago, give or take as much.
-  const auto offset = std::chrono::duration_cast<Duration>(*there - (before + took / 2));
   const std::lock_guard lock(mutex_);
-  if (!round_trip_ || took <= *round_trip_) {
-    round_trip_ = took;
-    offset_ = offset;
+  if (!round_trip_ || clock->round_trip <= *round_trip_) {
+    round_trip_ = clock->round_trip;
+    offset_ = clock->offset;
   } else {
     *round_trip_ += kAging;
   }
