@@ -27,7 +27,7 @@ interface HostedRobot extends(Tasks.TaskAccess) {
   look @2 () -> (error :Wire.Error, view :View);
   expect @3 (target :Model.Network) -> (error :Wire.Error);
   beginTransition @4 (before :Model.Network, target :Model.Network) -> (error :Wire.Error);
-  getReady @5 (target :Model.Network) -> (error :Wire.Error);
+  getReady @5 (target :Model.Network, links :List(LinkWait), timeout :Int64) -> (error :Wire.Error);
   armCommit @6 (transition :Model.Transition, number :UInt64, timeout :Int64) -> (error :Wire.Error);
   vote @7 (number :UInt64, validity :Int64) -> (error :Wire.Error);
   commit @8 (number :UInt64) -> (error :Wire.Error);
@@ -36,6 +36,17 @@ interface HostedRobot extends(Tasks.TaskAccess) {
   endProcesses @11 (timeout :Int64) -> (error :Wire.Error);
   # Until the connection ends. A client that does not keep up loses the oldest events.
   listen @12 (listener :HostListener) -> (error :Wire.Error);
+  # In their partial order, after what beginTransition() does; each has `timeout`. Reports and answer as those of
+  # TaskAccess.perform.
+  performInOrder @13 (actions :List(Model.Action), timeout :Int64, ticket :UInt64)
+      -> (error :Wire.Error, ended :List(Tasks.Ended));
+  # Nothing more of what performInOrder() has been given begins.
+  halt @14 () -> ();
+}
+
+struct LinkWait {
+  task @0 :Text;
+  count @1 :UInt32;
 }
 
 interface HostListener {

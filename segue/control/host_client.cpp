@@ -7,6 +7,9 @@
 #include <segue/control/detail/task_access_client.hpp>
 #include <segue/control/host_client.hpp>
 
+#include <algorithm>
+#include <future>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -30,6 +33,22 @@ constexpr Duration kHostPatience = std::chrono::seconds(4);
 const model::ProcessName kAnyProcess{"any"};
 
 constexpr auto kNoResult = [](auto&) { return Result<void>(); };
+
+/// How many of these actions have to wait for each other at most.
+std::size_t longest_chain(const std::vector<model::Action>& actions) {
+  std::map<int, std::size_t> depths;  // an action comes after those that it waits for
+  std::size_t longest = 0;
+  for (const auto& action : actions) {
+    std::size_t depth = 1;
+    for (const int before : action.after) {
+      const auto found = depths.find(before);
+      if (found != depths.end()) depth = std::max(depth, found->second + 1);
+    }
+    depths.emplace(action.id, depth);
+    longest = std::max(longest, depth);
+  }
+  return longest;
+}
 
 using EventSlot = detail::CallbackSlot<host::HostEvent>;
 
@@ -88,17 +107,42 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
     });
   }
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
-    return order(kHostPatience, [&](wire::HostedRobot::Client robot) {
+    return post([&](wire::HostedRobot::Client robot) {
       auto request = robot.beginTransitionRequest();
       encode(before, request.initBefore());
       encode(target, request.initTarget());
       return request;
     });
   }
-  Result<void> get_ready(const model::Network& target) override {
-    return order(kLookTimeout, [&](wire::HostedRobot::Client robot) {
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override {
+    const Duration longest = action_deadline * std::max<std::size_t>(1, longest_chain(actions));
+    auto send = [action_deadline](wire::TaskAccess::Client tasks, const std::vector<model::Action>& what,
+                                  std::uint64_t ticket) {
+      return detail::BatchClient::send(tasks.castAs<wire::HostedRobot>().performInOrderRequest(), what,
+                                       action_deadline, ticket);
+    };
+    batches().begin(std::move(actions), longest, std::move(send), std::move(completed));
+  }
+  void halt() override {
+    // May be called in the loop's own thread. Where it does not arrive, the connection is lost, which halts
+    // too.
+    (void)channel().start(
+        kHostPatience,
+        [id = id_](RpcChannel::Connection& connection) {
+          return connection.held<wire::HostedRobot>(id).haltRequest().send().ignoreResult();
+        },
+        [](const Error&) {});
+  }
+  Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
+                         TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return order(left + kGrace, [&](wire::HostedRobot::Client robot) {
       auto request = robot.getReadyRequest();
       encode(target, request.initTarget());
+      detail::encode_list(links, request.initLinks(count_of(links)),
+                          [](const auto& link, auto builder) { encode(link, builder); });
+      request.setTimeout(left.count());
       return request;
     });
   }
@@ -174,6 +218,33 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
       auto request = build(std::move(robot));
       return RpcChannel::send<void>(request, kNoResult);
     });
+  }
+
+  /// Sends the request that `build` returns, and returns once it is on its way; an error where it cannot be.
+  template <class Build>
+  Result<void> post(const Build& build) {
+    struct Sent {
+      std::promise<Result<void>> outcome;
+      bool known = false;
+      void set(Result<void> result) {
+        if (!std::exchange(known, true)) outcome.set_value(std::move(result));
+      }
+    };
+    const auto sent = std::make_shared<Sent>();
+    auto outcome = sent->outcome.get_future();
+    const bool begun = channel().start(
+        kHostPatience,
+        [sent, &build, id = id_](RpcChannel::Connection& connection) -> kj::Promise<void> {
+          auto request = build(connection.held<wire::HostedRobot>(id));
+          auto fits = detail::check_request(request.totalSize().wordCount);
+          const bool fitting = fits.has_value();
+          auto answer = fitting ? request.send().ignoreResult() : kj::Promise<void>(kj::READY_NOW);
+          sent->set(std::move(fits));
+          return answer;
+        },
+        [sent](Error error) { sent->set(std::move(error)); });
+    if (!begun) return fail(ErrorCode::Unavailable, "the connection is closed");
+    return outcome.get();
   }
 
   const RpcChannel::StreamId id_;

@@ -20,10 +20,11 @@ using model::TaskId;
 /// Remembers what was asked; tasks are those of a FakeDeployment.
 class FakeHostedRobot final : public hosts::HostedRobot {
  public:
-  Gate entered;  ///< withdraw() has begun, which blocks
+  Gate entered;  ///< a call has begun that blocks
   Gate go_on;
   FakeDeployment tasks;
-  std::atomic<bool> blocks{false};
+  std::atomic<bool> blocks{false};      ///< withdraw()
+  std::atomic<bool> slow_begin{false};  ///< begin_transition()
 
   /// Set before and read after calls.
   struct Fields {
@@ -33,6 +34,8 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     model::Network before;
     model::Network target;
     model::Transition transition;
+    std::vector<model::Action> actions;
+    std::vector<hosts::LinkWait> links;
     std::uint64_t number = 0;
     Duration duration{0};
   };
@@ -63,13 +66,38 @@ class FakeHostedRobot final : public hosts::HostedRobot {
     return note("expect", [&](Fields& fields) { fields.target = target; });
   }
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
+    if (slow_begin) {
+      entered.open();
+      go_on.wait();
+    }
     return note("begin_transition", [&](Fields& fields) {
       fields.before = before;
       fields.target = target;
     });
   }
-  Result<void> get_ready(const model::Network& target) override {
-    return note("get_ready", [&](Fields& fields) { fields.target = target; });
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override {
+    auto noted = note("begin_in_order", [&](Fields& fields) {
+      fields.actions = actions;
+      fields.duration = action_deadline;
+    });
+    std::vector<host::Completed> ended;
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      host::Completed one{i, noted};
+      one.span = host::Span{std::chrono::milliseconds(i), std::chrono::milliseconds(i + 1)};
+      one.begun = i % 2 == 0;
+      ended.push_back(std::move(one));
+    }
+    completed(std::move(ended));
+  }
+  void halt() override { (void)note("halt"); }
+  Result<void> get_ready(const model::Network& target, const std::vector<hosts::LinkWait>& links,
+                         TimePoint deadline) override {
+    return note("get_ready", [&](Fields& fields) {
+      fields.target = target;
+      fields.links = links;
+      fields.duration = deadline - RealClock::instance().now();
+    });
   }
   Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                           TimePoint deadline) override {
@@ -270,11 +298,13 @@ TEST_F(HostTest, TransitionsOfARobotTravel) {
     const auto before = segue::testing::random_network(random, segue::testing::everything());
     const auto target = segue::testing::random_network(random, segue::testing::everything());
     RC_ASSERT(robot->begin_transition(before, target).has_value());
+    const std::vector<hosts::LinkWait> links{{TaskId("a"), 1}, {TaskId("b"), 2}};
+    RC_ASSERT(robot->get_ready(before, links, soon()).has_value());
     RC_ASSERT(fake.fields().before == before);
-    RC_ASSERT(fake.fields().target == target);
-    RC_ASSERT(robot->expect(before).has_value());
     RC_ASSERT(fake.fields().target == before);
-    RC_ASSERT(robot->get_ready(target).has_value());
+    RC_ASSERT(fake.fields().links == links);
+    RC_ASSERT(fake.fields().duration > 1s && fake.fields().duration <= kLong);
+    RC_ASSERT(robot->expect(target).has_value());
     RC_ASSERT(fake.fields().target == target);
     RC_ASSERT(robot->arm_commit(transition, seed, soon()).has_value());
     RC_ASSERT(fake.fields().transition == transition);
@@ -287,6 +317,64 @@ TEST_F(HostTest, TransitionsOfARobotTravel) {
     fake.set([&](auto& fields) { fields.view.network = target; });
     RC_ASSERT(robot->look().value().network == target);
   });
+}
+
+TEST_F(HostTest, ActionsInTheirOrderTravel) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  auto& fake = *daemon_.robot;
+  rc::check("round trip", [&](std::uint64_t seed) {
+    segue::testing::Random random(seed);
+    const auto actions = segue::testing::random_transition(random).actions;
+    std::promise<std::vector<host::Completed>> promise;
+    auto all = promise.get_future();
+    std::vector<host::Completed> known;
+    if (actions.empty()) return;
+    robot->begin_in_order(actions, 5s, [&, count = actions.size()](std::vector<host::Completed> ended) {
+      std::move(ended.begin(), ended.end(), std::back_inserter(known));
+      if (known.size() == count) promise.set_value(known);
+    });
+    const auto ended = all.get();
+    RC_ASSERT(fake.fields().actions == actions);
+    RC_ASSERT(fake.fields().duration == 5s);
+    for (const auto& one : ended) {
+      RC_ASSERT(one.begun == (one.index % 2 == 0));
+      RC_ASSERT(one.span ==
+                (host::Span{std::chrono::milliseconds(one.index), std::chrono::milliseconds(one.index + 1)}));
+    }
+  });
+}
+
+TEST_F(HostTest, WhatFollowsTheBeginOfATransitionComesAfterIt) {
+  serve();
+  const auto host = client();
+  const auto robot = robot_of(*host);
+  auto& fake = *daemon_.robot;
+  fake.slow_begin = true;
+  ASSERT_TRUE(robot->begin_transition({}, {})) << "which the host has not answered yet";
+  robot->begin_in_order(
+      {{1, model::ActionKind::Start, model::TaskAction{TaskId("a")}, model::Phase::Prepare, {}}}, 5s,
+      [](const std::vector<host::Completed>&) {});
+  robot->halt();
+  fake.entered.wait();
+  EXPECT_EQ(fake.fields().asked, std::vector<std::string>());
+  fake.go_on.open();
+  ASSERT_TRUE(robot->withdraw());
+  EXPECT_EQ(fake.fields().asked,
+            (std::vector<std::string>{"begin_transition", "begin_in_order", "halt", "withdraw"}));
+}
+
+TEST_F(HostTest, WhoeverLosesTheConnectionHalts) {
+  serve();
+  auto host = client();
+  auto robot = robot_of(*host);
+  ASSERT_TRUE(robot->withdraw());
+  robot.reset();
+  host.reset();
+  const auto asked = [&] { return daemon_.robot->fields().asked; };
+  ASSERT_TRUE(eventually([&] { return asked().size() == 2; }));
+  EXPECT_EQ(asked().back(), "halt");
 }
 
 TEST_F(HostTest, OrdersOfACommitTravel) {
@@ -316,8 +404,7 @@ TEST_F(HostTest, RefusalsTravel) {
   const std::map<std::string, Result<void>> answers = {{"renew", robot->renew()},
                                                        {"release", robot->release()},
                                                        {"expect", robot->expect({})},
-                                                       {"begin_transition", robot->begin_transition({}, {})},
-                                                       {"get_ready", robot->get_ready({})},
+                                                       {"get_ready", robot->get_ready({}, {}, soon())},
                                                        {"arm_commit", robot->arm_commit({}, 1, soon())},
                                                        {"vote", robot->vote(1, 1s)},
                                                        {"commit", robot->commit(1)},

@@ -37,6 +37,10 @@ struct Ended {
   index @0 :UInt32;  # of the action in its batch
   outcome @1 :Wire.Outcome;
   took @2 :Int64 = -1;  # nanoseconds, in the process; negative: not measured
+  # Of actions in their partial order: nanoseconds since the begin of all of them; negative: not known.
+  begin @3 :Int64 = -1;
+  end @4 :Int64 = -1;
+  begun @5 :Bool = true;
 }
 
 struct State {

@@ -127,17 +127,7 @@ void DeployedTaskHost::expect(const model::Network& target) {
 void DeployedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
   implementation_->commits.settle();
   expect(target);
-  const auto deployed = model::task_processes(target);
-  std::map<model::TaskId, model::DeploymentKey> processes;
-  for (const auto& task : target.tasks) {
-    const auto process = deployed.find(task.id);
-    processes.emplace(task.id, process == deployed.end() ? model::DeploymentKey{} : process->second);
-  }
-  std::set<model::TaskId> present;
-  for (const auto& task : before.tasks) {
-    present.insert(task.id);
-  }
-  implementation_->fleet->placements().begin_transition(present, processes);
+  implementation_->fleet->placements().begin_transition(before, target);
 }
 
 void DeployedTaskHost::get_ready(const model::Network& target) {

@@ -224,29 +224,40 @@ std::vector<model::TaskId> PlacementTable::drop(const model::DeploymentKey& proc
   return names;
 }
 
-void PlacementTable::begin_transition(const std::set<model::TaskId>& before,
-                                      const std::map<model::TaskId, model::DeploymentKey>& processes) {
+void PlacementTable::begin_transition(const model::Network& before, const model::Network& target) {
+  const auto processes = model::task_processes(target);
   const std::lock_guard lock(mutex_);
   in_transition_ = true;
+  wanted_.clear();
+  for (const auto& task : target.tasks) {
+    const auto process = processes.find(task.id);
+    wanted_.emplace(task.id, process == processes.end() ? model::DeploymentKey{} : normal(process->second));
+  }
   ended_.clear();
-  std::copy_if(before.begin(), before.end(), std::inserter(ended_, ended_.end()),
-               [&](const model::TaskId& task) { return !table_.contains(task); });
-  for (auto& [task, there] : table_) {
-    const auto wanted = processes.find(task);
-    if (wanted == processes.end()) {
-      continue;
-    }
-    const model::DeploymentKey key = normal(wanted->second);
-    if (there.current != key && there.has(key)) {
-      there.next = key;
+  for (const auto& task : before.tasks) {
+    if (!table_.contains(task.id)) {
+      ended_.insert(task.id);
     }
   }
+  for (auto& [task, there] : table_) {
+    const auto wanted = wanted_.find(task);
+    if (wanted != wanted_.end() && there.current != wanted->second && there.has(wanted->second)) {
+      there.next = wanted->second;
+    }
+  }
+}
+
+std::optional<model::DeploymentKey> PlacementTable::wanted(const model::TaskId& task) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = wanted_.find(task);
+  return found == wanted_.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::vector<PlacementTable::Place> PlacementTable::conclude() {
   const std::lock_guard lock(mutex_);
   std::vector<Place> replaced;
   in_transition_ = false;
+  wanted_.clear();
   ended_.clear();
   for (auto& [task, there] : table_) {
     if (!there.next) {
@@ -263,6 +274,7 @@ std::vector<PlacementTable::Place> PlacementTable::conclude() {
 void PlacementTable::withdraw() {
   const std::lock_guard lock(mutex_);
   in_transition_ = false;
+  wanted_.clear();
   ended_.clear();
   for (auto& [task, there] : table_) {
     there.next.reset();

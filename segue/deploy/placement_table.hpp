@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/model/ids.hpp>
+#include <segue/model/network.hpp>
 
 #include <cstdint>
 #include <map>
@@ -31,6 +32,9 @@ class PlacementTable {
     friend bool operator==(const Place&, const Place&) = default;
   };
 
+  /// The process that holds the incarnation of a task with which the transition in progress ends, where its
+  /// target has the task; whether or not it has been created.
+  [[nodiscard]] std::optional<model::DeploymentKey> wanted(const model::TaskId& task) const;
   /// The incarnation that an id means; a full id means exactly that one, whatever `which`. NotFound, with a
   /// suggestion among the known ids, where there is none.
   [[nodiscard]] Result<Place> find(const model::TaskId& id, Which which) const;
@@ -60,11 +64,10 @@ class PlacementTable {
   /// The process has ended. Gives the names of the tasks that it held.
   std::vector<model::TaskId> drop(const model::DeploymentKey& process);
 
-  /// A transition begins, from `before` to tasks in the given processes: a leftover incarnation that lives
+  /// A transition begins, from `before`, as it was observed, to `target`: a leftover incarnation that lives
   /// where its task is to be becomes the next one. Until conclude() or withdraw(), Which::Current means no
   /// other incarnation instead of one of `before` that has ended.
-  void begin_transition(const std::set<model::TaskId>& before,
-                        const std::map<model::TaskId, model::DeploymentKey>& processes);
+  void begin_transition(const model::Network& before, const model::Network& target);
   /// The transition is complete: every next incarnation becomes the current one. Gives those that were
   /// current.
   std::vector<Place> conclude();
@@ -107,6 +110,7 @@ class PlacementTable {
   std::map<model::DeploymentKey, Process> by_process_;
   std::uint64_t changes_ = 0;  ///< counts puts and drops
   bool in_transition_ = false;
+  std::map<model::TaskId, model::DeploymentKey> wanted_;  ///< by the transition in progress
   std::set<model::TaskId> ended_;  ///< their current incarnations have ended since the transition was planned
 };
 

@@ -30,6 +30,18 @@ std::string where(const PlacementTable& table, const TaskId& id, Which which) {
   return place ? place->process.process.str() : std::string();
 }
 
+/// A network that has b in a process.
+model::Network in(std::string_view name) {
+  model::Network network;
+  network.tasks.emplace_back().id = kTask;
+  model::Deployment deployment;
+  deployment.host = model::kLocalHost;
+  deployment.process = model::ProcessName(name);
+  deployment.tasks.emplace_back().task = kTask;
+  network.deployments.push_back(std::move(deployment));
+  return network;
+}
+
 /// The current incarnation of b is in p, the next one in q.
 void move(PlacementTable& table) {
   table.put({kTask, process("p")});
@@ -99,7 +111,7 @@ TEST(PlacementTable, a_leftover_is_the_next_one_of_a_transition_that_wants_it_wh
   PlacementTable table;
   move(table);
   table.withdraw();
-  table.begin_transition({kTask}, {{kTask, process("q")}});
+  table.begin_transition(in("p"), in("q"));
   EXPECT_EQ(where(table, kTask, Which::Current), "p");
   EXPECT_EQ(where(table, kTask, Which::Next), "q");
   EXPECT_TRUE(table.free_place(kTask, process("q"))) << "it may be configured again";
@@ -107,11 +119,21 @@ TEST(PlacementTable, a_leftover_is_the_next_one_of_a_transition_that_wants_it_wh
   EXPECT_EQ(where(table, kTask, Which::Current), "q");
 }
 
+TEST(PlacementTable, a_transition_knows_where_its_tasks_will_live) {
+  PlacementTable table;
+  EXPECT_EQ(table.wanted(kTask), std::nullopt);
+  table.begin_transition(in("p"), in("q"));
+  EXPECT_EQ(table.wanted(kTask), process("q"));
+  EXPECT_EQ(table.wanted(TaskId("other")), std::nullopt);
+  table.withdraw();
+  EXPECT_EQ(table.wanted(kTask), std::nullopt);
+}
+
 TEST(PlacementTable, a_leftover_elsewhere_stays_one) {
   PlacementTable table;
   move(table);
   table.withdraw();
-  table.begin_transition({kTask}, {{kTask, process("p")}});
+  table.begin_transition(in("p"), in("p"));
   EXPECT_EQ(where(table, kTask, Which::Next), "p");
   EXPECT_THAT(table.conclude(), IsEmpty());
 }
@@ -120,7 +142,7 @@ TEST(PlacementTable, what_was_to_be_taken_down_and_has_ended_is_not_what_comes_i
   PlacementTable table;
   table.put({kTask, process("p")});
   table.drop(process("p"));  // after the transition was planned
-  table.begin_transition({kTask}, {{kTask, process("q")}});
+  table.begin_transition(in("p"), in("q"));
   table.put({kTask, process("q")});
   EXPECT_EQ(where(table, kTask, Which::Current), "") << "a stop of the old one must not stop the new one";
   EXPECT_EQ(where(table, kTask, Which::Next), "q");
@@ -132,7 +154,7 @@ TEST(PlacementTable, a_leftover_is_not_taken_for_one_that_ends_in_a_transition) 
   PlacementTable table;
   move(table);
   table.withdraw();
-  table.begin_transition({kTask}, {{kTask, process("r")}});
+  table.begin_transition(in("p"), in("r"));
   table.drop(process("p"));
   EXPECT_EQ(where(table, kTask, Which::Current), "");
   table.withdraw();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/host/ordered_actions.hpp>
 #include <segue/host/task_host.hpp>
 
 #include <condition_variable>
@@ -53,6 +54,18 @@ std::vector<Result<void>> TaskHost::perform_all(std::span<const model::Action> a
   return wait_for_outcomes(actions.size(), [&](Completion completed) {
     begin_all({actions.begin(), actions.end()}, deadline, std::move(completed));
   });
+}
+
+void TaskHost::perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                                const std::stop_token& stop, Completion completed) {
+  OrderedActions::Performer performer;
+  performer.begin = [this](std::vector<model::Action> batch, TimePoint deadline, Completion ended) {
+    begin_all(std::move(batch), deadline, std::move(ended));
+  };
+  performer.observe = [this] { return observe(); };
+  std::make_shared<OrderedActions>(std::move(actions), action_deadline, std::move(performer),
+                                   std::move(completed))
+      ->run(stop);
 }
 
 std::vector<ComputerReport> TaskHost::computers() const {

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/result.hpp>
+#include <segue/host/reports.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
@@ -15,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -23,63 +25,11 @@
 /// Creates tasks, moves them through their life cycle and observes them.
 namespace segue::host {
 
-/// The observed state of a task.
-struct TaskReport {
-  model::TaskId id;
-  model::ComponentName component;
-  model::DeploymentKey process;
-  int pid = 0;
-  TaskState state = TaskState::PreOperational;
-  std::string state_name;  ///< the named sub-state
-  std::string error;
-  bool stand_in = false;
-  Activity activity;
-  task::Timing timing;
-  bool unknown = false;  ///< its computer cannot be reached: all this is what was known last
-};
-
-/// Counts of samples since the connection was made.
-struct ConnectionReport {
-  model::Connection connection;
-  std::uint64_t written = 0;
-  std::uint64_t read = 0;
-  std::uint64_t dropped = 0;
-};
-
-/// A task changed its state other than by an action.
-struct TaskEvent {
-  model::TaskId task;
-  TaskState state = TaskState::Exception;
-  std::string message;
-};
-
-/// A change in a deployment process that no action caused.
-struct ProcessEvent {
-  model::DeploymentKey process;
-  std::string message;
-  bool gone = false;  ///< it has ended, and its tasks with it
-};
-
-/// The connection to a computer was lost, or is there again.
-struct ComputerEvent {
-  model::HostName host;
-  bool reachable = false;
-  std::string message;
-};
-
-using HostEvent = std::variant<TaskEvent, ProcessEvent, ComputerEvent>;
-
-/// A computer that may hold deployments of the robot, as its runtime sees it.
-struct ComputerReport {
-  model::HostName name;
-  bool reachable = true;
-  bool optional = false;  ///< what it holds may be missing
-  std::string state;      ///< "connected", or why it cannot be reached
-  Duration since{0};      ///< for how long it has been so
-  std::string address;
-  std::string software;                    ///< version of Segue
-  std::optional<Duration> round_trip{};    ///< of a message there and back; the shortest of late
-  std::optional<Duration> clock_offset{};  ///< how far its wall clock is ahead of this computer's
+/// From when to when, since the begin of something.
+struct Span {
+  Duration begin{0};
+  Duration end{0};
+  friend bool operator==(const Span&, const Span&) = default;
 };
 
 /// How one action of a batch has ended.
@@ -87,6 +37,9 @@ struct Completed {
   std::size_t index = 0;  ///< its place in the batch
   Result<void> outcome;
   std::optional<Duration> took{};  ///< from its own begin to its end; only where it was measured
+  // Of actions in their partial order:
+  std::optional<Span> span{};  ///< since the begin of all of them, until the end was known
+  bool begun = true;           ///< false: it never began, since another one failed or all were stopped
 };
 
 /// Gets the actions of a batch that have ended since the last call, at least one. Called from any thread,
@@ -167,6 +120,14 @@ class TaskHost {
   virtual void begin_all(std::vector<model::Action> actions, TimePoint deadline, Completion completed);
   /// The same, and waits; outcomes in the order of `actions`.
   std::vector<Result<void>> perform_all(std::span<const model::Action> actions, TimePoint deadline);
+
+  /// Carries out actions in their partial order: each begins once those of `actions` that its `after` names
+  /// are done; others count as done. Blocks until each was reported, once, by `completed`, which may be
+  /// called from any thread and must not block. The first failure, or a request to stop,
+  /// lets nothing new begin. `action_deadline` is for each action, from its begin; one that has not ended by
+  /// then counts by what is observed of it.
+  virtual void perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                                const std::stop_token& stop, Completion completed);
 
   /// The network that actually runs: every configured or named task with its actual state, properties and
   /// placement, every connection, every deployment.

@@ -4,8 +4,11 @@
 #include <segue/base/text.hpp>
 #include <segue/deploy/action_ids.hpp>
 #include <segue/host/full_id.hpp>
+#include <segue/host/ordered_actions.hpp>
 #include <segue/hosts/gateways.hpp>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -39,6 +42,51 @@ std::set<model::TaskId> kept_receivers(const model::Network& before, const model
     }
   }
   return kept;
+}
+
+/// The ids of all that an action has to wait for.
+std::set<int> waits_for(int id, const std::map<int, const model::Action*>& actions) {
+  std::set<int> all;
+  std::vector<int> open{id};
+  while (!open.empty()) {
+    const auto action = actions.find(open.back());
+    open.pop_back();
+    if (action != actions.end()) {
+      std::copy_if(action->second->after.begin(), action->second->after.end(), std::back_inserter(open),
+                   [&](int before) { return all.insert(before).second; });
+    }
+  }
+  return all;
+}
+
+/// What a sender had taken is delivered before its receivers stop and are disconnected, on other computers,
+/// unless the order of the actions has it the other way round.
+void let_receivers_wait(std::vector<model::Action>& actions) {
+  struct Stop {
+    int id = 0;
+    std::set<int> waits_for;
+  };
+  std::map<int, const model::Action*> by_id;
+  for (const auto& action : actions) {
+    by_id.emplace(action.id, &action);
+  }
+  std::map<model::TaskId, Stop> stopped;
+  for (const auto& action : actions) {
+    if (action.kind == model::ActionKind::Stop && is_link_task(*action.task())) {
+      stopped.emplace(*action.task(), Stop{action.id, waits_for(action.id, by_id)});
+    }
+  }
+  for (auto& action : actions) {
+    const auto* what = std::get_if<model::ConnectionAction>(&action.what);
+    const bool disconnects = action.kind == model::ActionKind::Disconnect && what != nullptr;
+    const auto sender = disconnects                              ? sender_of(what->connection.from.task)
+                        : action.kind == model::ActionKind::Stop ? sender_of(*action.task())
+                                                                 : std::nullopt;
+    const auto first = sender ? stopped.find(*sender) : stopped.end();
+    if (first != stopped.end() && !first->second.waits_for.contains(action.id)) {
+      action.after.push_back(first->second.id);
+    }
+  }
 }
 
 }  // namespace
@@ -95,10 +143,15 @@ Result<HostLink::Reached> ActionRouter::reach(const Site& site) const {
   return reached;
 }
 
+Result<Site*> ActionRouter::site_of(const model::TaskId& task, Which which) const {
+  const auto wanted = which == Which::Next ? sites_.placements().wanted(task) : std::nullopt;
+  return wanted ? sites_.find(wanted->host) : sites_.locate(task, which);
+}
+
 Result<Site*> ActionRouter::site_of(const model::Action& action, const model::Connection& connection) const {
   const Which which = which_of(action.kind);
-  const auto from = sites_.locate(connection.from.task, which);
-  const auto to = sites_.locate(connection.to.task, which);
+  const auto from = site_of(connection.from.task, which);
+  const auto to = site_of(connection.to.task, which);
   if (!from || !to) {
     // To disconnect, one end is enough: that of the other one is gone with its process.
     const auto& there = from ? from : to;
@@ -113,6 +166,15 @@ Result<Site*> ActionRouter::site_of(const model::Action& action, const model::Co
   return from;
 }
 
+Result<Site*> ActionRouter::site_of(const model::HandOverAction& what) const {
+  const auto from = site_of(what.from, Which::Current);
+  const auto to = site_of(what.to, Which::Next);
+  if (!from || !to) {
+    return (from ? to : from).error();
+  }
+  return *from == *to ? *from : nullptr;
+}
+
 Result<Site*> ActionRouter::site_of(const model::Action& action) const {
   if (const auto* what = std::get_if<model::DeploymentAction>(&action.what)) {
     return sites_.find(what->deployment.host);
@@ -120,113 +182,86 @@ Result<Site*> ActionRouter::site_of(const model::Action& action) const {
   if (const auto* what = std::get_if<model::ConnectionAction>(&action.what)) {
     return site_of(action, what->connection);
   }
+  if (const auto* what = std::get_if<model::HandOverAction>(&action.what)) {
+    return site_of(*what);
+  }
   if (const auto* what = std::get_if<model::ConfigAction>(&action.what)) {
     if (auto free = sites_.placements().free_place(what->definition.id, what->process); !free) {
       return std::move(free.error());
     }
     return sites_.find(what->process.host);
   }
-  return sites_.locate(*action.task(), which_of(action.kind));
+  return site_of(*action.task(), which_of(action.kind));
 }
 
-Result<void> ActionRouter::place(std::size_t index, Batch& batch) const {
-  const model::Action& action = batch.actions[index];
-  if (const auto* what = std::get_if<model::HandOverAction>(&action.what)) {
-    const auto from = sites_.locate(what->from, Which::Current);
-    const auto to = sites_.locate(what->to, Which::Next);
-    if (!from || !to) {
-      return (from ? to : from).error();
-    }
-    if (*from != *to) {
-      batch.hand_overs.push_back({index, *from, *to});
-      return {};
-    }
-  }
-  const auto site = site_of(action);
-  if (!site) {
-    return site.error();
-  }
-  batch.at_site[*site].push_back(index);
-  return {};
+void ActionRouter::perform(std::vector<model::Action> actions, Duration action_deadline,
+                           const std::stop_token& stop, host::Completion completed) {
+  let_receivers_wait(actions);
+  host::OrderedActions::Performer performer;
+  performer.begin = [this, action_deadline](std::vector<model::Action> some, TimePoint /*deadline*/,
+                                            host::Completion ended) {
+    begin(std::move(some), action_deadline, std::move(ended));
+  };
+  performer.observe = [this] { return sites_.look().network; };
+  performer.place = [this](const model::Action& action) -> const void* {
+    const auto site = site_of(action);
+    return site ? *site : nullptr;
+  };
+  performer.halt = [this] { halt(); };
+  std::make_shared<host::OrderedActions>(std::move(actions), action_deadline, std::move(performer),
+                                         std::move(completed))
+      ->run(stop);
 }
 
-void ActionRouter::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+void ActionRouter::halt() const {
+  for (const auto& site : sites_.all()) {
+    if (const auto reached = site->reach()) {
+      reached->robot->halt();
+    }
+  }
+}
+
+void ActionRouter::begin(std::vector<model::Action> actions, Duration action_deadline,
+                         host::Completion completed) {
   const auto batch =
-      std::make_shared<Batch>(Batch{std::move(actions), deadline, std::move(completed), {}, {}, {}});
+      std::make_shared<Batch>(Batch{std::move(actions), action_deadline, std::move(completed), {}});
   {
     const std::lock_guard lock(mutex_);
     in_progress_ += batch->actions.size();
   }
+  Indices hand_overs;
   std::vector<host::Completed> refused;
   for (std::size_t i = 0; i < batch->actions.size(); ++i) {
-    if (auto placed = place(i, *batch); !placed) {
-      Error error = std::move(placed.error());
-      if (error.subject.empty()) {
-        error.subject = batch->actions[i].label();
-      }
-      refused.push_back({i, std::move(error)});
+    const auto site = site_of(batch->actions[i]);
+    if (!site) {
+      refused.push_back({i, site.error()});
+    } else if (*site == nullptr) {
+      hand_overs.push_back(i);
+    } else {
+      batch->at_site[*site].push_back(i);
     }
   }
-  defer_receivers(*batch);
   for (const auto& [site, indices] : batch->at_site) {
     begin_at(*site, indices, batch);
   }
-  for (const auto& what : batch->hand_overs) {
-    begin_hand_over(what, batch);
+  for (const std::size_t index : hand_overs) {
+    begin_hand_over(index, batch);
   }
   if (!refused.empty()) {
     report(batch, std::move(refused));
   }
 }
 
-void ActionRouter::defer_receivers(Batch& batch) {
-  std::map<model::TaskId, std::size_t> stopped;
-  for (const auto& [site, indices] : batch.at_site) {
-    for (const std::size_t index : indices) {
-      const auto& action = batch.actions[index];
-      if (action.kind == model::ActionKind::Stop && is_link_task(*action.task())) {
-        stopped.emplace(*action.task(), index);
-      }
-    }
-  }
-  const auto waits_for = [&](const model::Action& action) {
-    const auto* what = std::get_if<model::ConnectionAction>(&action.what);
-    const bool disconnects = action.kind == model::ActionKind::Disconnect && what != nullptr;
-    const auto sender = disconnects                              ? sender_of(what->connection.from.task)
-                        : action.kind == model::ActionKind::Stop ? sender_of(*action.task())
-                                                                 : std::nullopt;
-    return sender ? stopped.find(*sender) : stopped.end();
-  };
-  for (auto& [site, indices] : batch.at_site) {
-    std::erase_if(indices, [&, site = site](std::size_t index) {
-      const auto first = waits_for(batch.actions[index]);
-      if (first == stopped.end()) {
-        return false;
-      }
-      batch.afterwards[first->second][site].push_back(index);
-      return true;
-    });
-  }
-  std::erase_if(batch.at_site, [](const auto& item) { return item.second.empty(); });
-}
-
 void ActionRouter::report(const BatchPtr& batch, std::vector<host::Completed> ended) {
-  std::vector<std::size_t> indices;
-  for (const auto& one : ended) {
-    indices.push_back(one.index);
+  const std::size_t count = ended.size();
+  for (auto& one : ended) {
+    if (!one.outcome && one.outcome.error().subject.empty()) {
+      one.outcome.error().subject = batch->actions[one.index].label();
+    }
   }
   batch->completed(std::move(ended));
-  for (const std::size_t index : indices) {
-    const auto next = batch->afterwards.find(index);
-    if (next == batch->afterwards.end()) {
-      continue;
-    }
-    for (const auto& [site, later] : next->second) {
-      begin_at(*site, later, batch);
-    }
-  }
   const std::lock_guard lock(mutex_);
-  in_progress_ -= indices.size();
+  in_progress_ -= count;
   if (in_progress_ == 0) {
     idle_.notify_all();
   }
@@ -237,9 +272,7 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
   if (!reached) {
     std::vector<host::Completed> failed;
     for (const std::size_t index : indices) {
-      Error error = reached.error();
-      error.subject = batch->actions[index].label();
-      failed.push_back({index, std::move(error)});
+      failed.push_back({index, reached.error()});
     }
     return report(batch, std::move(failed));
   }
@@ -248,32 +281,36 @@ void ActionRouter::begin_at(Site& site, const Indices& indices, const BatchPtr& 
     actions.push_back(for_host(batch->actions[index]));
   }
   // The batch owns the indices.
-  reached->robot->begin_all(std::move(actions), batch->deadline,
-                            [this, batch, &indices](std::vector<host::Completed> ended) {
-                              for (auto& one : ended) {
-                                one.index = indices[one.index];
-                                note_placement(batch->actions[one.index], one.outcome);
-                              }
-                              report(batch, std::move(ended));
-                            });
+  reached->robot->begin_in_order(std::move(actions), batch->action_deadline,
+                                 [this, batch, &indices](std::vector<host::Completed> ended) {
+                                   for (auto& one : ended) {
+                                     one.index = indices[one.index];
+                                     note_placement(batch->actions[one.index], one.outcome);
+                                   }
+                                   report(batch, std::move(ended));
+                                 });
 }
 
-void ActionRouter::begin_hand_over(const HandOver& what, const BatchPtr& batch) {
-  const auto job = [this, batch, &what] {
+void ActionRouter::begin_hand_over(std::size_t index, const BatchPtr& batch) {
+  const auto job = [this, batch, index] {
     const TimePoint begin = RealClock::instance().now();
-    const auto& action = std::get<model::HandOverAction>(batch->actions[what.index].what);
-    auto outcome = hand_over(what, action, batch->deadline);
-    report(batch, {{what.index, std::move(outcome), RealClock::instance().now() - begin}});
+    const auto& action = std::get<model::HandOverAction>(batch->actions[index].what);
+    auto outcome = hand_over(action, begin + batch->action_deadline);
+    report(batch, {{index, std::move(outcome), RealClock::instance().now() - begin}});
   };
   if (!sites_.pool().submit(job)) {
     job();
   }
 }
 
-Result<void> ActionRouter::hand_over(const HandOver& what, const model::HandOverAction& action,
-                                     TimePoint deadline) const {
-  const auto giver = reach(*what.from);
-  const auto taker = reach(*what.to);
+Result<void> ActionRouter::hand_over(const model::HandOverAction& action, TimePoint deadline) const {
+  const auto from = site_of(action.from, Which::Current);
+  const auto to = site_of(action.to, Which::Next);
+  if (!from || !to) {
+    return (from ? to : from).error();
+  }
+  const auto giver = reach(**from);
+  const auto taker = reach(**to);
   if (!giver || !taker) {
     return (giver ? taker : giver).error();
   }

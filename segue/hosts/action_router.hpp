@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <stop_token>
 #include <vector>
 
 namespace segue::hosts::detail {
@@ -22,9 +23,13 @@ class ActionRouter {
  public:
   explicit ActionRouter(Sites& sites) : sites_(sites) {}
 
-  /// As TaskHost::begin_all: one message for each computer.
-  void begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed);
+  /// As TaskHost::perform_in_order: one message for each computer, unless its actions have to wait for what
+  /// happens on another. What a sender has taken is delivered before its receivers stop and are disconnected.
+  void perform(std::vector<model::Action> actions, Duration action_deadline, const std::stop_token& stop,
+               host::Completion completed);
 
+  /// As TaskHost::begin_all, of actions on each computer that may depend on each other.
+  void begin(std::vector<model::Action> actions, Duration action_deadline, host::Completion completed);
   /// Waits until all actions that were begun are reported.
   void close();
 
@@ -42,33 +47,28 @@ class ActionRouter {
 
  private:
   using Indices = std::vector<std::size_t>;
-  struct HandOver {
-    std::size_t index = 0;
-    Site* from = nullptr;
-    Site* to = nullptr;
-  };
+  /// Actions that begin now: on each computer those that wait only for others there.
   struct Batch {
     std::vector<model::Action> actions;
-    TimePoint deadline;
+    Duration action_deadline;
     host::Completion completed;
     std::map<Site*, Indices> at_site;
-    std::vector<HandOver> hand_overs;
-    /// Actions that begin when another one, that with the key's index, has ended.
-    std::map<std::size_t, std::map<Site*, Indices>> afterwards;
   };
   using BatchPtr = std::shared_ptr<const Batch>;
 
   [[nodiscard]] model::Action for_host(model::Action action) const;
-  [[nodiscard]] Result<void> place(std::size_t index, Batch& batch) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action) const;
   [[nodiscard]] Result<Site*> site_of(const model::Action& action, const model::Connection& connection) const;
-  /// What a sender had taken is delivered before its receivers stop and are disconnected.
-  static void defer_receivers(Batch& batch);
+  /// nullptr: the state travels from one computer to another.
+  [[nodiscard]] Result<Site*> site_of(const model::HandOverAction& what) const;
+  /// Where an incarnation of a task lives or, before it has been created, will live.
+  [[nodiscard]] Result<Site*> site_of(const model::TaskId& task, deploy::detail::Which which) const;
   void begin_at(Site& site, const Indices& indices, const BatchPtr& batch);
-  void begin_hand_over(const HandOver& what, const BatchPtr& batch);
-  Result<void> hand_over(const HandOver& what, const model::HandOverAction& action, TimePoint deadline) const;
+  void begin_hand_over(std::size_t index, const BatchPtr& batch);
+  Result<void> hand_over(const model::HandOverAction& action, TimePoint deadline) const;
   void note_placement(const model::Action& action, const Result<void>& outcome) const;
   void report(const BatchPtr& batch, std::vector<host::Completed> ended);
+  void halt() const;
 
   Sites& sites_;
   mutable std::mutex mutex_;  ///< protects everything below

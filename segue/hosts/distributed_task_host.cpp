@@ -57,7 +57,7 @@ struct DistributedTaskHost::Implementation {
   detail::Sites sites;
   detail::ActionRouter router{sites};
   detail::DistributedCommit commits{sites, router, options.promise};
-  detail::LinkMatching matching{sites, router, options.patience};
+  detail::LinkMatching matching{sites, router};
   concurrent::Notifier<host::HostEvent> events{500};
 
   mutable std::mutex mutex;  ///< protects everything below except the thread
@@ -248,29 +248,16 @@ void DistributedTaskHost::expect(const model::Network& target) {
 
 void DistributedTaskHost::begin_transition(const model::Network& before, const model::Network& target) {
   auto& self = *implementation_;
+  self.sites.placements().begin_transition(before, target);
   self.router.begin_transition(before, target);
   self.matching.begin_transition(before);
-  const auto processes = model::task_processes(target);
-  std::map<model::TaskId, model::DeploymentKey> wanted;
-  for (const auto& task : target.tasks) {
-    const auto process = processes.find(task.id);
-    wanted.emplace(task.id, process == processes.end() ? model::DeploymentKey{} : process->second);
-  }
-  std::set<model::TaskId> present;
-  for (const auto& task : before.tasks) {
-    present.insert(task.id);
-  }
-  self.sites.placements().begin_transition(present, wanted);
   self.sites.for_all([&](const Site& site, HostedRobot& robot) {
     return robot.begin_transition(self.sites.part(before, site), self.sites.part(target, site));
   });
 }
 
 void DistributedTaskHost::get_ready(const model::Network& target) {
-  auto& self = *implementation_;
-  self.sites.for_all(
-      [&](const Site& site, HostedRobot& robot) { return robot.get_ready(self.sites.part(target, site)); });
-  self.matching.wait_for(target);
+  implementation_->matching.get_ready(target);
 }
 
 Result<void> DistributedTaskHost::arm_commit(const model::Transition& transition, TimePoint deadline) {
@@ -354,13 +341,22 @@ model::Network DistributedTaskHost::condensed(model::Network network) const {
   return without_gateways(std::move(network));
 }
 
+void DistributedTaskHost::perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                                           const std::stop_token& stop, host::Completion completed) {
+  implementation_->router.perform(std::move(actions), action_deadline, stop, std::move(completed));
+}
+
 Result<void> DistributedTaskHost::perform(const model::Action& action, TimePoint deadline) {
   return std::move(perform_all(std::span(&action, 1), deadline).front());
 }
 
 void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoint deadline,
                                     host::Completion completed) {
-  implementation_->router.begin(std::move(actions), deadline, std::move(completed));
+  for (auto& action : actions) {
+    action.after.clear();
+  }
+  const Duration left = std::max(Duration(0), deadline - RealClock::instance().now());
+  implementation_->router.begin(std::move(actions), left, std::move(completed));
 }
 
 model::Network DistributedTaskHost::observe() const {

@@ -29,10 +29,12 @@ struct DistributedOptions {
 
 /// One TaskHost over the deployments of a robot on several computers: the runtime's own and those of daemons.
 ///
-/// What a batch asks of one host is one message. All hosts prepare a transition; its commit takes two rounds:
-/// each host that takes part promises to commit within a time limit, and then all are told to. A host that
-/// does not promise, or promises too late, keeps all of them from committing. One that falls silent in
-/// between may have committed or not: commit() fails, and once the host is back, observe() shows what it did.
+/// What a phase asks of one host is one message, unless it has to wait for what happens on another: hosts
+/// carry out their actions in their partial order by themselves. All hosts prepare a transition; its commit
+/// takes two rounds: each host that takes part promises to commit within a time limit, and then all are told
+/// to. A host that does not promise, or promises too late, keeps all of them from committing. One that falls
+/// silent in between may have committed or not: commit() fails, and once the host is back, observe() shows
+/// what it did.
 ///
 /// While a host cannot be reached, observe() lacks what is there, and tasks() has what was known last, marked
 /// as unknown. Actions there fail with Unavailable; so do those of a transition during which the connection
@@ -72,6 +74,8 @@ class DistributedTaskHost final : public host::TaskHost {
 
   Result<void> perform(const model::Action& action, TimePoint deadline) override;
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
+  void perform_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                        const std::stop_token& stop, host::Completion completed) override;
   [[nodiscard]] model::Network observe() const override;
   [[nodiscard]] std::vector<host::TaskReport> tasks() const override;
   [[nodiscard]] std::vector<host::ConnectionReport> connections() const override;

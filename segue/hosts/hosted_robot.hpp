@@ -19,6 +19,13 @@ namespace segue::hosts {
 /// Everything of a robot that a host holds at one moment.
 using HostView = deploy::DeployedTaskHost::View;
 
+/// A task that carries samples between hosts, and how many of the others it has to find.
+struct LinkWait {
+  model::TaskId task;
+  int count = 0;
+  friend bool operator==(const LinkWait&, const LinkWait&) = default;
+};
+
 /// A robot's deployments on one host, for the runtime that commands them. The network functions get the part
 /// of a network that is on this host: its deployments, their tasks, and connections among these. Transitions
 /// proceed as TaskHost says; here every step has an answer. Once another runtime commands the robot, every
@@ -33,8 +40,18 @@ class HostedRobot : public deploy::TaskAccess {
 
   virtual Result<HostView> look() = 0;
   virtual Result<void> expect(const model::Network& target) = 0;
+  /// Does not wait for the host: what is called afterwards comes after it there.
   virtual Result<void> begin_transition(const model::Network& before, const model::Network& target) = 0;
-  virtual Result<void> get_ready(const model::Network& target) = 0;
+  /// Begins to carry out actions in their partial order, and returns without waiting; `completed` as
+  /// TaskHost::perform_in_order says, but it may be called by several threads at the same time.
+  virtual void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                              host::Completion completed) = 0;
+  /// Nothing more of what begin_in_order() has been given begins. Does not block.
+  virtual void halt() = 0;
+  /// Waits too until all `links` have found their counterparts on other hosts, until `deadline` at most;
+  /// DeadlineExceeded where one has not.
+  virtual Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                                 TimePoint deadline) = 0;
   /// `transition` with the actions of this host; `number` names it in vote() and commit().
   virtual Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                                   TimePoint deadline) = 0;

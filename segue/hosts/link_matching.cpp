@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <set>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -18,8 +17,6 @@ using deploy::detail::Which;
 
 /// How long senders and receivers may take to find each other.
 constexpr Duration kMatching = std::chrono::seconds(10);
-/// How many calls at once are made of one host, which limits them for each client.
-constexpr std::size_t kCallsAtOnce = 8;
 
 }  // namespace
 
@@ -56,55 +53,28 @@ LinkMatching::Links LinkMatching::new_links(const model::Network& target) const 
   return links;
 }
 
-void LinkMatching::wait_for(const model::Network& target) {
+void LinkMatching::get_ready(const model::Network& target) {
   const TimePoint deadline = RealClock::instance().now() + kMatching;
-  std::map<const Site*, std::vector<std::pair<model::TaskId, int>>> by_site;
+  std::map<const Site*, std::vector<LinkWait>> by_site;
   for (const auto& [task, count] : new_links(target)) {
     if (const auto site = sites_.locate(task, Which::Next)) {
-      by_site[*site].emplace_back(task, count);
+      by_site[*site].push_back({task, count});
     }
   }
-  std::vector<concurrent::ThreadPool::Job> jobs;
-  for (const auto& [site, links] : by_site) {
-    const std::size_t share = (links.size() + kCallsAtOnce - 1) / kCallsAtOnce;
-    for (std::size_t first = 0; first < links.size(); first += share) {
-      const std::span some(links.data() + first, std::min(share, links.size() - first));
-      jobs.emplace_back([this, some, deadline] {
-        for (const auto& [task, count] : some) {
-          if (auto found = wait_for(task, count, deadline); !found) {
-            const std::lock_guard lock(mutex_);
-            unmatched_ = std::move(found.error());
-          }
-        }
-      });
+  sites_.for_all([&](const Site& site, HostedRobot& robot) -> Result<void> {
+    const auto links = by_site.find(&site);
+    const std::vector<LinkWait> none;
+    const bool waits = links != by_site.end();
+    auto ready = router_.reach(site)
+                     ? robot.get_ready(sites_.part(target, site), waits ? links->second : none, deadline)
+                     : Result<void>();
+    if (ready || !waits) {
+      return {};  // what a host has not got ready, actions do later
     }
-  }
-  sites_.pool().run_all(std::move(jobs));
-}
-
-Result<void> LinkMatching::wait_for(const model::TaskId& task, int count, TimePoint deadline) const {
-  const auto site = sites_.locate(task, Which::Next);
-  const auto reached = site ? router_.reach(**site) : Result<HostLink::Reached>(site.error());
-  if (!reached) {
-    return reached.error();
-  }
-  const Duration left = std::max(Duration(0), deadline - RealClock::instance().now());
-  type::ValueMap arguments;
-  arguments.append("count", count);
-  arguments.append("timeout_ms", std::chrono::duration_cast<std::chrono::milliseconds>(left).count());
-  const auto found = reached->robot->call(task, "wait_matched", std::move(arguments), deadline + patience_);
-  if (!found) {
-    return found.error();
-  }
-  const double matched = found->is_number() ? found->as_double() : 0;
-  if (matched < count) {
-    return fail(ErrorCode::DeadlineExceeded,
-                "has found " + std::to_string(static_cast<int>(matched)) + " of " + std::to_string(count) +
-                    " counterparts on other hosts within " + format_duration(kMatching) +
-                    "; check the addresses of the hosts, and that UDP passes between them",
-                task.str());
-  }
-  return {};
+    const std::lock_guard lock(mutex_);
+    unmatched_ = ready.error();
+    return {};
+  });
 }
 
 Result<void> LinkMatching::outcome() const {

@@ -49,13 +49,16 @@ std::map<std::string, std::optional<ErrorCode>> refusals(HostedRobot& robot) {
   all["look"] = code_of(robot.look());
   all["expect"] = code_of(robot.expect({}));
   all["begin_transition"] = code_of(robot.begin_transition({}, {}));
-  all["get_ready"] = code_of(robot.get_ready({}));
+  all["get_ready"] = code_of(robot.get_ready({}, {}, in_time()));
   all["arm_commit"] = code_of(robot.arm_commit({}, 1, in_time()));
   all["vote"] = code_of(robot.vote(1, 1s));
   all["commit"] = code_of(robot.commit(1));
   all["conclude"] = code_of(robot.conclude({}));
   all["withdraw"] = code_of(robot.withdraw());
   all["perform"] = code_of(robot.perform(std::span(&deploy, 1), in_time()).front());
+  all["perform in order"] = code_of(host::wait_for_outcomes(1, [&](host::Completion completed) {
+                                      robot.begin_in_order({deploy}, 10s, std::move(completed));
+                                    }).front());
   all["save_state"] = code_of(robot.save_state(a, in_time()));
   all["restore_state"] = code_of(robot.restore_state(a, state, in_time()));
   all["describe"] = code_of(robot.describe(a));

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <functional>
 #include <utility>
 
 namespace segue::hosts::detail {
@@ -45,8 +46,17 @@ class Session final : public HostedRobot {
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
     return work([&](TaskHostPart& part) { return part.begin_transition(before, target); });
   }
-  Result<void> get_ready(const model::Network& target) override {
-    return work([&](TaskHostPart& part) { return part.get_ready(target); });
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override;
+  void halt() override {
+    const Lease::Work working(robot_->lease, epoch_);
+    if (working) {
+      robot_->here->part().halt();
+    }
+  }
+  Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                         TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.get_ready(target, links, deadline); });
   }
   Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                           TimePoint deadline) override {
@@ -115,13 +125,15 @@ class Session final : public HostedRobot {
   const std::uint64_t epoch_;
 };
 
-void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
-  const std::size_t count = actions.size();
-  Lease::Work working(robot_->lease, epoch_);
+/// Has `begin` carry out a batch of `count` actions as work under `epoch`.
+using BeginBatch = std::function<void(TaskHostPart&, host::Completion)>;
+void begin_as_work(LeasedRobot& robot, std::uint64_t epoch, std::size_t count, host::Completion completed,
+                   const BeginBatch& begin) {
+  Lease::Work working(robot.lease, epoch);
   if (!working) {
     std::vector<host::Completed> refused;
     for (std::size_t i = 0; i < count; ++i) {
-      refused.push_back({i, robot_->lease.refusal(epoch_)});
+      refused.push_back({i, robot.lease.refusal(epoch)});
     }
     completed(std::move(refused));
     return;
@@ -129,16 +141,41 @@ void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, 
   if (count == 0) {
     return;
   }
-  auto batch = std::make_shared<BatchWork>(std::move(working), robot_->here, count, std::move(completed));
+  auto batch = std::make_shared<BatchWork>(std::move(working), robot.here, count, std::move(completed));
   auto& part = batch->here->part();
-  part.begin_all(std::move(actions), deadline,
-                 [batch = std::move(batch)](std::vector<host::Completed> ended) mutable {
-                   const std::size_t reported = ended.size();
-                   batch->completed(std::move(ended));
-                   if (batch->left.fetch_sub(reported) == reported) {
-                     batch.reset();  // no longer work, though the host may keep this function
-                   }
-                 });
+  begin(part, [batch = std::move(batch)](std::vector<host::Completed> ended) mutable {
+    const std::size_t reported = ended.size();
+    batch->completed(std::move(ended));
+    if (batch->left.fetch_sub(reported) == reported) {
+      batch.reset();  // no longer work, though the host may keep this function
+    }
+  });
+}
+
+void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+  const std::size_t count = actions.size();
+  begin_as_work(*robot_, epoch_, count, std::move(completed),
+                [&](TaskHostPart& part, host::Completion report) {
+                  part.begin_all(std::move(actions), deadline, std::move(report));
+                });
+}
+
+void Session::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                             host::Completion completed) {
+  const std::size_t count = actions.size();
+  // The robot may be given to another runtime while the actions are carried out: each is work of its own,
+  // too.
+  const auto begin = [robot = robot_, epoch = epoch_](std::vector<model::Action> ready, TimePoint deadline,
+                                                      host::Completion report) {
+    const std::size_t some = ready.size();
+    begin_as_work(*robot, epoch, some, std::move(report), [&](TaskHostPart& part, host::Completion ended) {
+      part.begin_all(std::move(ready), deadline, std::move(ended));
+    });
+  };
+  begin_as_work(*robot_, epoch_, count, std::move(completed),
+                [&](TaskHostPart& part, host::Completion report) {
+                  part.begin_in_order(std::move(actions), action_deadline, std::move(report), begin);
+                });
 }
 
 }  // namespace

@@ -2,8 +2,19 @@
 #include <segue/hosts/task_host_part.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/host/ordered_actions.hpp>
+
+#include <algorithm>
+#include <utility>
 
 namespace segue::hosts {
+
+namespace {
+
+/// How long a link may take to answer, besides the wait itself.
+constexpr Duration kAnswering = std::chrono::seconds(2);
+
+}  // namespace
 
 Result<HostView> TaskHostPart::look() {
   return tasks_.look();
@@ -19,8 +30,73 @@ Result<void> TaskHostPart::begin_transition(const model::Network& before, const 
   return {};
 }
 
-Result<void> TaskHostPart::get_ready(const model::Network& target) {
-  tasks_.get_ready(target);
+void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                                  host::Completion completed) {
+  begin_in_order(std::move(actions), action_deadline, std::move(completed),
+                 [this](std::vector<model::Action> batch, TimePoint deadline, host::Completion ended) {
+                   tasks_.begin_all(std::move(batch), deadline, std::move(ended));
+                 });
+}
+
+void TaskHostPart::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                                  host::Completion completed, Begin begin) {
+  const std::size_t count = actions.size();
+  host::OrderedActions::Performer performer{std::move(begin), [this] { return tasks_.observe(); }};
+  auto ordered = std::make_shared<host::OrderedActions>(std::move(actions), action_deadline,
+                                                        std::move(performer), completed);
+  std::stop_token stop;
+  {
+    const std::lock_guard lock(halting_);
+    stop = stop_.get_token();
+  }
+  if (!pool_.submit([ordered = std::move(ordered), stop] { ordered->run(stop); })) {
+    std::vector<host::Completed> refused;
+    for (std::size_t i = 0; i < count; ++i) {
+      refused.push_back({i, fail(ErrorCode::ResourceExhausted, "the host has no thread for it")});
+    }
+    completed(std::move(refused));
+  }
+}
+
+void TaskHostPart::halt() {
+  std::stop_source stopped;
+  {
+    const std::lock_guard lock(halting_);
+    std::swap(stopped, stop_);
+  }
+  stopped.request_stop();
+}
+
+Result<void> TaskHostPart::get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                                     TimePoint deadline) {
+  std::vector<Result<void>> found(links.size());
+  std::vector<concurrent::ThreadPool::Job> jobs{[&] { tasks_.get_ready(target); }};
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    jobs.emplace_back([&, i] { found[i] = wait_for(links[i], deadline); });
+  }
+  pool_.run_all(std::move(jobs));
+  const auto missed = std::find_if(found.begin(), found.end(), [](const auto& one) { return !one; });
+  return missed == found.end() ? Result<void>() : std::move(*missed);
+}
+
+Result<void> TaskHostPart::wait_for(const LinkWait& link, TimePoint deadline) {
+  const Duration left = std::max(Duration(0), deadline - clock_.now());
+  type::ValueMap arguments;
+  arguments.append("count", link.count);
+  arguments.append("timeout_ms", std::chrono::duration_cast<std::chrono::milliseconds>(left).count());
+  const auto found = tasks_.call(link.task, "wait_matched", std::move(arguments), deadline + kAnswering);
+  if (!found) {
+    return found.error();
+  }
+  const double matched = found->is_number() ? found->as_double() : 0;
+  if (matched < link.count) {
+    return fail(ErrorCode::DeadlineExceeded,
+                "has found " + std::to_string(static_cast<int>(matched)) + " of " +
+                    std::to_string(link.count) + " counterparts on other hosts within " +
+                    format_duration(left) +
+                    "; check the addresses of the hosts, and that UDP passes between them",
+                link.task.str());
+  }
   return {};
 }
 

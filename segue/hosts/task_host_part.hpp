@@ -2,11 +2,15 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
+#include <segue/concurrent/thread_pool.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/hosts/hosted_robot.hpp>
 
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <stop_token>
+#include <vector>
 
 namespace segue::hosts {
 
@@ -23,7 +27,11 @@ class TaskHostPart final : public HostedRobot {
   Result<HostView> look() override;
   Result<void> expect(const model::Network& target) override;
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override;
-  Result<void> get_ready(const model::Network& target) override;
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override;
+  void halt() override;
+  Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                         TimePoint deadline) override;
   Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                           TimePoint deadline) override;
   Result<void> vote(std::uint64_t number, Duration validity) override;
@@ -32,6 +40,11 @@ class TaskHostPart final : public HostedRobot {
   Result<void> withdraw() override;
   Result<void> end_processes(TimePoint deadline) override;
   void set_listener(host::TaskHost::Listener listener) override;
+
+  /// begin_in_order() where each action that is ready is begun by `begin`.
+  using Begin = std::function<void(std::vector<model::Action>, TimePoint, host::Completion)>;
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed, Begin begin);
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) override;
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override;
@@ -49,10 +62,15 @@ class TaskHostPart final : public HostedRobot {
  private:
   deploy::DeployedTaskHost& tasks_;
   const Clock& clock_;
+  Result<void> wait_for(const LinkWait& link, TimePoint deadline);
+
+  std::mutex halting_;       ///< protects the member below
+  std::stop_source stop_;    ///< of what begin_in_order() has been given since the last halt()
   std::mutex mutex_;         ///< protects the members below; held while a transition commits
   std::uint64_t armed_ = 0;  ///< the transition that can commit; 0: none
   bool promised_ = false;    ///< commit() is obeyed until `until_`
   TimePoint until_{};
+  concurrent::ThreadPool pool_{"segue-ordered", {64, 1}};
 };
 
 }  // namespace segue::hosts

@@ -33,8 +33,21 @@ class Line {
   void spoil_answers(Spoil spoil) { set(after_, std::move(spoil)); }
   void spoil_call(const std::string& which, ErrorCode code) { spoil_calls(once(which, code)); }
   void spoil_answer(const std::string& which, ErrorCode code) { spoil_answers(once(which, code)); }
-  [[nodiscard]] std::optional<Error> before(const std::string& what) { return ask(before_, what); }
+  [[nodiscard]] std::optional<Error> before(const std::string& what) {
+    {
+      const std::lock_guard lock(mutex_);
+      ++calls_[what];
+    }
+    return ask(before_, what);
+  }
   [[nodiscard]] std::optional<Error> after(const std::string& what) { return ask(after_, what); }
+
+  /// How many calls of that name were made.
+  [[nodiscard]] int calls(const std::string& what) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = calls_.find(what);
+    return found == calls_.end() ? 0 : found->second;
+  }
 
   /// Nobody can connect, and who is connected learns that it broke.
   void cut() {
@@ -78,7 +91,8 @@ class Line {
 
   std::atomic<bool> up_{true};
   std::atomic<int> number_{0};
-  std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< protects the three below
+  std::map<std::string, int> calls_;
   Spoil before_;
   Spoil after_;
   std::mutex listening_;  ///< protects the member below; held while they are told
@@ -126,8 +140,19 @@ class WiredRobot final : public HostedRobot {
   Result<void> begin_transition(const model::Network& before, const model::Network& target) override {
     return wire_.pass("begin_transition", [&] { return robot_->begin_transition(before, target); });
   }
-  Result<void> get_ready(const model::Network& target) override {
-    return wire_.pass("get_ready", [&] { return robot_->get_ready(target); });
+  void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
+                      host::Completion completed) override {
+    const std::size_t count = actions.size();
+    const auto passed = wire_.pass("begin_in_order", [&]() -> Result<void> {
+      robot_->begin_in_order(std::move(actions), action_deadline, completed);
+      return {};
+    });
+    if (!passed) refuse(count, passed.error(), completed);
+  }
+  void halt() override { robot_->halt(); }
+  Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
+                         TimePoint deadline) override {
+    return wire_.pass("get_ready", [&] { return robot_->get_ready(target, links, deadline); });
   }
   Result<void> arm_commit(const model::Transition& transition, std::uint64_t number,
                           TimePoint deadline) override {
@@ -157,11 +182,7 @@ class WiredRobot final : public HostedRobot {
       robot_->begin_all(std::move(actions), deadline, completed);
       return {};
     });
-    if (passed) return;
-    std::vector<host::Completed> refused;
-    for (std::size_t i = 0; i < count; ++i)
-      refused.push_back({i, passed.error()});
-    completed(std::move(refused));
+    if (!passed) refuse(count, passed.error(), completed);
   }
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
     return wire_.pass("save_state", [&] { return robot_->save_state(task, deadline); });
@@ -190,6 +211,13 @@ class WiredRobot final : public HostedRobot {
   }
 
  private:
+  static void refuse(std::size_t count, const Error& why, const host::Completion& completed) {
+    std::vector<host::Completed> refused;
+    for (std::size_t i = 0; i < count; ++i)
+      refused.push_back({i, why});
+    completed(std::move(refused));
+  }
+
   Wire wire_;
   const std::shared_ptr<HostedRobot> robot_;
 };

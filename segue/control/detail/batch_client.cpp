@@ -8,12 +8,6 @@
 
 namespace segue::control::detail {
 
-namespace {
-
-constexpr auto kEncode = [](const auto& item, auto builder) { encode(item, builder); };
-
-}  // namespace
-
 struct BatchClient::Batch {
   Batch(std::vector<model::Action> asked, host::Completion completed)
       : actions(std::move(asked)), outcomes(actions.size(), std::move(completed)) {}
@@ -86,44 +80,37 @@ BatchClient::~BatchClient() {
 }
 
 void BatchClient::begin(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+  const Duration left = time_left(deadline);
+  auto send_request = [left](wire::TaskAccess::Client access, const std::vector<model::Action>& what,
+                             std::uint64_t ticket) {
+    return send(access.performRequest(), what, left, ticket);
+  };
+  begin(std::move(actions), left, std::move(send_request), std::move(completed));
+}
+
+void BatchClient::begin(std::vector<model::Action> actions, Duration timeout, Send send,
+                        host::Completion completed) {
   if (actions.empty()) return;
   const auto batch = std::make_shared<Batch>(std::move(actions), std::move(completed));
-  const Duration left = time_left(deadline);
-  auto send = [batch, left, tasks = tasks_, open = open_,
-               who = channel_->who()](RpcChannel::Connection& connection) -> kj::Promise<void> {
+  auto ask = [batch, send = std::move(send), tasks = tasks_, open = open_,
+              who = channel_->who()](RpcChannel::Connection& connection) -> kj::Promise<void> {
     auto access = tasks(connection);
-    auto request = access.performRequest();
-    encode_list(batch->actions, request.initActions(count_of(batch->actions)), kEncode);
-    request.setTimeout(left.count());
-    if (auto fits = check_request(request.totalSize().wordCount); !fits) {
-      batch->fail_rest(fits.error());
-      return kj::READY_NOW;
-    }
-    request.setTicket(open->add(batch));
     kj::Promise<void> following = kj::READY_NOW;
-    if (batch->actions.size() > 1) {  // nothing of a single one can be reported early
-      if (open->follow()) {
-        auto follow = access.followRequest();
-        follow.setFollower(kj::heap<FollowerServer<Open>>(open));
-        following = follow.send().ignoreResult();
-      }
+    if (batch->actions.size() > 1 && open->follow()) {  // nothing of a single one can be reported early
+      auto follow = access.followRequest();
+      follow.setFollower(kj::heap<FollowerServer<Open>>(open));
+      following = follow.send().ignoreResult();
     }
-    return request.send()
-        .then([batch, open, who](auto&& response) {
+    return send(access, batch->actions, open->add(batch))
+        .then([batch, open, who](Ended&& ended) {
           open->remove(batch);
-          if (response.hasError()) return batch->fail_rest(decode(response.getError()));
-          std::vector<host::Completed> ended;
-          for (const auto one : response.getEnded()) {
-            const std::size_t place = ended.size();
-            ended.push_back(decode(one));
-            ended.back().index = place;
-          }
-          if (ended.size() == batch->actions.size()) batch->outcomes.add(std::move(ended));
+          if (!ended) return batch->fail_rest(ended.error());
+          if (ended->size() == batch->actions.size()) batch->outcomes.add(std::move(*ended));
           batch->fail_rest(fail(ErrorCode::Internal, who + " did not answer for every action"));
         })
         .then([following = kj::mv(following)]() mutable { return kj::mv(following); });
   };
-  const bool begun = channel_->start(left + kGrace, std::move(send), [batch, open = open_](Error error) {
+  const bool begun = channel_->start(timeout + kGrace, std::move(ask), [batch, open = open_](Error error) {
     open->remove(batch);
     batch->fail_rest(error);
   });

@@ -83,9 +83,9 @@ class Batch final : private kj::TaskSet::ErrorHandler {
 
 }  // namespace
 
-kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks,
-                                            Follower follower, std::uint64_t ticket,
-                                            std::vector<model::Action> actions, TimePoint deadline) {
+kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<void> service, Follower follower,
+                                            std::uint64_t ticket, std::vector<model::Action> actions,
+                                            const BeginBatch& begin) {
   if (auto begun = caller.begin_batch(); !begun) return Result<Outcomes>(begun.error());
   if (actions.empty()) {
     caller.end_batch();
@@ -96,12 +96,12 @@ kj::Promise<Result<Outcomes>> perform_batch(Caller caller, std::shared_ptr<deplo
   const auto batch = std::make_shared<Batch>(caller, std::move(follower), ticket, count);
   auto answer = batch->answer();
   core.batches.add();
-  auto completed = [&core, batch, tasks](std::vector<host::Completed> ended) {
+  auto completed = [&core, batch, service = std::move(service)](std::vector<host::Completed> ended) {
     core.loop.post(
         [batch, ended = std::move(ended)](kj::AsyncIoContext&) mutable { batch->take(std::move(ended)); });
   };
   try {
-    tasks->begin_all(std::move(actions), deadline, std::move(completed));
+    begin(std::move(actions), std::move(completed));
   } catch (...) {
     batch->finish(thrown_by_service(core.noun()));
   }

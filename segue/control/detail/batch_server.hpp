@@ -3,9 +3,13 @@
 
 #include <segue/control/tasks.capnp.h>
 #include <segue/control/detail/caller.hpp>
-#include <segue/deploy/task_access.hpp>
+#include <segue/control/detail/listing.hpp>
+#include <segue/control/detail/tasks_wire.hpp>
+#include <segue/host/task_host.hpp>
 
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace segue::control::detail {
@@ -13,12 +17,39 @@ namespace segue::control::detail {
 /// Who gets early reports of a client's batches; nobody until the client says who.
 using Follower = std::shared_ptr<kj::Maybe<wire::BatchFollower::Client>>;
 
-/// Has `tasks` carry out a batch for the caller, on threads of its own: a quick batch is
-/// answered at once, and of a slow one the follower gets what has ended meanwhile. Only in the event loop.
-kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller,
-                                                                std::shared_ptr<deploy::TaskAccess> tasks,
+/// Lets a service begin a batch, without waiting for its end.
+using BeginBatch = std::function<void(std::vector<model::Action> actions, host::Completion completed)>;
+
+/// Has `begin` carry out a batch for the caller, on threads of the service: a quick batch is
+/// answered at once, and of a slow one the follower gets what has ended meanwhile. Keeps `service` until
+/// then. Only in the event loop.
+kj::Promise<Result<std::vector<host::Completed>>> perform_batch(Caller caller, std::shared_ptr<void> service,
                                                                 Follower follower, std::uint64_t ticket,
                                                                 std::vector<model::Action> actions,
-                                                                TimePoint deadline);
+                                                                const BeginBatch& begin);
+
+/// Answers a call with `actions` and a `ticket` by perform_batch().
+template <class Context>
+kj::Promise<void> answer_batch(Context context, Caller caller, std::shared_ptr<void> service,
+                               Follower follower, const BeginBatch& begin) {
+  const auto params = context.getParams();
+  auto actions =
+      decode_list<model::Action>(params.getActions(), [](const auto& part) { return decode(part); });
+  const std::uint64_t ticket = params.getTicket();
+  context.releaseParams();
+  context.allowCancellation();
+  return perform_batch(std::move(caller), std::move(service), std::move(follower), ticket, std::move(actions),
+                       begin)
+      .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
+        auto results = context.getResults();
+        if (!outcomes) return encode(outcomes.error(), results.initError());
+        try {
+          listing<host::Completed>([](auto list, unsigned size) { return list.initEnded(size); })(*outcomes,
+                                                                                                  results);
+        } catch (const WireError& failed) {
+          encode(failed.error(), results.initError());
+        }
+      });
+}
 
 }  // namespace segue::control::detail

@@ -19,7 +19,9 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
  public:
   HostedRobotServer(const Caller& caller, std::shared_ptr<HostedRobot> robot)
       : TaskAccessServer(caller, robot), caller_(caller), robot_(std::move(robot)) {}
+  /// The client is gone: what it has asked for and has not begun is not wanted any more.
   ~HostedRobotServer() noexcept {
+    robot_->halt();
     robot_->set_listener({});
     // What the loop has been given to do with them comes first.
     caller_.core().loop.post([events = events_](kj::AsyncIoContext&) {});
@@ -46,23 +48,49 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
   }
   kj::Promise<void> beginTransition(BeginTransitionContext context) override {
     const auto params = context.getParams();
-    return caller_.answer(
-        context, [robot = robot_, before = decode(params.getBefore()), target = decode(params.getTarget())] {
-          return robot->begin_transition(before, target);
-        });
+    begun_ =
+        caller_
+            .answer(context,
+                    [robot = robot_, before = decode(params.getBefore()),
+                     target = decode(params.getTarget())] { return robot->begin_transition(before, target); })
+            .fork();
+    return begun_.addBranch();
+  }
+  kj::Promise<void> performInOrder(PerformInOrderContext context) override {
+    return in_turn([this, context]() mutable {
+      const Duration action_deadline(context.getParams().getTimeout());
+      return answer_batch(context, caller_, robot_, follower(),
+                          [&](std::vector<model::Action> actions, host::Completion completed) {
+                            robot_->begin_in_order(std::move(actions), action_deadline, std::move(completed));
+                          });
+    });
+  }
+  kj::Promise<void> halt(HaltContext /*context*/) override {
+    return in_turn([this]() -> kj::Promise<void> {
+      robot_->halt();
+      return kj::READY_NOW;
+    });
   }
   kj::Promise<void> getReady(GetReadyContext context) override {
-    return caller_.answer(context, [robot = robot_, target = decode(context.getParams().getTarget())] {
-      return robot->get_ready(target);
+    return in_turn([this, context]() mutable {
+      const auto params = context.getParams();
+      return caller_.answer(context, [robot = robot_, target = decode(params.getTarget()),
+                                      links = decode_list<hosts::LinkWait>(
+                                          params.getLinks(), [](const auto& part) { return decode(part); }),
+                                      deadline = deadline_after(params.getTimeout())] {
+        return robot->get_ready(target, links, deadline);
+      });
     });
   }
   kj::Promise<void> armCommit(ArmCommitContext context) override {
-    const auto params = context.getParams();
-    return caller_.answer(
-        context, [robot = robot_, transition = decode(params.getTransition()), number = params.getNumber(),
-                  deadline = deadline_after(params.getTimeout())] {
-          return robot->arm_commit(transition, number, deadline);
-        });
+    return in_turn([this, context]() mutable {
+      const auto params = context.getParams();
+      return caller_.answer(
+          context, [robot = robot_, transition = decode(params.getTransition()), number = params.getNumber(),
+                    deadline = deadline_after(params.getTimeout())] {
+            return robot->arm_commit(transition, number, deadline);
+          });
+    });
   }
   kj::Promise<void> vote(VoteContext context) override {
     const auto params = context.getParams();
@@ -76,13 +104,17 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
     });
   }
   kj::Promise<void> conclude(ConcludeContext context) override {
-    return caller_.answer(context,
-                          [robot = robot_, transition = decode(context.getParams().getTransition())] {
-                            return robot->conclude(transition);
-                          });
+    return in_turn([this, context]() mutable {
+      return caller_.answer(context,
+                            [robot = robot_, transition = decode(context.getParams().getTransition())] {
+                              return robot->conclude(transition);
+                            });
+    });
   }
   kj::Promise<void> withdraw(WithdrawContext context) override {
-    return caller_.answer(context, [robot = robot_] { return robot->withdraw(); });
+    return in_turn([this, context]() mutable {
+      return caller_.answer(context, [robot = robot_] { return robot->withdraw(); });
+    });
   }
   kj::Promise<void> endProcesses(EndProcessesContext context) override {
     return caller_.answer(context,
@@ -95,11 +127,18 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
  private:
   using Events = Broadcast<host::HostEvent>;
 
+  /// The client does not wait for the answer to beginTransition(); what it asks next comes after that.
+  template <class Work>
+  kj::Promise<void> in_turn(Work work) {
+    return begun_.addBranch().then(std::move(work));
+  }
+
   Caller caller_;
   const std::shared_ptr<HostedRobot> robot_;
   /// Shared with the robot's listener, which may still be called when this is destroyed.
   const std::shared_ptr<Events> events_ = std::make_shared<Events>();
   std::vector<std::unique_ptr<Events::Listener>> listeners_;
+  kj::ForkedPromise<void> begun_ = kj::Promise<void>(kj::READY_NOW).fork();
 };
 
 kj::Promise<void> HostedRobotServer::listen(ListenContext context) {

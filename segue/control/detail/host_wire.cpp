@@ -51,6 +51,15 @@ hosts::LeaseInfo decode(wire::Lease::Reader reader) {
           Duration(reader.getLeft())};
 }
 
+void encode(const hosts::LinkWait& link, wire::LinkWait::Builder builder) {
+  builder.setTask(as_text(link.task.str()));
+  builder.setCount(static_cast<std::uint32_t>(link.count));
+}
+
+hosts::LinkWait decode(wire::LinkWait::Reader reader) {
+  return {model::TaskId(as_string(reader.getTask())), static_cast<int>(reader.getCount())};
+}
+
 void encode(const hosts::ModelFile& file, wire::ModelFile::Builder builder) {
   builder.setName(as_text(file.name));
   builder.setText(as_data(file.text));

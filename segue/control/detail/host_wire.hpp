@@ -15,6 +15,9 @@ hosts::HostInfo decode(wire::HostInfo::Reader reader);
 void encode(const hosts::LeaseInfo& lease, wire::Lease::Builder builder);
 hosts::LeaseInfo decode(wire::Lease::Reader reader);
 
+void encode(const hosts::LinkWait& link, wire::LinkWait::Builder builder);
+hosts::LinkWait decode(wire::LinkWait::Reader reader);
+
 void encode(const hosts::ModelFile& file, wire::ModelFile::Builder builder);
 hosts::ModelFile decode(wire::ModelFile::Reader reader);
 

@@ -128,6 +128,7 @@ class TaskAccessClient : public Service {
   TaskAccessClient(std::shared_ptr<RpcChannel> channel, TasksOf tasks)
       : channel_(std::move(channel)), tasks_(std::move(tasks)), batches_(channel_, tasks_) {}
   [[nodiscard]] RpcChannel& channel() const { return *channel_; }
+  [[nodiscard]] BatchClient& batches() { return batches_; }
 
  private:
   template <class T, class Build>

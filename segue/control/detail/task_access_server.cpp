@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/control/detail/listing.hpp>
 #include <segue/control/detail/stream_server.hpp>
 #include <segue/control/detail/task_access_server.hpp>
 #include <segue/control/detail/tasks_wire.hpp>
@@ -26,31 +25,17 @@ class ReaderStream final : public SampleStream {
   std::unique_ptr<host::PortReader> reader_;
 };
 
-constexpr auto kInitEnded = [](auto results, unsigned size) { return results.initEnded(size); };
-
 }  // namespace
 
 TaskAccessServer::TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks)
     : caller_(std::move(caller)), tasks_(std::move(tasks)) {}
 
 kj::Promise<void> TaskAccessServer::perform(PerformContext context) {
-  const auto params = context.getParams();
-  auto actions =
-      decode_list<model::Action>(params.getActions(), [](const auto& part) { return decode(part); });
-  const TimePoint deadline = deadline_after(params.getTimeout());
-  const std::uint64_t ticket = params.getTicket();
-  context.releaseParams();
-  context.allowCancellation();
-  return perform_batch(caller_, tasks_, follower_, ticket, std::move(actions), deadline)
-      .then([context](Result<std::vector<host::Completed>>&& outcomes) mutable {
-        auto results = context.getResults();
-        if (!outcomes) return encode(outcomes.error(), results.initError());
-        try {
-          listing<host::Completed>(kInitEnded)(*outcomes, results);
-        } catch (const WireError& failed) {
-          encode(failed.error(), results.initError());
-        }
-      });
+  const TimePoint deadline = deadline_after(context.getParams().getTimeout());
+  return answer_batch(context, caller_, tasks_, follower_,
+                      [&](std::vector<model::Action> actions, host::Completion completed) {
+                        tasks_->begin_all(std::move(actions), deadline, std::move(completed));
+                      });
 }
 
 kj::Promise<void> TaskAccessServer::follow(FollowContext context) {

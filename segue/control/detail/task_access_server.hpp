@@ -27,6 +27,7 @@ class TaskAccessServer : public virtual wire::TaskAccess::Server {
  protected:
   /// Calls in progress keep `tasks`, so the last of them may destroy it, on any thread.
   TaskAccessServer(Caller caller, std::shared_ptr<deploy::TaskAccess> tasks);
+  [[nodiscard]] const Follower& follower() const { return follower_; }
 
  private:
   Caller caller_;

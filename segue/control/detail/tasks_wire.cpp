@@ -103,11 +103,17 @@ void encode(const host::Completed& ended, wire::Ended::Builder builder) {
   builder.setIndex(static_cast<std::uint32_t>(ended.index));
   encode(ended.outcome, builder.initOutcome());
   builder.setTook(ended.took ? ended.took->count() : -1);
+  builder.setBegin(ended.span ? ended.span->begin.count() : -1);
+  builder.setEnd(ended.span ? ended.span->end.count() : -1);
+  builder.setBegun(ended.begun);
 }
 
 host::Completed decode(wire::Ended::Reader reader) {
   host::Completed ended{reader.getIndex(), decode(reader.getOutcome())};
   if (reader.getTook() >= 0) ended.took = Duration(reader.getTook());
+  if (reader.getBegin() >= 0 && reader.getEnd() >= 0)
+    ended.span = host::Span{Duration(reader.getBegin()), Duration(reader.getEnd())};
+  ended.begun = reader.getBegun();
   return ended;
 }
 

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/host/action_effect.hpp>
+#include <segue/host/ordered_actions.hpp>
+
+#include <algorithm>
+#include <exception>
+#include <map>
+
+namespace segue::host {
+
+namespace {
+
+/// Hosts report what is overdue themselves; only one that does not is given up.
+constexpr Duration kHostGrace = std::chrono::seconds(30);
+
+}  // namespace
+
+OrderedActions::OrderedActions(std::vector<model::Action> actions, Duration action_deadline,
+                               Performer performer, Completion completed)
+    : actions_(std::move(actions)),
+      action_deadline_(action_deadline),
+      performer_(std::move(performer)),
+      completed_(std::move(completed)),
+      started_(RealClock::instance().now()),
+      successors_(actions_.size()),
+      waits_for_(actions_.size()),
+      progress_(actions_.size(), Progress::Waiting) {
+  std::map<int, std::size_t> index_of;
+  for (std::size_t index = 0; index < actions_.size(); ++index) {
+    index_of.emplace(actions_[index].id, index);
+  }
+  for (std::size_t index = 0; index < actions_.size(); ++index) {
+    for (const int before : actions_[index].after) {
+      const auto found = index_of.find(before);
+      if (found != index_of.end() && found->second != index) {
+        successors_[found->second].push_back(index);
+        ++waits_for_[index];
+      }
+    }
+    if (waits_for_[index] == 0) {
+      ready_.push_back(index);
+    }
+  }
+}
+
+void OrderedActions::run(const std::stop_token& stop) {
+  const std::stop_callback cancelling(stop, [this] { cancel(); });
+  std::unique_lock lock(mutex_);
+  while (true) {
+    if (!doubtful_.empty()) {
+      settle_doubtful(lock);
+    } else if (may_begin()) {
+      begin_ready(lock);
+    } else if (!is_idle()) {
+      wait(lock);
+    } else {
+      return report_unbegun(lock);
+    }
+  }
+}
+
+void OrderedActions::wait(std::unique_lock<std::mutex>& lock) {
+  TimePoint last = RealClock::instance().now();
+  for (const auto& batch : batches_) {
+    last = std::max(last, batch->deadline);
+  }
+  const bool in_time = changed_.wait_until(lock, last + kHostGrace,
+                                           [this] { return !doubtful_.empty() || may_begin() || is_idle(); });
+  if (!in_time && RealClock::instance().now() > last + kHostGrace) {
+    for (const auto& batch : batches_) {
+      fail_batch(*batch, "the host did not report how it ended");
+    }
+    deliver(lock);
+  }
+}
+
+void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
+  const auto me = std::this_thread::get_id();
+  if (!beginning_.insert(me).second) {
+    return;  // the performer reports while this thread calls it, which goes on below afterwards
+  }
+  while (may_begin()) {
+    const auto batch = take_ready();
+    std::vector<model::Action> actions;
+    for (const std::size_t index : batch->indices) {
+      actions.push_back(actions_[index]);
+    }
+    lock.unlock();
+    std::string thrown;
+    try {
+      performer_.begin(std::move(actions), batch->deadline,
+                       [self = shared_from_this(), batch](std::vector<Completed> ended) {
+                         self->complete(*batch, std::move(ended));
+                       });
+    } catch (const std::exception& exception) {
+      thrown = std::string("the host threw: ") + exception.what();
+    }
+    lock.lock();
+    if (!thrown.empty()) {
+      fail_batch(*batch, thrown);
+    }
+  }
+  beginning_.erase(me);
+  halt(lock);
+  deliver(lock);
+  if (is_idle()) {
+    changed_.notify_all();
+  }
+}
+
+OrderedActions::BatchPtr OrderedActions::take_ready() {
+  const auto batch = std::make_shared<Batch>();
+  batch->indices.swap(ready_);
+  const int steps = performer_.place ? add_dependent(batch->indices) : 1;
+  std::sort(batch->indices.begin(), batch->indices.end());
+  batch->reported.resize(batch->indices.size());
+  batch->begin = RealClock::instance().now();
+  batch->deadline = batch->begin + action_deadline_ * steps;
+  for (const std::size_t index : batch->indices) {
+    progress_[index] = Progress::Begun;
+  }
+  in_progress_ += batch->indices.size();
+  batches_.push_back(batch);
+  return batch;
+}
+
+int OrderedActions::add_dependent(Indices& indices) const {
+  struct Inside {
+    int before = 0;  ///< how many of those that it waits for are in the batch
+    int depth = 1;
+  };
+  std::map<std::size_t, Inside> inside;
+  int deepest = 1;
+  for (std::size_t next = 0; next < indices.size(); ++next) {
+    const std::size_t index = indices[next];
+    const void* place = performer_.place(actions_[index]);
+    const int depth = inside[index].depth;
+    deepest = std::max(deepest, depth);
+    if (place == nullptr) {
+      continue;
+    }
+    for (const std::size_t successor : successors_[index]) {
+      if (performer_.place(actions_[successor]) != place) {
+        continue;
+      }
+      Inside& found = inside[successor];
+      found.depth = std::max(found.depth, depth + 1);
+      if (++found.before == waits_for_[successor]) {
+        indices.push_back(successor);
+      }
+    }
+  }
+  return deepest;
+}
+
+void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {
+  // What a failure kept from beginning is not the failure.
+  std::stable_partition(ended.begin(), ended.end(), [](const Completed& one) { return one.begun; });
+  std::unique_lock lock(mutex_);
+  for (auto& one : ended) {
+    if (one.index < batch.indices.size() && !batch.reported[one.index]) {
+      batch.reported[one.index] = true;
+      finish(batch, batch.indices[one.index], std::move(one));
+    }
+  }
+  halt(lock);
+  begin_ready(lock);
+  deliver(lock);
+  if (is_idle() || !doubtful_.empty()) {
+    changed_.notify_all();
+  }
+}
+
+void OrderedActions::deliver(std::unique_lock<std::mutex>& lock) {
+  if (delivering_) {
+    return;
+  }
+  delivering_ = true;
+  while (!undelivered_.empty()) {
+    auto ended = std::exchange(undelivered_, {});
+    lock.unlock();
+    completed_(std::move(ended));
+    lock.lock();
+  }
+  delivering_ = false;
+}
+
+void OrderedActions::fail_batch(Batch& batch, const std::string& why) {
+  for (std::size_t i = 0; i < batch.indices.size(); ++i) {
+    if (!batch.reported[i]) {
+      batch.reported[i] = true;
+      const std::size_t index = batch.indices[i];
+      finish(batch, index, {index, fail(ErrorCode::Internal, why, actions_[index].label())});
+    }
+  }
+}
+
+void OrderedActions::finish(const Batch& batch, std::size_t index, Completed ended) {
+  const Duration begin = batch.begin - started_;
+  const Duration now = RealClock::instance().now() - started_;
+  if (ended.span) {  // another process may report anything
+    const Duration from = std::clamp(begin + ended.span->begin, begin, now);
+    ended.span = Span{from, std::clamp(begin + ended.span->end, from, now)};
+  } else {
+    ended.span = Span{begin, now};
+  }
+  const bool was_ready = waits_for_[index] == 0;
+  if (!ended.outcome && !was_ready) {
+    ended.begun = false;
+  }
+  if (!ended.outcome && ended.begun && ended.outcome.error().code == ErrorCode::DeadlineExceeded) {
+    doubtful_.emplace_back(index, std::move(ended));
+    return;
+  }
+  report(index, std::move(ended));
+}
+
+void OrderedActions::report(std::size_t index, Completed ended) {
+  ended.index = index;
+  if (ended.took) {
+    ended.took = std::min(*ended.took, ended.span->end - ended.span->begin);
+  }
+  progress_[index] = Progress::Reported;
+  --in_progress_;
+  if (ended.outcome) {
+    ended.begun = true;
+    release_successors(index);
+  } else {
+    // Nothing here has failed or was stopped, so something there has.
+    ended.begun = ended.begun || (!failed_ && !cancelled_);
+    failed_ = true;
+  }
+  undelivered_.push_back(std::move(ended));
+}
+
+void OrderedActions::release_successors(std::size_t index) {
+  for (const std::size_t next : successors_[index]) {
+    if (--waits_for_[next] == 0 && progress_[next] == Progress::Waiting) {
+      ready_.push_back(next);
+    }
+  }
+}
+
+void OrderedActions::settle_doubtful(std::unique_lock<std::mutex>& lock) {
+  auto doubtful = std::exchange(doubtful_, {});
+  lock.unlock();
+  const model::Network observed = performer_.observe();
+  lock.lock();
+  for (auto& [index, ended] : doubtful) {
+    if (took_effect(actions_[index], observed)) {
+      ended.outcome = {};
+      ended.took.reset();
+    }
+    report(index, std::move(ended));
+  }
+  halt(lock);
+  deliver(lock);
+}
+
+void OrderedActions::cancel() {
+  std::unique_lock lock(mutex_);
+  cancelled_ = true;
+  halt(lock);
+  changed_.notify_all();
+}
+
+void OrderedActions::halt(std::unique_lock<std::mutex>& lock) {
+  if (halted_ || !performer_.halt || in_progress_ == 0 || (!failed_ && !cancelled_)) {
+    return;
+  }
+  halted_ = true;
+  lock.unlock();
+  performer_.halt();
+  lock.lock();
+}
+
+void OrderedActions::report_unbegun(std::unique_lock<std::mutex>& lock) {
+  for (std::size_t index = 0; index < actions_.size(); ++index) {
+    if (progress_[index] == Progress::Waiting) {
+      progress_[index] = Progress::Reported;
+      Completed one{index, fail(ErrorCode::Cancelled, "was not begun", actions_[index].label())};
+      one.begun = false;
+      if (!failed_ && !cancelled_) {
+        one.outcome = fail(ErrorCode::Internal, "has to wait for itself", actions_[index].label());
+        one.span = Span{};
+        one.begun = true;
+      }
+      undelivered_.push_back(std::move(one));
+    }
+  }
+  deliver(lock);
+}
+
+}  // namespace segue::host
