@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
 #include <segue/process/process_log.hpp>
+#include <segue/runtime/host_places.hpp>
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "command.hpp"
 #include "output.hpp"
@@ -20,8 +25,12 @@ namespace fs = std::filesystem;
 
 constexpr Duration kLogPause = std::chrono::milliseconds(100);
 
+/// How long a host may take to answer.
+constexpr Duration kHostPatience = std::chrono::seconds(5);
+
 struct LogOptions {
   std::string process;
+  std::string robot_file;  ///< of a robot whose host has the process
   std::size_t lines = 50;
   bool follow = false;
 };
@@ -98,18 +107,65 @@ class LinePrinter {
   std::string rest_;
 };
 
+/// Gives the last lines, or what comes after a position.
+using ReadLog = std::function<Result<process::LogPart>(const std::optional<process::LogPosition>& after)>;
+
+Result<ReadLog> log_here(const LogOptions& options, const std::string& robot) {
+  auto log = find_log(options, robot);
+  if (!log) return log.error();
+  return ReadLog([log = std::move(*log), lines = options.lines](const auto& after) {
+    return after ? process::log_after(log, *after) : process::log_tail(log, lines);
+  });
+}
+
+/// The log of a process that is called "host/process", from the daemon of its host.
+Result<ReadLog> log_at_host(const LogOptions& options) {
+  const auto slash = options.process.find('/');
+  if (slash == std::string::npos) {
+    return fail(ErrorCode::InvalidArgument,
+                "with --hosts a process is called HOST/PROCESS, as `segue status` shows it");
+  }
+  Diagnostics diagnostics;
+  const auto robot = model::load_robot(options.robot_file, diagnostics);
+  if (!robot) return diagnostics.to_error();
+  const model::HostName name(options.process.substr(0, slash));
+  std::vector<std::string> known;
+  for (const auto& place : runtime::host_places(*robot)) {
+    known.push_back(place.name.str());
+    if (place.name != name) continue;
+    auto connected = place.connect(RealClock::instance().now() + kHostPatience, {});
+    if (!connected) return connected.error();
+    hosts::LogRequest request{
+        robot->name, model::ProcessName(options.process.substr(slash + 1)), options.lines, {}};
+    return ReadLog([service = std::shared_ptr<hosts::HostService>(std::move(*connected)),
+                    request = std::move(request)](const auto& after) mutable {
+      request.after = after;
+      return service->log(request);
+    });
+  }
+  return fail(ErrorCode::NotFound, "the robot has no host " + quote(name.str()) +
+                                       did_you_mean(name.str(), known) + "; it has " +
+                                       (known.empty() ? "none" : listed(known)));
+}
+
 int show_log(const LogOptions& options, const Context& context) {
-  const auto log = find_log(options, context.robot);
-  if (!log) return failed(context, log.error());
-  process::LogFollower follower(*log);
-  const auto tail = process::log_tail(*log, options.lines);
-  if (!tail) return failed(context, tail.error());
+  const auto read = options.robot_file.empty() ? log_here(options, context.robot) : log_at_host(options);
+  if (!read) return failed(context, read.error());
+  auto part = (*read)(std::nullopt);
+  if (!part) return failed(context, part.error());
   LinePrinter printer(context);
-  printer.add(*tail);
+  printer.add(part->text);
   while (options.follow) {
-    const std::string more = follower.read();
-    printer.add(more);
-    if (reader_leaves_within(more.empty() ? kLogPause : Duration(0))) break;
+    auto more = (*read)(part->end);
+    if (!more && more.error().code != ErrorCode::NotFound) {  // while it is rotated there may be none
+      printer.finish();
+      return failed(context, more.error());
+    }
+    if (more) {
+      part = std::move(more);
+      printer.add(part->text);
+    }
+    if (reader_leaves_within(more && !part->text.empty() ? Duration(0) : kLogPause)) break;
   }
   printer.finish();
   return kDone;
@@ -120,13 +176,16 @@ int show_log(const LogOptions& options, const Context& context) {
 void add_log(Verb& app, Context& context) {
   const auto options = std::make_shared<LogOptions>();
   Verb& verb = add_verb(app, context, "log", "show the output of a deployment process, running or not",
-                        "  segue log drivers\n  segue log drivers --lines 200 --follow",
+                        "  segue log drivers\n  segue log drivers --lines 200 --follow\n"
+                        "  segue log arm/drivers --hosts robot.yaml",
                         [options, &context] { return show_log(*options, context); });
   verb.option("PROCESS", options->process, "the process's name").required();
   verb.option("-n,--lines N", options->lines, "the number of lines from the end (default 50)")
       .between(0, kMostLines);
   verb.flag("-f,--follow", options->follow, "follow new output until Ctrl-C");
   verb.option("--robot NAME", context.robot, "the robot's name; needed if several robots have that process");
+  verb.option("--hosts ROBOT_FILE", options->robot_file,
+              "the robot file with the host of the process, which is called HOST/PROCESS then");
 }
 
 }  // namespace segue::cli

@@ -18,6 +18,14 @@ interface Host {
   # `launch` as in Processes.start. The robot is given up when it is not renewed, not when the connection ends.
   acquire @3 (holder :Text, launch :Wire.Value, models :List(ModelFile), takeOver :Bool, timeout :Int64)
       -> (error :Wire.Error, robot :HostedRobot);
+  # `after` instead of `lines` where it is there.
+  log @4 (robot :Text, process :Text, lines :UInt64, after :LogPosition)
+      -> (error :Wire.Error, text :Data, end :LogPosition);
+}
+
+struct LogPosition {
+  file @0 :UInt64;
+  offset @1 :UInt64;
 }
 
 # Networks and transitions hold the part of this host.

@@ -284,6 +284,19 @@ class HostClient final : public hosts::HostService {
       });
     });
   }
+  Result<process::LogPart> log(const hosts::LogRequest& what) override {
+    return ask<process::LogPart>(kLookTimeout, [&](wire::Host::Client host) {
+      auto request = host.logRequest();
+      request.setRobot(as_text(what.robot));
+      request.setProcess(as_text(what.process.str()));
+      request.setLines(what.lines);
+      if (what.after) encode(*what.after, request.initAfter());
+      return RpcChannel::send<process::LogPart>(request, [](auto& results) {
+        const auto text = results.getText().asChars();
+        return process::LogPart{{text.begin(), text.end()}, decode(results.getEnd())};
+      });
+    });
+  }
   Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& what,
                                                       TimePoint deadline) override {
     const Duration left = time_left(deadline);

@@ -189,6 +189,12 @@ class FakeHostDaemon final : public hosts::HostService {
   Result<hosts::HostInfo> info() override { return who; }
   Result<std::chrono::system_clock::time_point> clock() override { return time; }
   Result<std::vector<hosts::LeaseInfo>> robots() override { return leases; }
+  Result<process::LogPart> log(const hosts::LogRequest& request) override {
+    if (request.process.str() == "none") return fail(ErrorCode::NotFound, "no output");
+    process::LogPart part{request.robot + '\0' + std::to_string(request.lines), {7, request.lines}};
+    if (request.after) part.end = *request.after;
+    return part;
+  }
   Result<std::shared_ptr<hosts::HostedRobot>> acquire(const hosts::RobotRequest& request,
                                                       TimePoint /*deadline*/) override {
     const std::lock_guard lock(mutex_);
@@ -285,6 +291,20 @@ TEST_F(HostTest, ARequestForARobotTravels) {
   EXPECT_EQ(refused.error().code, ErrorCode::AlreadyExists);
   asked.launch.robot = "";
   EXPECT_FALSE(host->acquire(asked, soon()));
+}
+
+TEST_F(HostTest, OutputOfProcessesTravels) {
+  serve();
+  const auto host = client();
+  const auto tail = host->log({"spot", model::ProcessName("p"), 5, {}});
+  ASSERT_TRUE(tail) << to_string(tail.error());
+  EXPECT_EQ(tail->text, std::string("spot\0"
+                                    "5",
+                                    6));
+  EXPECT_EQ(tail->end, (process::LogPosition{7, 5}));
+  const process::LogPosition last{UINT64_MAX, UINT64_MAX};
+  EXPECT_EQ(host->log({"spot", model::ProcessName("p"), 5, last})->end, last);
+  EXPECT_EQ(host->log({"spot", model::ProcessName("none"), 5, {}}).error().code, ErrorCode::NotFound);
 }
 
 TEST_F(HostTest, TransitionsOfARobotTravel) {

@@ -33,8 +33,8 @@ constexpr std::size_t kTailLines = 8;
 }  // namespace
 
 std::string last_log_lines(const process::ProcessInfo& process) {
-  const auto text = process::log_tail(process.log, kTailLines, kTailBytes);
-  std::istringstream lines(text.value_or(std::string()));
+  const auto tail = process::log_tail(process.log, kTailLines, kTailBytes);
+  std::istringstream lines(tail ? tail->text : std::string());
   std::string indented;
   for (std::string line; std::getline(lines, line);) {
     indented += "\n  " + line;

@@ -3,9 +3,11 @@
 
 #include <segue/hosts/hosted_robot.hpp>
 #include <segue/process/launch.hpp>
+#include <segue/process/process_log.hpp>
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,14 @@ struct ModelFile {
   std::string text;
 };
 
+/// Which output of a deployment process is wanted.
+struct LogRequest {
+  std::string robot;
+  model::ProcessName process;
+  std::size_t lines = 0;                        ///< the last ones
+  std::optional<process::LogPosition> after{};  ///< instead: what was printed after this
+};
+
 /// What a runtime needs to command a robot on a host.
 struct RobotRequest {
   std::string holder;      ///< see LeaseInfo
@@ -61,6 +71,9 @@ class HostService {
   virtual Result<std::chrono::system_clock::time_point> clock() = 0;
   /// Robots that have a lease or processes here, by name.
   virtual Result<std::vector<LeaseInfo>> robots() = 0;
+  /// The output of a process here, whether or not it runs; at most 64 KiB of it where `after` is there, else
+  /// 1 MiB. NotFound where there is none.
+  virtual Result<process::LogPart> log(const LogRequest& request) = 0;
   /// Gives the caller the command of a robot on this host. AlreadyExists while another runtime has it (the
   /// message says which, and for how long at least). Transitions that the former one had begun are given up.
   /// Blocks until `deadline` at most: until actions that the former one had begun have ended.

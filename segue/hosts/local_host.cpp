@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxRobots = 64;
+constexpr std::size_t kMostLog = std::size_t{1} << 20;
 constexpr std::string_view kEpochSuffix = ".epoch";
 
 /// "arm.yaml" as "000_arm.yaml": whatever a runtime names its file, it is no path here.
@@ -171,6 +172,30 @@ Result<std::vector<LeaseInfo>> LocalHost::robots() {
   return all;
 }
 
+Result<process::LogPart> LocalHost::log(const LogRequest& request) {
+  const auto folder = runtime_folder();
+  if (!folder) {
+    return folder.error();
+  }
+  if (!is_identifier(request.robot) || !fs::exists(*folder / request.robot)) {
+    return fail(ErrorCode::NotFound,
+                "no robot " + quote(request.robot.substr(0, 64)) + " has processes here");
+  }
+  const auto socket =
+      process::process_socket(request.robot, {implementation_->options.name, request.process});
+  if (!socket) {
+    return socket.error();
+  }
+  const fs::path log = process::process_log(*socket);
+  auto part = request.after ? process::log_after(log, *request.after)
+                            : process::log_tail(log, request.lines, kMostLog);
+  if (!part && part.error().code == ErrorCode::NotFound) {
+    return fail(ErrorCode::NotFound, "robot " + quote(request.robot) + " has no output of process " +
+                                         quote(request.process.str()) + " here");
+  }
+  return part;
+}
+
 Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& request, TimePoint deadline) {
   const std::string& name = request.launch.robot;
   const auto found = implementation_->leased(name);
@@ -198,7 +223,7 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
     robot->here->part().set_listener({});  // that of the former runtime
     (void)robot->here->part().withdraw();
   }
-  log(LogLevel::Info, "host",
+  segue::log(LogLevel::Info, "host",
       "robot " + quote(name) + " is commanded by runtime " + quote(request.holder) + " (epoch " +
           std::to_string(*epoch) + ")");
   return detail::make_session(robot, *epoch);

@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace segue::process {
@@ -27,17 +29,38 @@ fs::path older(const fs::path& log, int number) {
   return fs::path(log) += '.' + std::to_string(number);
 }
 
-/// The last `most` bytes of a file.
-std::string end_of(const fs::path& file, std::size_t most) {
-  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+/// A file of a log that can be read.
+struct LogFile {
+  Descriptor file;
+  std::uint64_t inode = 0;
+  std::uint64_t size = 0;
+
+  [[nodiscard]] std::string read(std::uint64_t from, std::size_t most) const {
+    std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(size - std::min(size, from), most)),
+                     '\0');
+    const ssize_t read = ::pread(file.get(), text.data(), text.size(), static_cast<off_t>(from));
+    text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
+    return text;
+  }
+  /// The last `most` bytes.
+  [[nodiscard]] std::string end(std::size_t most) const {
+    return read(size - std::min<std::uint64_t>(size, most), most);
+  }
+};
+
+std::optional<LogFile> open_to_read(const fs::path& file) {
+  LogFile opened{Descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK))};
   struct stat status {};
-  if (!opened.valid() || ::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  const auto size = static_cast<std::size_t>(status.st_size);
-  std::string text(std::min(size, most), '\0');
-  const ssize_t read =
-      ::pread(opened.get(), text.data(), text.size(), static_cast<off_t>(size - text.size()));
-  text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
-  return text;
+  if (!opened.file.valid() || ::fstat(opened.file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return std::nullopt;
+  }
+  opened.inode = status.st_ino;
+  opened.size = static_cast<std::uint64_t>(status.st_size);
+  return opened;
+}
+
+Error no_log(const fs::path& log) {
+  return fail(ErrorCode::NotFound, "there is no log " + quote(log.native()));
 }
 
 /// Where the last `lines` lines of the text begin; npos where it has fewer.
@@ -110,37 +133,43 @@ void OutputLog::begin_new_file() const {
   ::dup2(fresh->get(), STDERR_FILENO);
 }
 
-Result<std::string> log_tail(const fs::path& log, std::size_t lines, std::size_t most) {
-  struct stat status {};
-  if (::stat(log.c_str(), &status) != 0) {
-    return system_error("cannot read the log " + quote(log.native()), errno);
-  }
-  std::string text = end_of(log, most);
+Result<LogPart> log_tail(const fs::path& log, std::size_t lines, std::size_t most) {
+  const auto newest = open_to_read(log);
+  if (!newest) return no_log(log);
+  LogPart part{newest->end(most), {newest->inode, newest->size}};
+  std::string& text = part.text;
   for (int number = 1; number <= kMostOlder && text.size() < most; ++number) {
     if (begin_of_last(text, lines) != std::string::npos) break;
-    const std::string before = end_of(older(log, number), most - text.size());
-    if (before.empty()) break;
-    text.insert(0, before);
+    const auto before = open_to_read(older(log, number));
+    if (!before || before->size == 0) break;
+    text.insert(0, before->end(most - text.size()));
   }
   const auto begin = begin_of_last(text, lines);
-  return begin == std::string::npos ? text : text.substr(begin);
+  if (begin != std::string::npos) text.erase(0, begin);
+  return part;
 }
 
-LogFollower::LogFollower(fs::path log)
-    : log_(std::move(log)), file_(::open(log_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {
-  if (file_.valid()) ::lseek(file_.get(), 0, SEEK_END);
-}
-
-std::string LogFollower::read() {
-  std::string text(kChunk, '\0');
-  const ssize_t read = file_.valid() ? ::read(file_.get(), text.data(), text.size()) : 0;
-  text.resize(read < 0 ? 0 : static_cast<std::size_t>(read));
-  // Only at the end of a file that was rotated does reading go on in the new one.
-  if (text.empty() && !(file_.valid() && same_file(file_.get(), log_))) {
-    Descriptor next(::open(log_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
-    if (next.valid()) file_ = std::move(next);
+Result<LogPart> log_after(const fs::path& log, const LogPosition& position) {
+  auto newer = open_to_read(log);
+  if (!newer) return no_log(log);
+  const auto read_from = [](const LogFile& file, std::uint64_t offset) {
+    std::string text = file.read(offset, kChunk);
+    const std::uint64_t end = offset + text.size();
+    return LogPart{std::move(text), {file.inode, end}};
+  };
+  if (newer->inode == position.file && position.offset <= newer->size) {
+    return read_from(*newer, position.offset);
   }
-  return text;
+  for (int number = 1; number <= kMostOlder; ++number) {
+    auto file = open_to_read(older(log, number));
+    if (!file) break;
+    if (file->inode == position.file && position.offset <= file->size) {
+      return position.offset < file->size ? read_from(*file, position.offset) : read_from(*newer, 0);
+    }
+    newer = std::move(file);
+  }
+  const auto newest = open_to_read(log);
+  return newest ? Result<LogPart>(read_from(*newest, 0)) : Result<LogPart>(no_log(log));
 }
 
 }  // namespace segue::process

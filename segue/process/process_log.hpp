@@ -5,6 +5,7 @@
 #include <segue/base/result.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -45,22 +46,27 @@ class OutputLog {
   Descriptor changes_;
 };
 
+/// A place in the output of a process, which stays valid when its log is rotated.
+struct LogPosition {
+  std::uint64_t file = 0;  ///< inode
+  std::uint64_t offset = 0;
+  friend bool operator==(const LogPosition&, const LogPosition&) = default;
+};
+
+/// A part of the output of a process.
+struct LogPart {
+  std::string text;
+  LogPosition end;  ///< where it goes on
+};
+
 /// The last `lines` lines of a log, from its older files too, but never more than `most` bytes. NotFound
 /// where there is no log.
-Result<std::string> log_tail(const std::filesystem::path& log, std::size_t lines,
-                             std::size_t most = std::size_t{16} << 20);
+Result<LogPart> log_tail(const std::filesystem::path& log, std::size_t lines,
+                         std::size_t most = std::size_t{16} << 20);
 
-/// Follows a log while it is written and rotated. Not thread safe.
-class LogFollower {
- public:
-  /// Begins at the present end of the log.
-  explicit LogFollower(std::filesystem::path log);
-  /// The output since the last call, at most 64 KiB of it; empty where there is none. Does not block.
-  std::string read();
-
- private:
-  std::filesystem::path log_;
-  Descriptor file_;
-};
+/// What was printed after `position`, at most 64 KiB of it; empty where there is nothing yet. Goes on in the
+/// newer file where the log was rotated, and at the begin of the newest one where the file of `position` is
+/// gone. NotFound where there is no log.
+Result<LogPart> log_after(const std::filesystem::path& log, const LogPosition& position);
 
 }  // namespace segue::process

@@ -669,8 +669,32 @@ TEST_F(ProcessServerTest, outputIsRotated) {
   EXPECT_THAT(text_of(process.log), HasSubstr("going\n"));
   const auto tail = log_tail(process.log, 4);
   ASSERT_TRUE(tail.has_value());
-  EXPECT_EQ(std::ranges::count(*tail, '\n'), 4);
-  EXPECT_TRUE(tail->ends_with("going\n"));
+  EXPECT_EQ(std::ranges::count(tail->text, '\n'), 4);
+  EXPECT_TRUE(tail->text.ends_with("going\n"));
+}
+
+TEST_F(ProcessServerTest, aLogIsFollowedAcrossItsRotation) {
+  const fs::path log = folder_ / "p.log";
+  const auto newer = [&](LogPosition& at) {
+    auto part = log_after(log, at);
+    EXPECT_TRUE(part) << to_string(part.error());
+    at = part->end;
+    return part->text;
+  };
+  EXPECT_EQ(log_after(log, {}).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(write_file(log, "one\ntwo\n"));
+  LogPosition at = log_tail(log, 1)->end;
+  EXPECT_EQ(newer(at), "");
+  std::ofstream(log, std::ios::app) << "three\n";
+  EXPECT_EQ(newer(at), "three\n");
+  std::ofstream(log, std::ios::app) << "four\n";
+  fs::rename(log, fs::path(log) += ".1");
+  std::ofstream(log) << "five\n";
+  EXPECT_EQ(newer(at), "four\n") << "what was printed before it was rotated";
+  EXPECT_EQ(newer(at), "five\n");
+  EXPECT_EQ(newer(at), "");
+  at = LogPosition{1, 7};
+  EXPECT_EQ(newer(at), "five\n") << "of a file that is gone";
 }
 
 TEST_F(ProcessServerTest, outputIsRotatedWhenThereIsTooMuchNotOnlyNowAndThen) {

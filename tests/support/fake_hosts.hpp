@@ -285,6 +285,9 @@ class Computer {
     Result<std::vector<LeaseInfo>> robots() override {
       return wire_.pass("robots", [&] { return computer_.local->robots(); });
     }
+    Result<process::LogPart> log(const LogRequest& request) override {
+      return wire_.pass("log", [&] { return computer_.local->log(request); });
+    }
     Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override {
       return wire_.pass("acquire", [&]() -> Result<std::shared_ptr<HostedRobot>> {
         auto robot = computer_.local->acquire(request, deadline);

@@ -188,6 +188,20 @@ class HostServer final : public wire::Host::Server {
                       [](const hosts::LeaseInfo& lease, auto builder) { encode(lease, builder); });
         });
   }
+  kj::Promise<void> log(LogContext context) override {
+    const auto params = context.getParams();
+    hosts::LogRequest request;
+    request.robot = as_string(params.getRobot());
+    request.process = model::ProcessName(as_string(params.getProcess()));
+    request.lines = params.getLines();
+    if (params.hasAfter()) request.after = decode(params.getAfter());
+    return caller_.answer(
+        context, [&service = service(), request = std::move(request)] { return service.log(request); },
+        [](process::LogPart& part, auto results) {
+          results.setText(kj::arrayPtr(part.text.data(), part.text.size()).asBytes());
+          encode(part.end, results.initEnd());
+        });
+  }
   kj::Promise<void> acquire(AcquireContext context) override {
     const auto params = context.getParams();
     hosts::RobotRequest request;

@@ -51,6 +51,15 @@ hosts::LeaseInfo decode(wire::Lease::Reader reader) {
           Duration(reader.getLeft())};
 }
 
+void encode(const process::LogPosition& position, wire::LogPosition::Builder builder) {
+  builder.setFile(position.file);
+  builder.setOffset(position.offset);
+}
+
+process::LogPosition decode(wire::LogPosition::Reader reader) {
+  return {reader.getFile(), reader.getOffset()};
+}
+
 void encode(const hosts::LinkWait& link, wire::LinkWait::Builder builder) {
   builder.setTask(as_text(link.task.str()));
   builder.setCount(static_cast<std::uint32_t>(link.count));

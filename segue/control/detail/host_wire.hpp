@@ -15,6 +15,9 @@ hosts::HostInfo decode(wire::HostInfo::Reader reader);
 void encode(const hosts::LeaseInfo& lease, wire::Lease::Builder builder);
 hosts::LeaseInfo decode(wire::Lease::Reader reader);
 
+void encode(const process::LogPosition& position, wire::LogPosition::Builder builder);
+process::LogPosition decode(wire::LogPosition::Reader reader);
+
 void encode(const hosts::LinkWait& link, wire::LinkWait::Builder builder);
 hosts::LinkWait decode(wire::LinkWait::Reader reader);
 
