@@ -77,7 +77,7 @@ Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(c
       return fail(ErrorCode::ResourceExhausted, "this host has leases of " + std::to_string(kMaxRobots) +
                                                     " robots already, which is the limit");
     }
-    found = std::make_shared<detail::LeasedRobot>(robot, epoch_file(robot));
+    found = std::make_shared<detail::LeasedRobot>(robot, epoch_file(robot), options.clock);
   }
   return found;
 }
@@ -191,9 +191,9 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   // Nobody works with it: acquire() has waited for that, and nobody has the new epoch yet.
   if (robot->here == nullptr || !(robot->here->launch() == *launch)) {
     robot->here.reset();  // it lets go of the processes, so that the new one can adopt them
-    robot->here =
-        std::make_shared<detail::RobotHere>(std::move(*launch), implementation_->hub.for_robot(name),
-                                            implementation_->connector, implementation_->options.name);
+    robot->here = std::make_shared<detail::RobotHere>(
+        std::move(*launch), implementation_->hub.for_robot(name), implementation_->connector,
+        implementation_->options.name, implementation_->options.clock);
   } else {
     robot->here->part().set_listener({});  // that of the former runtime
     (void)robot->here->part().withdraw();

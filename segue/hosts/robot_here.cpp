@@ -181,11 +181,12 @@ void Session::begin_in_order(std::vector<model::Action> actions, Duration action
 }  // namespace
 
 RobotHere::RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
-                     deploy::Connector connector, const model::HostName& host)
+                     deploy::Connector connector, const model::HostName& host, const Clock& clock)
     : launch_(std::move(launch)),
       processes_(std::move(processes)),
       own_(daemon_info(launch_), no_tasks_, nullptr),
-      tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}) {}
+      tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}),
+      part_(tasks_, clock) {}
 
 std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch) {
   return std::make_shared<Session>(std::move(robot), epoch);

@@ -20,7 +20,7 @@ class RobotHere {
  public:
   /// Adopts the processes that run already. `processes` hears of this robot's only.
   RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
-            deploy::Connector connector, const model::HostName& host);
+            deploy::Connector connector, const model::HostName& host, const Clock& clock);
 
   [[nodiscard]] const process::Launch& launch() const { return launch_; }
   [[nodiscard]] TaskHostPart& part() { return part_; }
@@ -33,13 +33,13 @@ class RobotHere {
   host::LocalTaskHost no_tasks_{no_libraries_, no_components_};
   deploy::LocalDeployment own_;
   deploy::DeployedTaskHost tasks_;
-  TaskHostPart part_{tasks_};
+  TaskHostPart part_;
 };
 
 /// A robot with its lease, as long as the daemon lives.
 struct LeasedRobot {
-  LeasedRobot(const std::string& robot, const std::filesystem::path& epoch)
-      : lease(robot, epoch, RealClock::instance()) {}
+  LeasedRobot(const std::string& robot, const std::filesystem::path& epoch, const Clock& clock)
+      : lease(robot, epoch, clock) {}
 
   Lease lease;
   std::mutex acquiring;             ///< one runtime gets the robot at a time
