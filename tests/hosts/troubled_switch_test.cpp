@@ -106,6 +106,12 @@ rc::Gen<Scenario> any_scenario(const Kinds& kinds) {
   return rc::gen::resize(rc::kNominalSize, rc::gen::mapcat(rc::gen::inRange(2, kMostHosts + 1), with));
 }
 
+std::string shown(const Scenario& scenario) {
+  std::ostringstream text;
+  showValue(scenario, text);
+  return text.str();
+}
+
 int wanted_rounds() {
   const char* text = std::getenv("SEGUE_HOSTS_ROUNDS");
   return text == nullptr ? kRounds : std::atoi(text);
@@ -116,6 +122,7 @@ TEST(TroubledSwitch, LeadsToItsTargetOrBackOrSaysWhatRuns) {
   auto params = rc::detail::configuration().testParams;
   Ends ends;
   int rounds = 0;
+  std::string first;  // what depends on the order of threads may not be there again when it is shrunk
   params.maxSuccess = 2 * wanted_rounds() / kMostRounds + 1;
   rc::detail::TestMetadata metadata;
   metadata.id = "TroubledSwitch";
@@ -124,13 +131,17 @@ TEST(TroubledSwitch, LeadsToItsTargetOrBackOrSaysWhatRuns) {
         const auto scenario = *any_scenario(all_kinds());
         rounds += static_cast<int>(scenario.rounds.size());
         if (const auto wrong = run(scenario, Planted::Nothing, ends); !wrong.empty()) {
+          if (first.empty()) {
+            first = shown(scenario) + "\n" + wrong;
+          }
           RC_FAIL(wrong);
         }
       },
       metadata, params);
   std::ostringstream text;
   printResultMessage(result, text);
-  EXPECT_TRUE(result.is<rc::detail::SuccessResult>()) << "seed " << params.seed << "\n" << text.str();
+  EXPECT_TRUE(result.is<rc::detail::SuccessResult>()) << "seed " << params.seed << "\n"
+                                                      << text.str() << "\nfirst seen in " << first;
   std::cout << rounds << " rounds:";
   for (const auto& [what, count] : ends.counts) {
     std::cout << ' ' << what << ' ' << count << ',';
