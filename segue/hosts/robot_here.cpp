@@ -188,6 +188,27 @@ RobotHere::RobotHere(process::Launch launch, std::unique_ptr<process::ProcessSer
       tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}),
       part_(tasks_, clock) {}
 
+void Turn::lock() {
+  std::unique_lock lock(mutex_);
+  free_.wait(lock, [this] { return !taken_; });
+  taken_ = true;
+}
+
+bool Turn::try_lock_until(TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  if (!free_.wait_until(lock, deadline, [this] { return !taken_; })) {
+    return false;
+  }
+  taken_ = true;
+  return true;
+}
+
+void Turn::unlock() {
+  const std::lock_guard lock(mutex_);
+  taken_ = false;
+  free_.notify_one();
+}
+
 std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch) {
   return std::make_shared<Session>(std::move(robot), epoch);
 }

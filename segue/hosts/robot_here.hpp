@@ -10,7 +10,9 @@
 #include <segue/hosts/task_host_part.hpp>
 #include <segue/process/process_service.hpp>
 
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 
 namespace segue::hosts::detail {
 
@@ -36,13 +38,27 @@ class RobotHere {
   TaskHostPart part_;
 };
 
+/// A std::timed_mutex for std::lock_guard and std::unique_lock. (The thread sanitizer of gcc 12 does not
+/// understand that one.)
+class Turn {
+ public:
+  void lock();
+  bool try_lock_until(TimePoint deadline);
+  void unlock();
+
+ private:
+  std::mutex mutex_;  ///< protects the member below
+  std::condition_variable free_;
+  bool taken_ = false;
+};
+
 /// A robot with its lease, as long as the daemon lives.
 struct LeasedRobot {
   LeasedRobot(const std::string& robot, const std::filesystem::path& epoch, const Clock& clock)
       : lease(robot, epoch, clock) {}
 
   Lease lease;
-  std::mutex acquiring;             ///< one runtime gets the robot at a time
+  Turn acquiring;                   ///< one runtime gets the robot at a time
   std::shared_ptr<RobotHere> here;  ///< null until the robot was acquired first; replaced while nobody works
 };
 
