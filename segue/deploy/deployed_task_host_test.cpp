@@ -457,6 +457,30 @@ TEST(DeployedTaskHost, ShowsNewConnectionsFromTheCommitOn) {
   EXPECT_TRUE(has(robot.host.observe(), "a", "c"));
 }
 
+/// The transition commits, but is not completed: what it ended is still there, and in the way.
+TEST(DeployedTaskHost, MakesConnectionsAgainThatEndedWithACommit) {
+  const std::string tasks =
+      "network: pair\ntasks: {a: {component: \"t::A\"}, b: {component: \"t::B\"}}\n"
+      "deployments: {one: {process: p1, tasks: [a]}, two: {process: p2, tasks: [b]}}\n";
+  const auto with = network_of((tasks + "connections: [a.out -> b.in]\n").c_str());
+  const auto without = network_of(tasks.c_str());
+  FakeWorld world;
+  Robot robot(world);
+  robot.order = model::Order::Seamless;
+  ASSERT_EQ(text(robot.switch_to(with)), "done");
+  const model::Network before = robot.host.observe();
+  const auto way = solve::diff(before, without, robot.catalog, {robot.order});
+  ASSERT_TRUE(way);
+  robot.host.begin_transition(before, without);
+  ASSERT_EQ(text(robot.host.arm_commit(*way, soon())), "done");
+  ASSERT_TRUE(robot.host.commit());
+  robot.host.withdraw();
+  ASSERT_TRUE(robot.host.observe().connections.empty());
+  ASSERT_EQ(text(robot.switch_to(with)), "done");
+  EXPECT_EQ(robot.host.observe().connections.size(), 1U);
+  EXPECT_EQ(world.orphaned_endpoints(), 0U);
+}
+
 TEST(DeployedTaskHost, ReportsAProcessThatEndsByItselfAndItsTasks) {
   FakeWorld world;
   Robot robot(world);

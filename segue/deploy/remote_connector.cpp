@@ -64,22 +64,25 @@ std::vector<Result<void>> RemoteConnector::connect(std::span<const RemoteConnect
   return outcomes;
 }
 
-/// A process that died while it was connected may have left the endpoint of its peer behind.
+/// A process that died while it was connected may have left the endpoint of its peer behind, and a transition
+/// that was not completed both endpoints of a connection that ended with its commit.
 void RemoteConnector::remove_blocking_endpoints(std::span<const RemoteConnection> connections,
                                                 const std::vector<Result<void>>& outcomes,
                                                 TimePoint deadline) {
-  std::vector<OrphanedEndpoint> orphaned;
+  std::vector<RemoteConnection> blocked;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    if (outcomes[i] || outcomes[i].error().code != ErrorCode::AlreadyExists) {
-      continue;
+    if (!outcomes[i] && outcomes[i].error().code == ErrorCode::AlreadyExists) {
+      blocked.push_back(connections[i]);
     }
-    if (orphaned.empty()) {
-      orphaned = fleet_.poll_merged().orphaned;
-    }
-    std::vector<OrphanedEndpoint> mine;
-    std::copy_if(orphaned.begin(), orphaned.end(), std::back_inserter(mine),
-                 [&](const OrphanedEndpoint& endpoint) { return is_of(endpoint, connections[i]); });
-    close_orphaned(mine, deadline);
+  }
+  // Where both are there, the output is the first orphan, and the input is one when that is closed.
+  for (int round = 0; round < 2 && !blocked.empty(); ++round) {
+    auto orphaned = fleet_.poll_merged().orphaned;
+    std::erase_if(orphaned, [&](const OrphanedEndpoint& endpoint) {
+      return std::none_of(blocked.begin(), blocked.end(),
+                          [&](const RemoteConnection& one) { return is_of(endpoint, one); });
+    });
+    close_orphaned(orphaned, deadline);
   }
 }
 

@@ -49,6 +49,8 @@ struct LocalHost::Implementation {
       : hub(service), processes(hub.for_all()), connector(std::move(how)), options(chosen) {}
 
   Result<std::shared_ptr<detail::LeasedRobot>> leased(const std::string& robot);
+  /// Forgets robots that nobody commands and of which no process runs. With the mutex held.
+  void forget_unused();
   Result<process::Launch> launch_of(const RobotRequest& request) const;
   /// All robots that have ever had a lease here, as if nobody had it now.
   [[nodiscard]] std::map<std::string, LeaseInfo> kept() const;
@@ -71,6 +73,9 @@ Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(c
     return fail(ErrorCode::InvalidArgument, quote(robot.substr(0, 64)) + " is no name of a robot");
   }
   const std::lock_guard lock(mutex);
+  if (robots.size() >= kMaxRobots && !robots.contains(robot)) {
+    forget_unused();
+  }
   auto& found = robots[robot];
   if (found == nullptr) {
     if (robots.size() > kMaxRobots) {
@@ -78,9 +83,21 @@ Result<std::shared_ptr<detail::LeasedRobot>> LocalHost::Implementation::leased(c
       return fail(ErrorCode::ResourceExhausted, "this host has leases of " + std::to_string(kMaxRobots) +
                                                     " robots already, which is the limit");
     }
-    found = std::make_shared<detail::LeasedRobot>(robot, epoch_file(robot));
+    found = std::make_shared<detail::LeasedRobot>(robot, epoch_file(robot), options.clock);
   }
   return found;
+}
+
+/// Their epochs are in files, so that the next runtime of such a robot gets a higher one.
+void LocalHost::Implementation::forget_unused() {
+  std::erase_if(robots, [this](const auto& entry) {
+    const auto& [name, robot] = entry;
+    if (robot.use_count() > 1 || robot->lease.info().left > Duration(0)) {
+      return false;  // somebody has it, or had it and may still send something under its epoch
+    }
+    const auto running = processes->processes(name);
+    return running && running->empty();
+  });
 }
 
 std::map<std::string, LeaseInfo> LocalHost::Implementation::kept() const {
@@ -203,7 +220,10 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
     return found.error();
   }
   const auto& robot = *found;
-  const std::lock_guard one(robot->acquiring);
+  const std::unique_lock one(robot->acquiring, deadline);
+  if (!one) {
+    return fail(ErrorCode::DeadlineExceeded, "another runtime is getting the robot still", name);
+  }
   const auto epoch = robot->lease.acquire(request.holder, request.take_over, deadline);
   if (!epoch) {
     return epoch.error();
@@ -216,9 +236,9 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
   // Nobody works with it: acquire() has waited for that, and nobody has the new epoch yet.
   if (robot->here == nullptr || !(robot->here->launch() == *launch)) {
     robot->here.reset();  // it lets go of the processes, so that the new one can adopt them
-    robot->here =
-        std::make_shared<detail::RobotHere>(std::move(*launch), implementation_->hub.for_robot(name),
-                                            implementation_->connector, implementation_->options.name);
+    robot->here = std::make_shared<detail::RobotHere>(
+        std::move(*launch), implementation_->hub.for_robot(name), implementation_->connector,
+        implementation_->options.name, implementation_->options.clock);
   } else {
     robot->here->part().set_listener({});  // that of the former runtime
     (void)robot->here->part().withdraw();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/hosts/host_service.hpp>
 #include <segue/process/process_service.hpp>
@@ -13,6 +14,8 @@ namespace segue::hosts {
 struct LocalHostOptions {
   model::HostName name;         ///< as robot files call this computer
   std::filesystem::path state;  ///< a folder for epochs and model files, which outlive the daemon
+  /// What leases and promises to commit are measured with; must outlive the daemon and its robots.
+  const Clock& clock = RealClock::instance();
 };
 
 /// The daemon of this computer: starts, watches and commands the deployment processes of robots here on

@@ -204,6 +204,55 @@ TEST(LocalHost, RefusesNamesThatArePaths) {
   EXPECT_TRUE(computer.local->robots().value().empty());
 }
 
+/// As many robots as a host has room for may come after those that have gone.
+TEST(LocalHost, ForgetsRobotsThatNobodyCommandsAnyMore) {
+  Computer computer("left");
+  const auto request_for = [](int number) {
+    auto request = request_of("a");
+    request.launch.robot = "robot" + std::to_string(number);
+    return request;
+  };
+  std::vector<std::shared_ptr<HostedRobot>> robots;
+  for (int i = 0; i < 64; ++i) {
+    robots.push_back(acquired(computer, request_for(i)));
+  }
+  EXPECT_EQ(code_of(computer.local->acquire(request_for(64), in_time())), ErrorCode::ResourceExhausted);
+  EXPECT_TRUE(robots.front()->release());
+  EXPECT_EQ(code_of(computer.local->acquire(request_for(64), in_time())), ErrorCode::ResourceExhausted)
+      << "its runtime may still send something";
+  robots.erase(robots.begin());
+  EXPECT_TRUE(acquired(computer, request_for(64)));
+  EXPECT_EQ(code_of(computer.local->acquire(request_for(0), in_time())), ErrorCode::ResourceExhausted);
+  robots.clear();
+  computer.clock.advance(1min);
+  EXPECT_TRUE(acquired(computer, request_for(0)));
+}
+
+TEST(LocalHost, GivesUpAtItsDeadlineWhereAnotherRuntimeIsGettingTheRobot) {
+  Computer computer("left");
+  const auto robot = acquired(computer, request_of("a"));
+  std::promise<void> entered;
+  std::promise<void> release;
+  computer.world.on_call([&, released = release.get_future().share()](const std::string& what, const auto&) {
+    if (what == "start") {
+      entered.set_value();
+      released.wait();
+    }
+  });
+  auto calls = std::async(std::launch::async, [&] { return refusals(*robot).at("perform"); });
+  entered.get_future().wait();
+  auto first = std::async(std::launch::async,
+                          [&] { return code_of(computer.local->acquire(request_of("b", true), in_time())); });
+  while (robot->renew()) {
+    std::this_thread::sleep_for(1ms);
+  }
+  const TimePoint now = RealClock::instance().now();
+  EXPECT_EQ(code_of(computer.local->acquire(request_of("c", true), now)), ErrorCode::DeadlineExceeded);
+  release.set_value();
+  EXPECT_EQ(first.get(), std::nullopt);
+  (void)calls.get();
+}
+
 TEST(LocalHost, RuntimesThatComeAndGoHarmNobody) {
   Computer computer("left");
   std::atomic<int> done{0};

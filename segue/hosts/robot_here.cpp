@@ -181,11 +181,33 @@ void Session::begin_in_order(std::vector<model::Action> actions, Duration action
 }  // namespace
 
 RobotHere::RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
-                     deploy::Connector connector, const model::HostName& host)
+                     deploy::Connector connector, const model::HostName& host, const Clock& clock)
     : launch_(std::move(launch)),
       processes_(std::move(processes)),
       own_(daemon_info(launch_), no_tasks_, nullptr),
-      tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}) {}
+      tasks_(own_, *processes_, std::move(connector), launch_, no_tasks_, {.hosts = {host}}),
+      part_(tasks_, clock) {}
+
+void Turn::lock() {
+  std::unique_lock lock(mutex_);
+  free_.wait(lock, [this] { return !taken_; });
+  taken_ = true;
+}
+
+bool Turn::try_lock_until(TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  if (!free_.wait_until(lock, deadline, [this] { return !taken_; })) {
+    return false;
+  }
+  taken_ = true;
+  return true;
+}
+
+void Turn::unlock() {
+  const std::lock_guard lock(mutex_);
+  taken_ = false;
+  free_.notify_one();
+}
 
 std::shared_ptr<HostedRobot> make_session(std::shared_ptr<LeasedRobot> robot, std::uint64_t epoch) {
   return std::make_shared<Session>(std::move(robot), epoch);

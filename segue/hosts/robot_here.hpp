@@ -10,7 +10,9 @@
 #include <segue/hosts/task_host_part.hpp>
 #include <segue/process/process_service.hpp>
 
+#include <condition_variable>
 #include <memory>
+#include <mutex>
 
 namespace segue::hosts::detail {
 
@@ -20,7 +22,7 @@ class RobotHere {
  public:
   /// Adopts the processes that run already. `processes` hears of this robot's only.
   RobotHere(process::Launch launch, std::unique_ptr<process::ProcessService> processes,
-            deploy::Connector connector, const model::HostName& host);
+            deploy::Connector connector, const model::HostName& host, const Clock& clock);
 
   [[nodiscard]] const process::Launch& launch() const { return launch_; }
   [[nodiscard]] TaskHostPart& part() { return part_; }
@@ -33,16 +35,30 @@ class RobotHere {
   host::LocalTaskHost no_tasks_{no_libraries_, no_components_};
   deploy::LocalDeployment own_;
   deploy::DeployedTaskHost tasks_;
-  TaskHostPart part_{tasks_};
+  TaskHostPart part_;
+};
+
+/// A std::timed_mutex for std::lock_guard and std::unique_lock. (The thread sanitizer of gcc 12 does not
+/// understand that one.)
+class Turn {
+ public:
+  void lock();
+  bool try_lock_until(TimePoint deadline);
+  void unlock();
+
+ private:
+  std::mutex mutex_;  ///< protects the member below
+  std::condition_variable free_;
+  bool taken_ = false;
 };
 
 /// A robot with its lease, as long as the daemon lives.
 struct LeasedRobot {
-  LeasedRobot(const std::string& robot, const std::filesystem::path& epoch)
-      : lease(robot, epoch, RealClock::instance()) {}
+  LeasedRobot(const std::string& robot, const std::filesystem::path& epoch, const Clock& clock)
+      : lease(robot, epoch, clock) {}
 
   Lease lease;
-  std::mutex acquiring;             ///< one runtime gets the robot at a time
+  Turn acquiring;                   ///< one runtime gets the robot at a time
   std::shared_ptr<RobotHere> here;  ///< null until the robot was acquired first; replaced while nobody works
 };
 

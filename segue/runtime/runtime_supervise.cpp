@@ -270,7 +270,7 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
     log.add(EventKind::TransitionFailed, plan.controller.name.str(), to_string(transition.error()));
     return;
   }
-  if (transition->actions.empty()) {
+  if (transition->actions.empty() && transition->removes.empty()) {
     return;
   }
   plan.transition = std::move(*transition);

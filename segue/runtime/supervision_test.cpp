@@ -201,6 +201,21 @@ TEST(Supervision, pursues_leftovers_for_ever) {
   EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
 }
 
+/// A task that was created but never configured leaves without any action.
+TEST(Supervision, removes_leftovers_that_need_no_action) {
+  testing::StandInRobot robot(quick(2));
+  const auto one = network_of("network: one\ntasks: {a: {component: \"x::A\"}}\n");
+  ASSERT_EQ(robot.runtime.switch_to(one).outcome, Outcome::Done);
+  model::ConfigAction create;
+  create.definition.id = model::TaskId("b");
+  create.definition.component = model::ComponentName("x::B");
+  const model::Action action{1, model::ActionKind::ApplyConfig, create, model::Phase::Prepare, {}};
+  ASSERT_TRUE(robot.host.perform(action, RealClock::instance().now() + 10s));
+  ASSERT_EQ(robot.host.observe().tasks.size(), 2U);
+  EXPECT_TRUE(eventually([&] { return robot.host.observe().tasks.size() == 1; }));
+  EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
+}
+
 TEST(Supervision, only_reports_with_policy_report) {
   testing::StandInRobot robot(quick(3));
   ASSERT_EQ(robot.runtime.switch_to(failing("report")).outcome, Outcome::Done);

@@ -15,7 +15,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -48,6 +50,42 @@ class Line {
     const auto found = calls_.find(what);
     return found == calls_.end() ? 0 : found->second;
   }
+  /// Sees the outcome of each call that was carried out.
+  using Witness = std::function<void(const std::string& what, bool succeeded)>;
+  void watch(Witness witness) { set(witness_, std::move(witness)); }
+  void carried_out(const std::string& what, bool succeeded) {
+    if (const auto witness = get(witness_)) witness(what, succeeded);
+  }
+  /// Calls without a result of which this is true succeed without being carried out.
+  using Choice = std::function<bool(const std::string& what)>;
+  void pretend(Choice which) { set(pretended_, std::move(which)); }
+  [[nodiscard]] bool pretends(const std::string& what) {
+    const auto which = get(pretended_);
+    return which && which(what);
+  }
+  /// The order to commit waits where this is true, while its sender gives it up; deliver() gives its outcome.
+  void delay_commit(Choice which) { set(delayed_, std::move(which)); }
+  using Order = std::function<Result<void>()>;
+  [[nodiscard]] bool delays(const Order& commit) {
+    const auto which = get(delayed_);
+    if (!which || !which("commit")) return false;
+    set(late_, commit);
+    return true;
+  }
+  [[nodiscard]] bool has_late_commit() { return get(late_) != nullptr; }
+  std::optional<Result<void>> deliver() {
+    const auto commit = get(late_);
+    set(late_, Order());
+    return commit ? std::optional(commit()) : std::nullopt;
+  }
+  /// Changes what the host says it holds.
+  using Forgery = std::function<void(HostView&)>;
+  void forge(Forgery forgery) { set(forgery_, std::move(forgery)); }
+  [[nodiscard]] Result<HostView> forged(Result<HostView> view) {
+    const auto forgery = get(forgery_);
+    if (view && forgery) forgery(*view);
+    return view;
+  }
 
   /// Nobody can connect, and who is connected learns that it broke.
   void cut() {
@@ -76,16 +114,18 @@ class Line {
       return what == which ? std::optional<Error>(fail(code, "injected")) : std::nullopt;
     };
   }
-  void set(Spoil& which, Spoil spoil) {
+  template <class Hook>
+  void set(Hook& which, Hook hook) {
     const std::lock_guard lock(mutex_);
-    which = std::move(spoil);
+    which = std::move(hook);
+  }
+  template <class Hook>
+  Hook get(const Hook& which) {
+    const std::lock_guard lock(mutex_);
+    return which;
   }
   std::optional<Error> ask(const Spoil& which, const std::string& what) {
-    Spoil spoil;
-    {
-      const std::lock_guard lock(mutex_);
-      spoil = which;
-    }
+    const Spoil spoil = get(which);
     return spoil ? spoil(what) : std::nullopt;
   }
 
@@ -95,6 +135,11 @@ class Line {
   std::map<std::string, int> calls_;
   Spoil before_;
   Spoil after_;
+  Witness witness_;
+  Choice pretended_;
+  Choice delayed_;
+  Order late_;
+  Forgery forgery_;
   std::mutex listening_;  ///< protects the member below; held while they are told
   std::map<const void*, std::function<void()>> gone_;
 };
@@ -106,13 +151,24 @@ class Wire {
 
   template <class Ask>
   auto pass(const std::string& what, Ask ask) -> decltype(ask()) {
-    if (broken()) return fail(ErrorCode::Unavailable, "the line is cut");
-    if (auto error = line_.before(what)) return *error;
+    if (auto error = lost_on_the_way(what)) return *error;
+    if constexpr (std::is_same_v<decltype(ask()), Result<void>>) {
+      if (line_.pretends(what)) return {};
+    }
     auto answer = ask();
-    if (auto error = line_.after(what)) return *error;
-    if (broken()) return fail(ErrorCode::Unavailable, "the line is cut");
+    line_.carried_out(what, answer.has_value());
+    if (auto error = lost_on_the_way_back(what)) return *error;
     return answer;
   }
+  [[nodiscard]] std::optional<Error> lost_on_the_way(const std::string& what) const {
+    if (broken()) return fail(ErrorCode::Unavailable, "the line is cut");
+    return line_.before(what);
+  }
+  [[nodiscard]] std::optional<Error> lost_on_the_way_back(const std::string& what) const {
+    if (auto error = line_.after(what)) return error;
+    return broken() ? std::optional(fail(ErrorCode::Unavailable, "the line is cut")) : std::nullopt;
+  }
+  [[nodiscard]] Line& line() const { return line_; }
   [[nodiscard]] bool broken() const { return !line_.up() || line_.number() != number_; }
 
  private:
@@ -132,7 +188,7 @@ class WiredRobot final : public HostedRobot {
     return wire_.pass("release", [&] { return robot_->release(); });
   }
   Result<HostView> look() override {
-    return wire_.pass("look", [&] { return robot_->look(); });
+    return wire_.line().forged(wire_.pass("look", [&] { return robot_->look(); }));
   }
   Result<void> expect(const model::Network& target) override {
     return wire_.pass("expect", [&] { return robot_->expect(target); });
@@ -142,14 +198,13 @@ class WiredRobot final : public HostedRobot {
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                       host::Completion completed) override {
-    const std::size_t count = actions.size();
-    const auto passed = wire_.pass("begin_in_order", [&]() -> Result<void> {
-      robot_->begin_in_order(std::move(actions), action_deadline, completed);
-      return {};
+    begin("begin_in_order", actions.size(), completed, [&](host::Completion report) {
+      robot_->begin_in_order(std::move(actions), action_deadline, std::move(report));
     });
-    if (!passed) refuse(count, passed.error(), completed);
   }
-  void halt() override { robot_->halt(); }
+  void halt() override {
+    if (!wire_.broken()) robot_->halt();
+  }
   Result<void> get_ready(const model::Network& target, const std::vector<LinkWait>& links,
                          TimePoint deadline) override {
     return wire_.pass("get_ready", [&] { return robot_->get_ready(target, links, deadline); });
@@ -162,7 +217,9 @@ class WiredRobot final : public HostedRobot {
     return wire_.pass("vote", [&] { return robot_->vote(number, validity); });
   }
   Result<void> commit(std::uint64_t number) override {
-    return wire_.pass("commit", [&] { return robot_->commit(number); });
+    const auto commit = [robot = robot_, number] { return robot->commit(number); };
+    if (wire_.line().delays(commit)) return fail(ErrorCode::DeadlineExceeded, "no answer in time");
+    return wire_.pass("commit", commit);
   }
   Result<void> conclude(const model::Transition& transition) override {
     return wire_.pass("conclude", [&] { return robot_->conclude(transition); });
@@ -177,12 +234,9 @@ class WiredRobot final : public HostedRobot {
 
   void begin_all(std::vector<model::Action> actions, TimePoint deadline,
                  host::Completion completed) override {
-    const std::size_t count = actions.size();
-    const auto passed = wire_.pass("begin_all", [&]() -> Result<void> {
-      robot_->begin_all(std::move(actions), deadline, completed);
-      return {};
+    begin("begin_all", actions.size(), completed, [&](host::Completion report) {
+      robot_->begin_all(std::move(actions), deadline, std::move(report));
     });
-    if (!passed) refuse(count, passed.error(), completed);
   }
   Result<std::optional<task::SavedState>> save_state(const model::TaskId& task, TimePoint deadline) override {
     return wire_.pass("save_state", [&] { return robot_->save_state(task, deadline); });
@@ -211,15 +265,37 @@ class WiredRobot final : public HostedRobot {
   }
 
  private:
-  static void refuse(std::size_t count, const Error& why, const host::Completion& completed) {
-    std::vector<host::Completed> refused;
-    for (std::size_t i = 0; i < count; ++i)
-      refused.push_back({i, why});
-    completed(std::move(refused));
+  /// Every action is reported once, also where that is lost on the way.
+  template <class Begin>
+  void begin(const std::string& what, std::size_t count, const host::Completion& completed, Begin begin) {
+    if (const auto error = wire_.lost_on_the_way(what)) {
+      std::vector<host::Completed> refused;
+      for (std::size_t i = 0; i < count; ++i)
+        refused.push_back({i, *error});
+      return completed(std::move(refused));
+    }
+    begin([wire = wire_, what, completed](std::vector<host::Completed> ended) {
+      if (const auto error = wire.lost_on_the_way_back(what)) {
+        for (auto& one : ended)
+          one.outcome = *error;
+      }
+      completed(std::move(ended));
+    });
   }
 
   Wire wire_;
   const std::shared_ptr<HostedRobot> robot_;
+};
+
+/// Goes on like the real one, and jumps ahead on request.
+class AdvancingClock final : public Clock {
+ public:
+  [[nodiscard]] TimePoint now() const override { return RealClock::instance().now() + ahead_.load(); }
+  void sleep_until(TimePoint when) override { RealClock::instance().sleep_until(when - ahead_.load()); }
+  void advance(Duration duration) { ahead_ = ahead_.load() + duration; }
+
+ private:
+  std::atomic<Duration> ahead_{Duration(0)};
 };
 
 /// A computer with a daemon. Its name is that of the first host in its libraries' answers.
@@ -240,9 +316,10 @@ class Computer {
 
   /// The daemon starts; processes that run already are adopted.
   void boot() {
+    const std::lock_guard alone(booting);
     local.reset();
-    auto made =
-        LocalHost::create(processes, deploy::testing::connector(world), {model::HostName(name), folder});
+    auto made = LocalHost::create(processes, deploy::testing::connector(world),
+                                  {model::HostName(name), folder, clock});
     EXPECT_TRUE(made) << to_string(made.error());
     local = std::move(*made);
   }
@@ -261,6 +338,8 @@ class Computer {
   std::filesystem::path folder;
   deploy::testing::FakeWorld world;
   deploy::testing::FakeProcesses processes{world};
+  AdvancingClock clock;
+  std::shared_mutex booting;  ///< protects the member below, which boot() replaces
   std::unique_ptr<LocalHost> local;
   std::vector<LibraryInfo> libraries;  ///< what the daemon says that it has
   std::string architecture = "x86_64";
@@ -280,16 +359,23 @@ class Computer {
       });
     }
     Result<std::chrono::system_clock::time_point> clock() override {
-      return wire_.pass("clock", [&] { return computer_.local->clock(); });
+      return wire_.pass("clock", [&] {
+        const std::shared_lock running(computer_.booting);
+        return computer_.local->clock();
+      });
     }
     Result<std::vector<LeaseInfo>> robots() override {
-      return wire_.pass("robots", [&] { return computer_.local->robots(); });
+      return wire_.pass("robots", [&] {
+        const std::shared_lock running(computer_.booting);
+        return computer_.local->robots();
+      });
     }
     Result<process::LogPart> log(const LogRequest& request) override {
       return wire_.pass("log", [&] { return computer_.local->log(request); });
     }
     Result<std::shared_ptr<HostedRobot>> acquire(const RobotRequest& request, TimePoint deadline) override {
       return wire_.pass("acquire", [&]() -> Result<std::shared_ptr<HostedRobot>> {
+        const std::shared_lock running(computer_.booting);
         auto robot = computer_.local->acquire(request, deadline);
         if (!robot) return robot.error();
         return std::make_shared<WiredRobot>(wire_, std::move(*robot));

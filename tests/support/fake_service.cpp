@@ -93,6 +93,13 @@ Result<void> FakeService::expect(const model::Network& /*network*/) {
 
 void FakeService::begin_all(std::vector<model::Action> actions, TimePoint /*deadline*/,
                             host::Completion completed) {
+  if (world_.pretends()) {
+    std::vector<host::Completed> done;
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+      done.push_back({i, {}});
+    }
+    return completed(std::move(done));
+  }
   auto outcomes = answer_all<void>("perform", std::span<const model::Action>(actions),
                                    [&](const model::Action& action) { return act(action); });
   std::vector<host::Completed> ended;
@@ -150,9 +157,10 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
     if (!process_->tasks.contains(connection.from.task) || !process_->tasks.contains(connection.to.task)) {
       return no_such("task");
     }
-    if (found != all.end()) {
+    if (found != all.end() && std::erase(process_->ended, connection) == 0) {
       return fail(ErrorCode::AlreadyExists, "is already connected");
     }
+    std::erase(all, connection);  // it has ended with an earlier transition
     all.push_back(connection);
     if (action.phase == model::Phase::Prepare) {
       process_->dormant.push_back(connection);
@@ -161,12 +169,17 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
     return no_such("connection");
   } else {
     all.erase(found);
+    std::erase(process_->ended, connection);
   }
   return {};
 }
 
 Result<void> FakeService::arm_commit(const ArmCommit& what, TimePoint /*deadline*/) {
   return answer<void>("arm_commit", [&]() -> Result<void> {
+    for (const auto& connection : std::exchange(process_->ended, {})) {
+      std::erase(process_->connections, connection);
+    }
+    process_->ending = what;
     process_->gate = std::make_shared<task::CommitGate>();
     process_->gate->arm(what.page->word(what.number), what.number);
     return {};
@@ -181,10 +194,16 @@ Result<void> FakeService::settle(TimePoint /*deadline*/) {
         std::erase(process_->connections, connection);
       }
     }
+    for (const auto& connection : process_->connections) {
+      if (!process_->carries(connection) && committed) {
+        process_->ended.push_back(connection);
+      }
+    }
     for (auto& endpoint : process_->endpoints) {
-      endpoint.carries = endpoint.carries || committed;
+      endpoint.carries = process_->carries(endpoint);
     }
     process_->dormant.clear();
+    process_->ending = {};
     process_->gate.reset();
     return {};
   });

@@ -178,7 +178,7 @@ FakePtr FakeWorld::start(const process::Launch& launch) {
     process->info.pid = 100 + lives_;
     process->info.socket = "/fake/" + launch.deployment.process.str() + '.' + std::to_string(lives_);
     processes_[launch.deployment.key()] = process;
-    dies = std::exchange(next_dies_, false);
+    dies = next_dies_.exchange(false);
   }
   if (dies) {
     kill(process, 11);
@@ -324,7 +324,9 @@ Result<process::ExitReason> FakeProcesses::end(const std::string& how, const mod
     if (process == nullptr) {
       return fail(ErrorCode::NotFound, "no such process");
     }
-    world_.kill(process, signal);
+    if (!world_.survives()) {
+      world_.kill(process, signal);
+    }
     if (!verdict.answer) {
       process::ExitReason reason;
       reason.requested = true;

@@ -4,6 +4,7 @@
 #include <segue/deploy/deployed_task_host.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <future>
 #include <map>
@@ -44,10 +45,21 @@ struct FakeProcess {
   std::vector<EndpointReport> endpoints;
   std::shared_ptr<task::CommitGate> gate;  ///< of the transition that dormant connections wait for
   [[nodiscard]] bool committed() const { return gate != nullptr && gate->open(); }
+  std::vector<model::Connection> ended;  ///< among `connections`: by an earlier commit
+  ArmCommit ending;                      ///< what ends with the transition
   [[nodiscard]] bool carries(const model::Connection& connection) const {
-    return committed() || std::find(dormant.begin(), dormant.end(), connection) == dormant.end();
+    const auto is_in = [&](const std::vector<model::Connection>& some) {
+      return std::find(some.begin(), some.end(), connection) != some.end();
+    };
+    return !is_in(ended) && !is_in(committed() ? ending.within : dormant);
   }
-  [[nodiscard]] bool carries(const EndpointReport& endpoint) const { return committed() || endpoint.carries; }
+  [[nodiscard]] bool carries(const EndpointReport& endpoint) const {
+    const auto ends = [&](const ArmCommit::Endpoint& one) {
+      return one.connection == endpoint.connection && one.side == endpoint.side && one.peer == endpoint.peer;
+    };
+    return committed() ? std::none_of(ending.endpoints.begin(), ending.endpoints.end(), ends)
+                       : endpoint.carries;
+  }
   std::set<link::Incarnation> admitted;
   DeploymentService::Listener listener;
   std::function<void()> gone;
@@ -81,6 +93,13 @@ class FakeWorld {
   void tell(const FakePtr& process, const host::TaskEvent& event);
   /// `see` is called before each call with its name and process, without a lock held.
   void on_call(std::function<void(const std::string& what, const FakePtr& process)> see);
+  /// The call to perform actions that is the `count`th from now on is not carried out, but answered as if it
+  /// had been.
+  void pretend_actions(int count) { pretended_ = count; }
+  [[nodiscard]] bool pretends() { return pretended_ > 0 && --pretended_ == 0; }
+  /// The process that is ended next lives on unseen: whoever asked is told that it has ended.
+  void next_survives() { survives_ = true; }
+  [[nodiscard]] bool survives() { return survives_.exchange(false); }
   /// The next process that start() starts dies at once.
   void next_dies_at_once() { next_dies_ = true; }
 
@@ -106,7 +125,9 @@ class FakeWorld {
   std::optional<Fault> fault_;
   int count_ = 0;
   bool happened_ = false;
-  bool next_dies_ = false;
+  std::atomic<bool> next_dies_ = false;
+  std::atomic<int> pretended_ = 0;
+  std::atomic<bool> survives_ = false;
   std::map<std::string, int> calls_;
   std::uint64_t places_ = 0;
   int lives_ = 0;
