@@ -26,8 +26,8 @@ class LinkCounts {
  private:
   using Key = std::pair<model::PortRef, model::PortRef>;
   struct Seen {
-    std::uint64_t taken = 0;      // by the sender
-    std::uint64_t delivered = 0;  // by the receiver
+    std::uint64_t taken = 0;      ///< by the sender
+    std::uint64_t delivered = 0;  ///< by the receiver
     /// How many more samples than delivered the sender has taken that the receiver owes nobody: those before
     /// it was there. What halves counted before they were made anew is part of it.
     std::int64_t not_owed = 0;

@@ -64,7 +64,7 @@ class Sites {
   /// answered or are given up.
   struct Look {
     HostView view;
-    bool complete = false;  // all sites have answered
+    bool complete = false;  ///< all sites have answered
   };
   Look look() const;
 

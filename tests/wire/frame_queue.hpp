@@ -11,16 +11,16 @@
 
 namespace segue::wire {
 
-using Time = std::chrono::nanoseconds;  // on a clock that never jumps
+using Time = std::chrono::nanoseconds;  ///< on a clock that never jumps
 using Frame = std::vector<std::byte>;
 
 /// What happens to frames in one direction between two stations. Shares are probabilities, 0 to 1.
 struct Impairment {
   Time delay{};
-  Time jitter{};  // a frame takes up to this much longer; frames that are sent in between overtake it
+  Time jitter{};  ///< a frame takes up to this much longer; frames that are sent in between overtake it
   double loss = 0;
   double duplication = 0;
-  double reordering = 0;  // this share of frames takes `held_back` longer than the others
+  double reordering = 0;  ///< this share of frames takes `held_back` longer than the others
   Time held_back{};
   bool cut = false;
 
@@ -74,7 +74,7 @@ class FrameQueue {
   };
   struct Due {
     Time time;
-    std::uint64_t order = 0;  // frames that are due at one time arrive as they were sent
+    std::uint64_t order = 0;  ///< frames that are due at one time arrive as they were sent
     std::size_t line = 0;
     Frame frame;
   };
@@ -85,7 +85,7 @@ class FrameQueue {
 
   std::size_t stations_;
   std::vector<Line> lines_;
-  std::vector<Due> due_;  // a heap
+  std::vector<Due> due_;  ///< a heap
   std::vector<Frame> spare_;
   std::uint64_t sent_ = 0;
 };
