@@ -5,12 +5,14 @@
 #include <segue/base/text.hpp>
 #include <segue/type/cdr_object.hpp>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
 #include <deque>
+#include <map>
 #include <new>
 #include <optional>
-#include <unordered_map>
 
 namespace gateway {
 
@@ -75,6 +77,8 @@ class Receiver final : public Link {
   }
 
  private:
+  using WriterId = std::array<std::uint8_t, 16>;
+
   segue::Result<void> make_reader() {
     dds_listener_t* listener = ::dds_create_listener(this);
     ::dds_lset_data_available(
@@ -108,11 +112,9 @@ class Receiver final : public Link {
   }
 
   void arrived(dds_entity_t reader, MessageRef message, dds_instance_handle_t writer) {
-    if (writer != known_writer_) {
-      known_writer_ = writer;
-      trusted_ = is_of_this_type(reader, writer);
-      sequence_ = &sequences_[writer];
-    }
+    if (writer != known_writer_) know(reader, writer);
+    // A writer that was lost from sight for a while sends again what it knows no acknowledgement of.
+    if (message->sequence != 0 && message->sequence <= *sequence_) return;
     count_gap(message->sequence);
     if (!trusted_) {
       ++corrupt_;
@@ -129,12 +131,20 @@ class Receiver final : public Link {
     *sequence_ = number;
   }
 
-  bool is_of_this_type(dds_entity_t reader, dds_instance_handle_t writer) const {
+  /// A writer that is found again has another handle, but its old identifier.
+  void know(dds_entity_t reader, dds_instance_handle_t writer) {
+    known_writer_ = writer;
     dds_builtintopic_endpoint_t* endpoint = ::dds_get_matched_publication_data(reader, writer);
-    if (endpoint == nullptr) return true;  // it is gone already; its samples are checked as all others are
-    const bool fits = !differs(*endpoint);
-    ::dds_builtintopic_free_endpoint(endpoint);
-    return fits;
+    // It may be gone already; its samples are checked as all others are.
+    trusted_ = endpoint == nullptr || !differs(*endpoint);
+    WriterId id{};
+    if (endpoint == nullptr) {
+      std::memcpy(id.data(), &writer, sizeof writer);
+    } else {
+      std::ranges::copy(endpoint->key.v, id.begin());
+      ::dds_builtintopic_free_endpoint(endpoint);
+    }
+    sequence_ = &sequences_[id];
   }
 
   void wait(MessageRef message) {
@@ -191,7 +201,7 @@ class Receiver final : public Link {
   bool trusted_ = true;
   dds_instance_handle_t known_writer_ = 0;  ///< of the last message
   std::uint64_t* sequence_ = nullptr;       ///< of the last message of that writer
-  std::unordered_map<dds_instance_handle_t, std::uint64_t> sequences_;
+  std::map<WriterId, std::uint64_t> sequences_;
   std::deque<MessageRef> waiting_;
   std::optional<AnyOutput> out_;
   Entity reader_;

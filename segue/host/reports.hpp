@@ -63,9 +63,10 @@ using HostEvent = std::variant<TaskEvent, ProcessEvent, ComputerEvent>;
 struct ComputerReport {
   model::HostName name;
   bool reachable = true;
-  bool optional = false;  ///< what it holds may be missing
-  std::string state;      ///< "connected", or why it cannot be reached
-  Duration since{0};      ///< for how long it has been so
+  bool optional = false;         ///< what it holds may be missing
+  std::string state;             ///< "connected", or why it cannot be reached
+  Duration since{0};             ///< for how long it has been so
+  std::uint64_t connection = 0;  ///< its number: another one after each time that it was made anew
   std::string address;
   std::string software;                    ///< version of Segue
   std::optional<Duration> round_trip{};    ///< of a message there and back; the shortest of late

@@ -47,6 +47,8 @@ struct DistributedTaskHost::Implementation {
   void look_after(const Site& site);
   void report(const Site& site, bool reachable, const std::string& message);
   [[nodiscard]] SampleType type_of(const model::Task& writer, const std::string& port) const;
+  /// What all hosts say that can be reached, with the counts of connections noted; which `lock` protects.
+  HostView look_and_note(std::unique_lock<std::mutex>& lock);
   template <class Ask>
   auto at(const model::TaskId& task, Ask ask) const -> decltype(ask(std::declval<HostedRobot&>()));
 
@@ -60,6 +62,7 @@ struct DistributedTaskHost::Implementation {
   detail::LinkMatching matching{sites, router};
   concurrent::Notifier<host::HostEvent> events{500};
 
+  std::mutex looking;        ///< taken before `mutex`
   mutable std::mutex mutex;  ///< protects everything below except the thread
   std::condition_variable changed;
   std::map<model::NetworkName, model::Network> expected;
@@ -173,6 +176,15 @@ SampleType DistributedTaskHost::Implementation::type_of(const model::Task& write
   }
   const auto* output = component->find_port(port, model::Direction::Output);
   return output == nullptr ? SampleType{} : SampleType{output->type, component->library};
+}
+
+HostView DistributedTaskHost::Implementation::look_and_note(std::unique_lock<std::mutex>& lock) {
+  // In turn, since counts that are less than before are those of a half that was made anew.
+  const std::lock_guard turn(looking);
+  auto [view, complete] = sites.look();
+  lock = std::unique_lock(mutex);
+  counts.note(view.connections, complete);
+  return std::move(view);
 }
 
 template <class Ask>
@@ -360,14 +372,12 @@ void DistributedTaskHost::begin_all(std::vector<model::Action> actions, TimePoin
 }
 
 model::Network DistributedTaskHost::observe() const {
-  const HostView view = implementation_->sites.look();
-  const std::lock_guard lock(implementation_->mutex);
-  implementation_->counts.note(view.connections);
-  return view.network;
+  std::unique_lock<std::mutex> lock;
+  return implementation_->look_and_note(lock).network;
 }
 
 std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
-  auto reports = implementation_->sites.look().tasks;
+  auto reports = implementation_->sites.look().view.tasks;
   for (const auto& site : implementation_->sites.all()) {
     if (site->reachable()) {
       continue;
@@ -385,9 +395,8 @@ std::vector<host::TaskReport> DistributedTaskHost::tasks() const {
 }
 
 std::vector<host::ConnectionReport> DistributedTaskHost::connections() const {
-  HostView view = implementation_->sites.look();
-  const std::lock_guard lock(implementation_->mutex);
-  implementation_->counts.note(view.connections);
+  std::unique_lock<std::mutex> lock;
+  HostView view = implementation_->look_and_note(lock);
   return implementation_->counts.condense(std::move(view.connections));
 }
 

@@ -252,8 +252,9 @@ host::ConnectionReport counted(const char* from, const char* to, std::uint64_t w
 
 TEST(Gateways, SamplesAreCountedFromWriterToReader) {
   detail::LinkCounts counts;
-  counts.note({counted("a", "a.out>", 0, 0, 0), counted("a.out>>r", "b", 0, 0, 0),
-               counted("a.out>>r", "c", 0, 0, 0)});
+  counts.note(
+      {counted("a", "a.out>", 0, 0, 0), counted("a.out>>r", "b", 0, 0, 0), counted("a.out>>r", "c", 0, 0, 0)},
+      true);
   const auto whole = counts.condense({counted("a", "a.out>", 100, 98, 2), counted("a.out>>r", "b", 90, 80, 5),
                                       counted("a.out>>r", "c", 99, 99, 0), counted("b", "c", 7, 6, 1),
                                       counted("x.out>>r", "b", 3, 3, 0), counted("y", "y.out>", 3, 3, 0)});
@@ -270,13 +271,56 @@ TEST(Gateways, SamplesAreCountedFromWriterToReader) {
 
 TEST(Gateways, WhatASenderTookBeforeTheReceiverWasThereWasNotForIt) {
   detail::LinkCounts counts;
-  counts.note({counted("a", "a.out>", 1000, 1000, 0)});
-  counts.note({counted("a", "a.out>", 1010, 1010, 0), counted("a.out>>r", "b", 4, 4, 0)});
+  counts.note({counted("a", "a.out>", 1000, 1000, 0)}, true);
+  counts.note({counted("a", "a.out>", 1010, 1010, 0), counted("a.out>>r", "b", 4, 4, 0)}, true);
   const auto whole =
       counts.condense({counted("a", "a.out>", 1020, 1020, 0), counted("a.out>>r", "b", 13, 12, 0)});
   ASSERT_EQ(whole.size(), 1U);
   EXPECT_EQ(whole[0].written, 14U);
   EXPECT_EQ(whole[0].dropped, 1U);
+}
+
+using Halves = std::vector<host::ConnectionReport>;
+
+Halves halves(std::uint64_t taken, std::uint64_t delivered) {
+  return {counted("a", "a.out>", taken, taken, 0), counted("a.out>>r", "b", delivered, delivered, 0)};
+}
+
+TEST(Gateways, WhatIsLostWhileAHostIsLostIsCounted) {
+  for (const auto& seen : {Halves{counted("a", "a.out>", 150, 150, 0)},
+                           Halves{counted("a.out>>r", "b", 100, 100, 0)}, Halves{}}) {
+    detail::LinkCounts counts;
+    counts.note(halves(100, 90), true);
+    counts.note(seen, false);
+    counts.note(halves(200, 120), true);
+    const auto whole = counts.condense(halves(200, 120));
+    ASSERT_EQ(whole.size(), 1U);
+    EXPECT_EQ(whole[0].dropped, 70U);
+    EXPECT_EQ(whole[0].written, 190U);
+  }
+}
+
+TEST(Gateways, WhatIsLostIsCountedAlthoughAHalfIsMadeAnew) {
+  for (const auto& [taken, delivered] : {std::pair(200U, 20U), std::pair(30U, 120U)}) {
+    detail::LinkCounts counts;
+    counts.note(halves(0, 0), true);
+    counts.note(halves(100, 90), true);
+    counts.note({}, false);
+    counts.note(halves(taken, delivered), true);
+    const auto whole = counts.condense(halves(taken, delivered));
+    ASSERT_EQ(whole.size(), 1U);
+    EXPECT_EQ(whole[0].written, whole[0].read + whole[0].dropped);
+  }
+}
+
+TEST(Gateways, AConnectionThatIsMadeAgainCountsFromZero) {
+  detail::LinkCounts counts;
+  counts.note(halves(100, 50), true);
+  counts.note({}, true);
+  counts.note(halves(300, 50), true);
+  const auto whole = counts.condense(halves(310, 60));
+  ASSERT_EQ(whole.size(), 1U);
+  EXPECT_EQ(whole[0].dropped, 0U);
 }
 
 /// Processes on three hosts and in the runtime's own; no links, which check() refuses between hosts.

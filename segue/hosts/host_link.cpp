@@ -183,6 +183,7 @@ host::ComputerReport HostLink::report() const {
   report.reachable = connection_ != nullptr && !connection_->broken;
   report.state = report.reachable ? "connected" : why_.empty() ? "the connection broke" : why_;
   report.since = RealClock::instance().now() - since_;
+  report.connection = number_;
   report.software = info_.software;
   if (report.reachable) {
     report.round_trip = round_trip_;

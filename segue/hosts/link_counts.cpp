@@ -3,6 +3,8 @@
 
 #include <segue/hosts/gateways.hpp>
 
+#include <algorithm>
+
 namespace segue::hosts::detail {
 
 namespace {
@@ -20,27 +22,40 @@ std::map<TaskId, host::ConnectionReport> reports_of_senders(const Reports& repor
   return to_sender;
 }
 
-std::uint64_t difference(std::uint64_t all, std::uint64_t part) {
-  return all > part ? all - part : 0;
+/// 0 where there would be less.
+std::uint64_t difference(std::uint64_t all, std::int64_t part) {
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(0, static_cast<std::int64_t>(all) - part));
 }
 
 }  // namespace
 
-void LinkCounts::note(const Reports& reports) {
+void LinkCounts::note(const Reports& reports, bool complete) {
   const auto to_sender = reports_of_senders(reports);
-  std::map<Key, std::uint64_t> before;
+  std::map<Key, Seen> seen;
   for (const auto& report : reports) {
     const auto sender = sender_of(report.connection.from.task);
     const auto first = sender ? to_sender.find(*sender) : to_sender.end();
     if (first == to_sender.end()) {
       continue;
     }
+    Seen now{first->second.read, report.written, 0};
     const Key key{report.connection.from, report.connection.to};
-    const auto known = before_.find(key);
-    before.emplace(key,
-                   known != before_.end() ? known->second : difference(first->second.read, report.written));
+    if (const auto known = seen_.find(key); known == seen_.end()) {
+      now.not_owed =
+          static_cast<std::int64_t>(difference(now.taken, static_cast<std::int64_t>(now.delivered)));
+    } else {
+      const Seen& last = known->second;
+      const auto taken_before = now.taken < last.taken ? last.taken : 0;
+      const auto delivered_before = now.delivered < last.delivered ? last.delivered : 0;
+      now.not_owed = last.not_owed + static_cast<std::int64_t>(delivered_before) -
+                     static_cast<std::int64_t>(taken_before);
+    }
+    seen.emplace(key, now);
   }
-  before_ = std::move(before);
+  if (!complete) {
+    seen.merge(seen_);
+  }
+  seen_ = std::move(seen);
 }
 
 Reports LinkCounts::condense(Reports reports) const {
@@ -55,12 +70,13 @@ Reports LinkCounts::condense(Reports reports) const {
       if (first == to_sender.end()) {
         continue;
       }
-      const auto before = before_.find({report.connection.from, report.connection.to});
-      const std::uint64_t missed = before == before_.end() ? 0 : before->second;
+      const auto known = seen_.find({report.connection.from, report.connection.to});
+      const std::int64_t not_owed = known == seen_.end() ? 0 : known->second.not_owed;
       const auto& sent = first->second;
       report.connection.from = sent.connection.from;
-      report.dropped += sent.dropped + difference(difference(sent.read, missed), report.written);
-      report.written = difference(sent.written, missed);
+      report.dropped +=
+          sent.dropped + difference(sent.read, not_owed + static_cast<std::int64_t>(report.written));
+      report.written = difference(sent.written, not_owed);
     }
     whole.push_back(std::move(report));
   }

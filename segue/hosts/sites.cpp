@@ -178,7 +178,7 @@ void Sites::for_all(const Work& work) const {
   pool_.run_all(std::move(jobs));
 }
 
-HostView Sites::look() const {
+Sites::Look Sites::look() const {
   const std::uint64_t poll = placements_.begin_poll();
   std::mutex mutex;
   std::vector<Seen> all;
@@ -208,7 +208,7 @@ HostView Sites::look() const {
     move_to(merged.connections, view.connections);
   }
   sort(merged);
-  return merged;
+  return {std::move(merged), all.size() == sites_.size()};
 }
 
 void Sites::learn(const Seen& seen, std::uint64_t poll) const {

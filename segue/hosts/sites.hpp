@@ -62,7 +62,11 @@ class Sites {
 
   /// What all sites hold, tasks named by the placement table, which learns from it. Blocks until all have
   /// answered or are given up.
-  HostView look() const;
+  struct Look {
+    HostView view;
+    bool complete = false;  ///< all sites have answered
+  };
+  Look look() const;
 
  private:
   struct Seen {

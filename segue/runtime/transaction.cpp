@@ -98,6 +98,14 @@ bool takes_down(model::ActionKind kind) {
   return kind == Recover || kind == Stop || kind == Disconnect || kind == Cleanup || kind == Undeploy;
 }
 
+std::map<model::HostName, std::uint64_t> connections_of(const host::TaskHost& host) {
+  std::map<model::HostName, std::uint64_t> numbers;
+  for (const auto& computer : host.computers()) {
+    numbers.emplace(computer.name, computer.connection);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 Transaction::Transaction(const TransitionContext& context, const model::Network& before,
@@ -105,7 +113,8 @@ Transaction::Transaction(const TransitionContext& context, const model::Network&
     : context_(context),
       before_(without_leftover_incarnations(before)),
       plan_(plan),
-      options_(std::move(options)) {}
+      options_(std::move(options)),
+      connections_(connections_of(context.host)) {}
 
 void Transaction::supersede() {
   const std::lock_guard lock(mutex_);
@@ -284,11 +293,22 @@ Undo Transaction::undo(const Failure& failed) {
 
 Transaction::Look Transaction::look() const {
   Look seen{{}, plan_.lost};
-  seen.lost.merge(unreachable_hosts(context_.host));  // also one that comes back now
+  seen.lost.merge(lost_meanwhile());  // also one that comes back now
   seen.network = context_.host.observe();
-  seen.lost.merge(unreachable_hosts(context_.host));
+  seen.lost.merge(lost_meanwhile());
   seen.network = without_hosts(std::move(seen.network), seen.lost);
   return seen;
+}
+
+std::set<model::HostName> Transaction::lost_meanwhile() const {
+  auto lost = unreachable_hosts(context_.host);
+  for (const auto& [name, number] : connections_of(context_.host)) {
+    const auto found = connections_.find(name);
+    if (found == connections_.end() || found->second != number) {
+      lost.insert(name);
+    }
+  }
+  return lost;
 }
 
 std::optional<Error> Transaction::bring_to(const model::Network& whole, std::vector<ActionRecord>& actions) {

@@ -7,6 +7,8 @@
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -73,13 +75,15 @@ class Transaction {
   bool replan(const Failure& failed, SwitchResult& result);
   void end_early(SwitchResult& result);
   Undo undo(const Failure& failed);
-  /// What runs now, without computers that are lost or were when the transition was planned: what these hold
-  /// was not part of it.
+  /// What runs now, without computers that are lost or were at any time since the transition was planned:
+  /// what these hold was not part of it, or they have given it up. The runtime looks after them when it has
+  /// ended.
   struct Look {
     model::Network network;
     std::set<model::HostName> lost;
   };
   [[nodiscard]] Look look() const;
+  [[nodiscard]] std::set<model::HostName> lost_meanwhile() const;
   /// Solves from the observed network to what of `whole` can be reached and executes that; appends to
   /// `actions`.
   std::optional<Error> bring_to(const model::Network& whole, std::vector<ActionRecord>& actions);
@@ -89,6 +93,7 @@ class Transaction {
   const model::Network before_;  ///< without leftover incarnations
   const SwitchPlan& plan_;
   const Options options_;
+  const std::map<model::HostName, std::uint64_t> connections_;  ///< to computers, when it began
   std::mutex mutex_;  ///< protects all members below; actions run without it
   std::shared_ptr<Execution> execution_;
   Stage stage_ = Stage::Prepare;

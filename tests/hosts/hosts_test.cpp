@@ -187,10 +187,14 @@ void HostsTest::TearDown() {
   SystemTest::TearDown();
 }
 
+Surroundings HostsTest::surroundings_of(const std::string& /*host*/) {
+  return {};
+}
+
 void HostsTest::make_hosts(const std::vector<std::string>& names) {
   for (const auto& name : names) {
     auto& host = hosts_[name];
-    host = std::make_unique<TestHost>(name, folder_);
+    host = std::make_unique<TestHost>(name, folder_, surroundings_of(name));
     host->start();
   }
 }
@@ -200,8 +204,9 @@ void HostsTest::write_robot(const std::string& more, const std::vector<std::stri
   for (const auto& [name, host] : hosts_) {
     const bool optional =
         std::find(optional_hosts.begin(), optional_hosts.end(), name) != optional_hosts.end();
-    file += "  " + name + ": {address: \"" + host->address() + "\"" + (optional ? ", optional: true" : "") +
-            "}\n";
+    file += "  " + name + ": {address: \"" + host->address() + "\"" + (optional ? ", optional: true" : "");
+    if (!host->credentials().empty()) file += ", credentials: \"" + host->credentials() + "\"";
+    file += "}\n";
   }
   write("robot/robot.yaml", file + "controllers: [\"*.net\"]\n" + more);
 }
@@ -211,9 +216,11 @@ std::unique_ptr<LoggedProcess> HostsTest::run_robot(const std::string& runtime_f
   std::vector<std::string> arguments = {"run", "robot/robot.yaml", "--no-journal"};
   arguments.insert(arguments.end(), options.begin(), options.end());
   std::filesystem::create_directories(folder_ / runtime_folder);
+  auto whole = runtime_launcher();
+  for (auto& word : command(std::move(arguments)))
+    whole.push_back(std::move(word));
   return std::make_unique<LoggedProcess>(
-      command(std::move(arguments)), folder_,
-      folder_ / (runtime_folder + "." + std::to_string(runs_) + ".log"),
+      whole, folder_, folder_ / (runtime_folder + "." + std::to_string(runs_) + ".log"),
       std::map<std::string, std::string>{{"XDG_RUNTIME_DIR", (folder_ / runtime_folder).string()}});
 }
 

@@ -37,6 +37,10 @@ class HostsTest : public SystemTest {
   /// Stops the robot and checks that no host has a process of it left.
   void TearDown() override;
 
+  /// Where a host is, and what starts the robot's runtime; by default just this computer.
+  virtual Surroundings surroundings_of(const std::string& host);
+  [[nodiscard]] virtual std::vector<std::string> runtime_launcher() const { return {}; }
+
   /// Starts the daemons.
   void make_hosts(const std::vector<std::string>& names);
   TestHost& host(const std::string& name) { return *hosts_.at(name); }

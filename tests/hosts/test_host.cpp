@@ -15,8 +15,8 @@
 
 namespace segue::testing {
 
-TestHost::TestHost(std::string name, const std::filesystem::path& folder)
-    : name_(std::move(name)), folder_(folder / name_) {
+TestHost::TestHost(std::string name, const std::filesystem::path& folder, Surroundings surroundings)
+    : name_(std::move(name)), folder_(folder / name_), surroundings_(std::move(surroundings)) {
   std::filesystem::create_directories(runtime_folder());
 }
 
@@ -25,15 +25,18 @@ TestHost::~TestHost() {
 }
 
 std::string TestHost::address() const {
+  if (!surroundings_.address.empty()) return surroundings_.address;
   return "unix:" + (runtime_folder() / "segue" / "@host.sock").string();
 }
 
 void TestHost::start() {
-  daemon_ = std::make_unique<LoggedProcess>(
-      std::vector<std::string>{segue::paths::kProgram, "host", "--name", name_, "--state",
-                               (folder_ / "state").string()},
-      folder_, folder_ / "daemon.log",
-      std::map<std::string, std::string>{{"XDG_RUNTIME_DIR", runtime_folder().string()}});
+  std::vector<std::string> command = surroundings_.launcher;
+  command.insert(command.end(),
+                 {segue::paths::kProgram, "host", "--name", name_, "--state", state_folder().string()});
+  command.insert(command.end(), surroundings_.options.begin(), surroundings_.options.end());
+  auto environment = surroundings_.environment;
+  environment["XDG_RUNTIME_DIR"] = runtime_folder().string();
+  daemon_ = std::make_unique<LoggedProcess>(command, folder_, folder_ / "daemon.log", environment);
   EXPECT_TRUE(daemon_->wait_for("host " + name_ + " is running")) << daemon_->output();
 }
 
@@ -55,6 +58,13 @@ void TestHost::kill() {
   });
   EXPECT_TRUE(gone) << "host " << name_ << " cannot be killed";
   if (daemon_) (void)daemon_->wait();
+}
+
+void TestHost::reboot() {
+  kill();
+  for (const auto& entry : std::filesystem::directory_iterator(runtime_folder()))
+    std::filesystem::remove_all(entry.path());
+  start();
 }
 
 void TestHost::kill_daemon() {

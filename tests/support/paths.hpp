@@ -17,6 +17,8 @@ extern const char* const kDeploymentProgram;    ///< segue-deployment
 extern const char* const kOtherVersionProgram;  ///< segue-deployment of another version
 extern const char* const kTestProcess;          ///< what a process server starts in tests
 extern const char* const kPeer;                 ///< the other side of a test
+extern const char* const kWire;                 ///< impaired_wire
+extern const char* const kShiftedClock;         ///< shifted_clock
 
 /// A file or folder of the sources: in_sources("/examples").
 inline std::string in_sources(std::string_view path) {

@@ -127,7 +127,7 @@ Result<RevokedList> new_list(const std::vector<Revocation>& revoked, X509* autho
                              long number) {
   RevokedList list(X509_CRL_new());
   const Time now = std::chrono::system_clock::now();
-  const Moment begin = moment(now);
+  const Moment begin = moment(now - kBackdated);
   // A list that was copied by hand must not lock everybody out because nobody has copied a newer one.
   const Moment next = moment(now + kAuthorityLife);
   const Number own_number(ASN1_INTEGER_new());
