@@ -34,6 +34,7 @@ struct HostOptions {
   std::string name;
   std::string state;
   bool until_eof = false;
+  LogLevel log_level = LogLevel::Info;
 };
 
 /// The port of daemons unless one is given.
@@ -154,6 +155,7 @@ void kill_deployments(process::ProcessService& processes) {
 }
 
 int run_host(const HostOptions& options, const Context& context) {
+  set_log_level(options.log_level);
   StopSignal stop(options.until_eof ? STDIN_FILENO : -1);
   Diagnostics diagnostics;
   const auto config = configuration(options, diagnostics);
@@ -192,6 +194,7 @@ void add_host(Verb& app, Context& context) {
   verb.option("--state FOLDER", options->state,
               "where to keep what outlives the daemon; default: /var/lib/segue for root, else "
               "$XDG_STATE_HOME/segue");
+  add_log_level_option(verb, options->log_level, "messages shown");
   verb.flag("--until-eof", options->until_eof,
             "end when standard input ends, and kill all deployments here at the end: for programs that need "
             "a host for a while");
