@@ -99,9 +99,12 @@ class RealFleet : public Fleet {
 
 class RemoteFleet final : public RealFleet {
  public:
-  explicit RemoteFleet(const std::string& hosts) : RealFleet(false) {
+  explicit RemoteFleet(const runtime::HostEntries& hosts) : RealFleet(false) {
+    std::string text = "robot: bench\nhosts:\n";
+    for (const auto& [name, entry] : hosts)
+      text += "  " + name + ": " + entry + "\n";
     Diagnostics diagnostics;
-    const auto robot = model::read_robot("robot: bench\nhosts:\n" + hosts, "robot.yaml", diagnostics);
+    const auto robot = model::read_robot(text, "robot.yaml", diagnostics);
     if (!robot) require(diagnostics.to_error());
     hosts::DistributedOptions options;
     options.request.holder = "bench/" + std::to_string(::getpid());
@@ -131,7 +134,7 @@ std::unique_ptr<Fleet> Fleet::open(bool zygote) {
   return std::make_unique<RealFleet>(zygote);
 }
 
-std::unique_ptr<Fleet> Fleet::open_on(const std::string& hosts) {
+std::unique_ptr<Fleet> Fleet::open_on(const runtime::HostEntries& hosts) {
   return std::make_unique<RemoteFleet>(hosts);
 }
 

@@ -4,6 +4,7 @@
 #include "../support/measure.hpp"
 
 #include <segue/host/task_host.hpp>
+#include <segue/runtime/temporary_hosts.hpp>
 
 #include <memory>
 #include <string>
@@ -18,8 +19,8 @@ class Fleet {
   /// `zygote`: processes are forked from one that has the component libraries loaded. Ends the program on
   /// failure.
   static std::unique_ptr<Fleet> open(bool zygote = false);
-  /// The processes are on other hosts; `hosts` are those of a robot file.
-  static std::unique_ptr<Fleet> open_on(const std::string& hosts);
+  /// The processes are on other hosts.
+  static std::unique_ptr<Fleet> open_on(const segue::runtime::HostEntries& hosts);
   virtual ~Fleet() = default;
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;

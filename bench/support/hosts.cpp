@@ -37,10 +37,6 @@ int free_port() {
   return ntohs(address.sin_port);
 }
 
-std::string entry(const std::string& name, const std::string& address, const std::string& more) {
-  return "  " + name + ": {address: \"" + address + "\"" + more + "}\n";
-}
-
 }  // namespace
 
 Hosts::Hosts(const std::vector<Site>& sites) : sites_(sites) {
@@ -63,20 +59,21 @@ Hosts::Hosts(const std::vector<Site>& sites) : sites_(sites) {
   }
 }
 
-std::string Hosts::over_tcp() const {
-  std::string text;
+segue::runtime::HostEntries Hosts::over_tcp() const {
+  segue::runtime::HostEntries entries;
   for (std::size_t i = 0; i < sites_.size(); ++i) {
-    text += entry(sites_[i].name, "tcp://" + sites_[i].address + ":" + std::to_string(ports_[i]),
-                  ", credentials: \"" + keys(kMe) + "\"");
+    entries.emplace(sites_[i].name, "{address: \"tcp://" + sites_[i].address + ":" +
+                                        std::to_string(ports_[i]) + "\", credentials: \"" + keys(kMe) +
+                                        "\"}");
   }
-  return text;
+  return entries;
 }
 
-std::string Hosts::over_unix_sockets() const {
-  std::string text;
+segue::runtime::HostEntries Hosts::over_unix_sockets() const {
+  segue::runtime::HostEntries entries;
   for (const Site& site : sites_)
-    text += entry(site.name, hosts_.address(site.name), "");
-  return text;
+    entries.emplace(site.name, '"' + hosts_.address(site.name) + '"');
+  return entries;
 }
 
 }  // namespace bench

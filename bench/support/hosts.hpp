@@ -23,9 +23,9 @@ class Hosts {
  public:
   explicit Hosts(const std::vector<Site>& sites);
 
-  /// The hosts of a robot file, reached over TCP and TLS, or by their Unix sockets.
-  [[nodiscard]] std::string over_tcp() const;
-  [[nodiscard]] std::string over_unix_sockets() const;
+  /// As a robot file names them, reached over TCP and TLS, or by their Unix sockets.
+  [[nodiscard]] segue::runtime::HostEntries over_tcp() const;
+  [[nodiscard]] segue::runtime::HostEntries over_unix_sockets() const;
 
  private:
   [[nodiscard]] std::string keys(const std::string& name) const { return folder_.path() / name; }

@@ -18,13 +18,12 @@ class Hosts {
   segue::Result<void> start(std::size_t count, const std::filesystem::path& robot_file);
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   /// The robot on these hosts.
-  [[nodiscard]] std::filesystem::path robot_file() const { return hosts_.folder() / "robot" / "robot.yaml"; }
+  [[nodiscard]] std::filesystem::path robot_file() const { return robot_file_; }
 
  private:
-  segue::Result<void> deal_out(const std::filesystem::path& robot_file) const;
-
   segue::runtime::TemporaryHosts hosts_;
   std::vector<std::string> names_;
+  std::filesystem::path robot_file_;
 };
 
 }  // namespace demo

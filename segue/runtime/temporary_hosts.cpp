@@ -5,6 +5,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/files.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -155,6 +156,32 @@ void deal_out(model::Network& network, const std::vector<std::string>& hosts) {
       hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
     deployment.host = model::HostName(hosts[hash % hosts.size()]);
   }
+}
+
+Result<fs::path> deal_out(const fs::path& robot_file, const HostEntries& hosts, const fs::path& folder) {
+  Diagnostics diagnostics;
+  const auto robot = model::load_robot(robot_file, diagnostics);
+  if (!robot) return diagnostics.to_error();
+  std::error_code failed;
+  fs::create_directories(folder, failed);  // writing the files says what is wrong
+  std::string text = "robot: " + robot->name + "\ncontrollers: [\"*.net\"]\nhosts:\n";
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : hosts) {
+    text += "  " + name + ": " + entry + "\n";
+    names.push_back(name);
+  }
+  if (auto written = write_file(folder / "robot.yaml", text); !written) return written.error();
+  for (const auto& controllers : robot->controllers) {
+    for (const auto& file : glob_files(robot->folder / controllers)) {
+      auto network = model::load_network(file, diagnostics);
+      if (!network) return diagnostics.to_error();
+      deal_out(*network, names);
+      const auto written =
+          write_file(folder / (network->name.str() + ".net"), model::write_network(*network));
+      if (!written) return written.error();
+    }
+  }
+  return folder / "robot.yaml";
 }
 
 }  // namespace segue::runtime

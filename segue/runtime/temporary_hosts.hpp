@@ -8,6 +8,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -54,5 +55,13 @@ class TemporaryHosts {
 
 /// Places each process of a network on one of the hosts, which depends on the name of the process only.
 void deal_out(model::Network& network, const std::vector<std::string>& hosts);
+
+/// By the names of hosts, what a robot file says of them: "tcp://10.0.0.2:7447".
+using HostEntries = std::map<std::string, std::string>;
+
+/// Copies the controllers of a robot into `folder` and deals them out to hosts. Returns the robot file there,
+/// which names no component libraries: all components are stand-ins.
+Result<std::filesystem::path> deal_out(const std::filesystem::path& robot_file, const HostEntries& hosts,
+                                       const std::filesystem::path& folder);
 
 }  // namespace segue::runtime
