@@ -94,7 +94,8 @@ Summary disconnect(Fleet& fleet, const std::vector<std::string>& producers,
 
 void deployed(Table& table) {
   const auto fleet = Fleet::open();
-  fleet->perform({on_process(ActionKind::Deploy, "writers"), on_process(ActionKind::Deploy, "readers")});
+  fleet->perform(
+      {on_process(ActionKind::Deploy, here("writers")), on_process(ActionKind::Deploy, here("readers"))});
   fleet->run("writers", names("p", kMany), "bench::Producer");
   fleet->run("readers", names("c", kMany), "bench::Consumer");
   table.add("segue, one", connect(*fleet, {"p0"}, {"c0"}));

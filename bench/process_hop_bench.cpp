@@ -29,23 +29,12 @@ Transports transports(bool roudi) {
   return all;
 }
 
-using Experiment = std::optional<Summary> (*)(Transport&, const HopCase&);
-
-void compare(const std::string& title, const Transports& all, Experiment experiment, const HopCase& wanted) {
-  Table table(title);
-  std::optional<Summary> floor;
-  for (const auto& transport : all) {
-    if (!transport->carries(wanted.bytes)) continue;
-    const auto summary = experiment(*transport, wanted);
-    if (!floor) floor = summary;
-    if (summary && floor) {
-      table.add(transport->name(), *summary, 1, floor->median);
-    } else {
-      table.note(transport->name(), "failed, or lost samples");
-    }
-  }
-  table.print();
-  std::fflush(stdout);
+void compare(const std::string& title, const Transports& all, Comparison::Experiment experiment,
+             const HopCase& wanted) {
+  Comparison comparison(title, experiment, wanted);
+  for (const auto& transport : all)
+    comparison.add(*transport);
+  comparison.print();
 }
 
 bool is_wanted(const std::string& size, std::span<char* const> sizes) {

@@ -21,29 +21,18 @@ struct Wanted {
   std::vector<std::string> sizes;
 };
 
-using Experiment = std::optional<Summary> (*)(Transport&, const HopCase&);
-
-void compare(const std::string& title, Wanted& wanted, Experiment experiment, std::size_t bytes) {
-  Table table(title);
-  std::optional<Summary> floor;
+void compare(const std::string& title, Wanted& wanted, Comparison::Experiment experiment, std::size_t bytes) {
+  Comparison comparison(title, experiment, {bytes, {}});
   const auto add = [&](const std::unique_ptr<Transport>& transport) {
-    if (!transport->carries(bytes)) return;
-    const auto summary = experiment(*transport, {bytes, {}});
+    comparison.add(*transport);
     ++wanted.route.run;
-    if (!floor) floor = summary;
-    if (summary && floor) {
-      table.add(transport->name(), *summary, 1, floor->median);
-    } else {
-      table.note(transport->name(), "failed, or lost samples");
-    }
   };
   add(make_remote_cyclone(wanted.route, CycloneReader::WaitSet));
   add(make_remote_cyclone(wanted.route, CycloneReader::Listener));
   add(make_remote_segue(wanted.route, Layout::Fixed));
   add(make_remote_segue(wanted.route, Layout::Vector));
   add(make_tcp(wanted.route));
-  table.print();
-  std::fflush(stdout);
+  comparison.print();
 }
 
 Wanted read_arguments(int count, char** arguments) {

@@ -124,18 +124,49 @@ int run_bench(const BenchOptions& options, const Context& context) {
   return kFailed;
 }
 
+Result<void> parse_transports(const std::string& text, std::vector<BenchTransport>& transports) {
+  if (text == "all") return {};
+  for (const BenchTransport transport :
+       {BenchTransport::Local, BenchTransport::SharedMemory, BenchTransport::Remote}) {
+    if (text != to_string(transport)) continue;
+    transports = {transport};
+    return {};
+  }
+  return fail(ErrorCode::InvalidArgument, "expected local, shm, remote or all, got " + quote(text));
+}
+
+/// "arm=tcp://10.0.0.2:7447".
+Result<void> parse_host(const std::string& text, BenchHost& host) {
+  const std::size_t end = text.find('=');
+  if (end == std::string::npos || !is_identifier(text.substr(0, end))) {
+    return fail(ErrorCode::InvalidArgument,
+                "expected the host's name and address, NAME=tcp://... or NAME=unix:..., got " + quote(text));
+  }
+  host.name = text.substr(0, end);
+  host.address = text.substr(end + 1);
+  if (host.address.starts_with("unix:"))  // the robot file is in a folder of its own
+    host.address = "unix:" + std::filesystem::absolute(host.address.substr(5)).string();
+  return {};
+}
+
+void add_host_options(Verb& verb, BenchHost& host) {
+  const Option other = verb.option(
+      "--host NAME=ADDRESS", [&host](const std::string& text) { return parse_host(text, host); },
+      "the other host of remote chains, as in robot files (default: one on this computer for the duration)");
+  verb.option("--credentials FOLDER", host.credentials,
+              "your certificate for it (default: that of `segue host init`)")
+      .needs(other);
+}
+
 void add_bench_options(Verb& verb, BenchOptions& options) {
   BenchSettings& settings = options.settings;
   verb.option("EXPERIMENT", options.experiments, "E1.1, E1.2, E2.1, E2.2, E2.3 or all").one_of(bench_names());
   verb.option(
       "--transport KIND",
-      [&settings](const std::string& text) -> Result<void> {
-        if (text == "local") settings.transports = {BenchTransport::Local};
-        if (text == "shm") settings.transports = {BenchTransport::SharedMemory};
-        if (text == "local" || text == "shm" || text == "all") return {};
-        return fail(ErrorCode::InvalidArgument, "expected local, shm or all, got " + quote(text));
-      },
-      "local: all tasks in one process; shm: a process for each, samples in shared memory; all (default)");
+      [&settings](const std::string& text) { return parse_transports(text, settings.transports); },
+      "local: all tasks in one process; shm: a process for each, samples in shared memory; remote: another "
+      "host as well; all (default)");
+  add_host_options(verb, settings.host);
   verb.option("--repetitions N", settings.repetitions, "how often to measure each (default: by experiment)")
       .between(1, kMostBenchRepetitions);
   verb.option(
@@ -160,7 +191,8 @@ std::string bench_help() {
   std::string text =
       "  segue bench                       # lists the experiments\n"
       "  segue bench E1.1 --transport shm\n"
-      "  segue bench all --out results\n\n"
+      "  segue bench all --out results\n"
+      "  segue bench E2.2 --transport remote --host arm=tcp://192.168.1.10:7447\n\n"
       "The experiments of M. Wirkus et al., J Intell Robot Syst 100, 2020, with real tasks in real "
       "processes,\n"
       "beside the paper's figures. Close other programs first. Ctrl-C ends it cleanly: no process is left.\n"
@@ -175,8 +207,8 @@ std::string bench_help() {
 
 void add_bench(Verb& app, Context& context) {
   const auto options = std::make_shared<BenchOptions>();
-  Verb& verb = add_verb(app, context, "bench", "repeat the experiments of the paper on this computer",
-                        bench_help(), [options, &context] { return run_bench(*options, context); });
+  Verb& verb = add_verb(app, context, "bench", "repeat the experiments of the paper", bench_help(),
+                        [options, &context] { return run_bench(*options, context); });
   add_bench_options(verb, *options);
 }
 

@@ -17,7 +17,7 @@ namespace {
 using model::ActionKind;
 using Durations = std::map<ActionKind, std::vector<double>>;
 
-std::string published_action(ActionKind kind) {
+std::string published_action(ActionKind kind, BenchTransport transport) {
   switch (kind) {
     case ActionKind::Configure:
     case ActionKind::Deploy:
@@ -27,7 +27,7 @@ std::string published_action(ActionKind kind) {
     case ActionKind::Start:
     case ActionKind::Stop:
     case ActionKind::Cleanup:
-      return "0.5 ms";
+      return transport == BenchTransport::Remote ? "0.5 + 1.3 ms" : "0.5 ms";
     default:
       return {};
   }
@@ -66,15 +66,17 @@ class ActionRun {
   Durations durations_;
 };
 
-/// Of actions in another process; there is none for those in this one.
+/// Of actions in another process; there is none for those in this one, and none is known of another computer.
 struct ActionFloors {
   std::vector<double> spawn;
   std::vector<double> message;
 };
 
-Result<ActionFloors> measure_floors(BenchTransport transport, std::size_t repetitions,
+Result<ActionFloors> measure_floors(BenchTransport transport, const BenchSettings& settings,
                                     const BenchReport& report) {
-  if (transport == BenchTransport::Local) return ActionFloors{};
+  const std::size_t repetitions = settings.repetitions;
+  const bool elsewhere = transport == BenchTransport::Remote && !settings.host.is_here();
+  if (transport == BenchTransport::Local || elsewhere) return ActionFloors{};
   auto spawn = program_runs(1, repetitions, report.stopped);
   if (!spawn) return spawn.error();
   auto message = pipe_latencies(transport, 1, 1, repetitions, report.stopped);
@@ -82,19 +84,29 @@ Result<ActionFloors> measure_floors(BenchTransport transport, std::size_t repeti
   return ActionFloors{std::move(*spawn), std::move(*message)};
 }
 
+Result<void> measure_round_trips(BenchRobot& robot, std::size_t relays, const BenchSettings& settings,
+                                 const std::vector<double>& floor, const BenchReport& report) {
+  auto seconds = robot.round_trips(settings.repetitions, report.stopped);
+  if (!seconds) return seconds.error();
+  if (!seconds->empty())
+    report.add({"round trip", BenchTransport::Remote, relays, 0, std::move(*seconds), floor, {}});
+  return {};
+}
+
 Result<void> measure_actions(BenchTransport transport, std::size_t relays, const BenchSettings& settings,
                              const BenchReport& report) {
-  auto robot = BenchRobot::open(transport);
+  auto robot = BenchRobot::open(transport, settings.host);
   if (!robot) return robot.error();
   ChainOptions chain;
   chain.relays = relays;
   chain.transport = transport;
+  chain.host = settings.host.name;
   ActionRun run(**robot, chain, settings.order.value_or(model::Order::Paper));
   for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
     report.progress(fmt::format("{}: {} relays, repetition {}", to_string(transport), relays, i + 1));
     if (auto done = run.repeat(); !done) return done;
   }
-  const auto floors = measure_floors(transport, settings.repetitions, report);
+  const auto floors = measure_floors(transport, settings, report);
   if (!floors) return floors.error();
   for (const auto& [kind, seconds] : run.durations()) {
     const bool spawns = kind == ActionKind::Deploy;
@@ -103,8 +115,10 @@ Result<void> measure_actions(BenchTransport transport, std::size_t relays, const
                 spawns     ? floors->spawn
                 : messages ? floors->message
                            : std::vector<double>{},
-                published_action(kind)});
+                published_action(kind, transport)});
   }
+  if (transport == BenchTransport::Remote)
+    return measure_round_trips(**robot, relays, settings, floors->message, report);
   return {};
 }
 

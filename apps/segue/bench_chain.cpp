@@ -48,6 +48,13 @@ model::Connection connect(const model::Task& from, const model::Task& to, const 
   return connection;
 }
 
+/// `index`: of the task in the chain. Both ends of an alternating chain are here, so that one clock tells how
+/// long a sample took.
+bool is_there(const ChainOptions& options, std::size_t index) {
+  if (options.transport != BenchTransport::Remote) return false;
+  return options.placement == ChainPlacement::AllThere || (index % 2 == 1 && index <= options.relays);
+}
+
 model::Deployment own_process(const model::Task& task) {
   model::Deployment deployment;
   deployment.process = model::ProcessName(task.id.str());
@@ -58,7 +65,14 @@ model::Deployment own_process(const model::Task& task) {
 }  // namespace
 
 std::string to_string(BenchTransport transport) {
-  return transport == BenchTransport::Local ? "local" : "shm";
+  switch (transport) {
+    case BenchTransport::Local:
+      return "local";
+    case BenchTransport::SharedMemory:
+      return "shm";
+    default:
+      return "remote";
+  }
 }
 
 model::Network relay_chain(const ChainOptions& options) {
@@ -75,8 +89,10 @@ model::Network relay_chain(const ChainOptions& options) {
   for (std::size_t i = 1; i < network.tasks.size(); ++i)
     network.connections.push_back(connect(network.tasks[i - 1], network.tasks[i], options));
   if (options.transport == BenchTransport::Local) return network;
-  for (const model::Task& task : network.tasks)
-    network.deployments.push_back(own_process(task));
+  for (std::size_t i = 0; i < network.tasks.size(); ++i) {
+    network.deployments.push_back(own_process(network.tasks[i]));
+    if (is_there(options, i)) network.deployments.back().host = model::HostName(options.host);
+  }
   return network;
 }
 

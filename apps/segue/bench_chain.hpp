@@ -13,10 +13,17 @@ namespace segue::cli {
 
 /// Where the tasks run, and with that what carries their samples.
 enum class BenchTransport {
-  Local,        ///< all tasks in this process, a thread each
-  SharedMemory  ///< a process for each task
+  Local,         ///< all tasks in this process, a thread each
+  SharedMemory,  ///< a process for each task
+  Remote         ///< a process for each task, and another host
 };
-std::string to_string(BenchTransport transport);  ///< "local", "shm"
+std::string to_string(BenchTransport transport);  ///< "local", "shm", "remote"
+
+/// Which tasks of a remote chain are on the other host.
+enum class ChainPlacement {
+  AllThere,    ///< all
+  Alternating  ///< every second one: samples cross at each hop, and end where they began
+};
 
 /// The relays of a chain that are other tasks than in the chain it is compared with.
 enum class Exchange {
@@ -32,6 +39,8 @@ struct ChainOptions {
   std::size_t bytes = 0;             ///< of payload; 0: samples of a fixed size, 64 bytes in all
   std::size_t record = 0;            ///< number of latencies that the consumer keeps
   std::optional<Duration> period{};  ///< of the producer; nothing: 1 ms, 20 ms for long chains
+  std::string host{};                ///< the other one of a remote chain
+  ChainPlacement placement = ChainPlacement::AllThere;
 };
 model::Network relay_chain(const ChainOptions& options);
 

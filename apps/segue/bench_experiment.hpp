@@ -17,9 +17,20 @@
 /// repeats them.
 namespace segue::cli {
 
+/// The other host of remote chains.
+struct BenchHost {
+  std::string name = "far";
+  std::string
+      address{};  ///< as in robot files; empty: a daemon on this computer, for as long as it is needed
+  std::string credentials{};  ///< folder with those of this user for it; empty: the usual one
+  [[nodiscard]] bool is_here() const { return address.empty(); }
+};
+
 /// What of the experiments to measure.
 struct BenchSettings {
-  std::vector<BenchTransport> transports{BenchTransport::Local, BenchTransport::SharedMemory};
+  std::vector<BenchTransport> transports{BenchTransport::Local, BenchTransport::SharedMemory,
+                                         BenchTransport::Remote};
+  BenchHost host;
   std::vector<std::size_t> relays;    ///< lengths of the chain; empty: those of the experiment
   std::vector<std::size_t> bytes;     ///< sizes of the payload; empty: those of the experiment
   std::size_t repetitions = 0;        ///< 0: those of the experiment

@@ -12,7 +12,10 @@
 #include <thread>
 #include <utility>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -33,6 +36,34 @@ Result<Pipe> make_pipe() {
   int ends[2] = {-1, -1};
   if (::pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::IoError, "cannot make a pipe");
   return Pipe{Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+/// A TCP connection in place of a pipe.
+Result<Pipe> make_connection() {
+  const auto failed = [] {
+    return fail(ErrorCode::IoError, "cannot connect this computer with itself by TCP");
+  };
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  socklen_t size = sizeof address;
+  const Descriptor listener(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  if (::bind(listener.get(), generic, size) != 0 || ::listen(listener.get(), 1) != 0 ||
+      ::getsockname(listener.get(), generic, &size) != 0) {
+    return failed();
+  }
+  Pipe made{Descriptor(), Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0))};
+  if (::connect(made.write.get(), generic, size) != 0) return failed();
+  made.read = Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+  const int at_once = 1;
+  ::setsockopt(made.write.get(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
+  if (!made.read.valid()) return failed();
+  return made;
+}
+
+Result<Pipe> make_channel(BenchTransport transport) {
+  return transport == BenchTransport::Remote ? make_connection() : make_pipe();
 }
 
 /// False at the end of the pipe. Only calls that are safe between fork and exec.
@@ -90,7 +121,7 @@ class PipeChain {
   }
 
   Result<void> open(BenchTransport transport, std::size_t relays, std::size_t bytes) {
-    auto pipe = make_pipe();
+    auto pipe = make_channel(transport);
     if (!pipe) return pipe.error();
     first_ = std::move(pipe->write);
     last_ = std::move(pipe->read);
@@ -108,7 +139,7 @@ class PipeChain {
 
  private:
   Result<void> add(BenchTransport transport, std::size_t bytes) {
-    auto next = make_pipe();
+    auto next = make_channel(transport);
     if (!next) return next.error();
     std::vector<char> message(bytes);
     Descriptor in = std::exchange(last_, std::move(next->read));

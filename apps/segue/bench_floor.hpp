@@ -14,8 +14,9 @@
 namespace segue::cli {
 
 /// Messages that go from this thread through `relays` threads (of this process) or processes (each forked)
-/// and back to this thread, each copied into a pipe and out of it, paced so that all sleep before their turn.
-/// At least one relay. Ends early where `stopped` returns true.
+/// and back to this thread, each copied into a pipe (for remote chains: into a TCP connection of this
+/// computer with itself) and out of it, paced so that all sleep before their turn. At least one relay. Ends
+/// early where `stopped` returns true.
 Result<std::vector<double>> pipe_latencies(BenchTransport transport, std::size_t relays, std::size_t bytes,
                                            std::size_t repetitions, const std::function<bool()>& stopped);
 

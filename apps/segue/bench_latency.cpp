@@ -15,15 +15,25 @@ namespace segue::cli {
 namespace {
 
 /// So slow that a sample has arrived before the next one is written, on a busy machine too.
-Duration period_of(std::size_t relays, std::size_t bytes) {
-  const auto hops = static_cast<std::int64_t>(relays) + 1;
-  const Duration copies = std::chrono::nanoseconds(2 * hops * static_cast<std::int64_t>(bytes));
-  return std::max<Duration>(std::chrono::milliseconds(2), std::chrono::microseconds(300) * hops + copies);
+Duration period_of(const ChainOptions& chain) {
+  const bool remote = chain.transport == BenchTransport::Remote;
+  const auto hops = static_cast<std::int64_t>(chain.relays) + 1;
+  const Duration a_hop = std::chrono::microseconds(remote ? 1000 : 300);
+  const Duration a_byte = std::chrono::nanoseconds(remote ? 10 : 2);
+  const Duration copies = a_byte * hops * static_cast<std::int64_t>(chain.bytes);
+  return std::max<Duration>(std::chrono::milliseconds(2), a_hop * hops + copies);
 }
 
 std::string published_latency(const ChainOptions& chain) {
   if (chain.bytes > 1000) return {};
-  return chain.transport == BenchTransport::Local ? "20 us a hop" : "140 us a hop";
+  switch (chain.transport) {
+    case BenchTransport::Local:
+      return "20 us a hop";
+    case BenchTransport::SharedMemory:
+      return "140 us a hop";
+    default:
+      return "220 us a hop";
+  }
 }
 
 Result<std::vector<double>> latencies_of(BenchRobot& robot, const ChainOptions& chain,
@@ -40,13 +50,21 @@ Result<std::vector<double>> latencies_of(BenchRobot& robot, const ChainOptions& 
   return seconds;
 }
 
-Result<void> measure_latency(BenchRobot& robot, ChainOptions chain, const BenchReport& report) {
-  chain.period = period_of(chain.relays, chain.bytes);
+/// Nothing is known of the way to another computer.
+Result<std::vector<double>> floor_of_latency(const ChainOptions& chain, const BenchHost& host,
+                                             const BenchReport& report) {
+  if (chain.transport == BenchTransport::Remote && !host.is_here()) return std::vector<double>{};
+  const std::size_t bytes = std::max<std::size_t>(chain.bytes, 64);
+  return pipe_latencies(chain.transport, chain.relays, bytes, chain.record, report.stopped);
+}
+
+Result<void> measure_latency(BenchRobot& robot, ChainOptions chain, const BenchHost& host,
+                             const BenchReport& report) {
+  chain.period = period_of(chain);
   auto seconds = latencies_of(robot, chain, report);
   if (!seconds) return seconds.error();
   if (auto down = robot.switch_to({}); !down) return down.error();
-  const std::size_t bytes = std::max<std::size_t>(chain.bytes, 64);
-  auto floor = pipe_latencies(chain.transport, chain.relays, bytes, chain.record, report.stopped);
+  auto floor = floor_of_latency(chain, host, report);
   if (!floor) return floor.error();
   if (seconds->empty()) return {};
   report.add({"latency", chain.transport, chain.relays, chain.bytes, std::move(*seconds), std::move(*floor),
@@ -57,15 +75,22 @@ Result<void> measure_latency(BenchRobot& robot, ChainOptions chain, const BenchR
 Result<void> measure_all(const BenchSettings& settings, const std::vector<std::size_t>& relays,
                          const std::vector<std::size_t>& bytes, const BenchReport& report) {
   for (const BenchTransport transport : settings.transports) {
-    auto robot = BenchRobot::open(transport);
+    auto robot = BenchRobot::open(transport, settings.host);
     if (!robot) return robot.error();
     for (const std::size_t count : relays) {
       for (const std::size_t size : bytes) {
         if (report.stopped()) return {};
         report.progress(
             fmt::format("{}: {} relays, {} samples", to_string(transport), count, settings.repetitions));
-        ChainOptions chain{count, transport, Exchange::None, size, settings.repetitions, {}};
-        if (auto done = measure_latency(**robot, chain, report); !done) return done;
+        ChainOptions chain{count,
+                           transport,
+                           Exchange::None,
+                           size,
+                           settings.repetitions,
+                           {},
+                           settings.host.name,
+                           ChainPlacement::Alternating};
+        if (auto done = measure_latency(**robot, chain, settings.host, report); !done) return done;
       }
     }
   }

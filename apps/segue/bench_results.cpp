@@ -74,10 +74,10 @@ std::vector<std::string> cells_of(const BenchRow& row, const BenchResults& resul
 
 constexpr std::string_view kBenchFootnotes =
     "local: all tasks in one process, a thread each; shm: a process for each task, samples in shared "
-    "memory.\n"
+    "memory;\n"
+    "remote: a process for each task, all of them on another host; in E1.1 and E1.2 every second one.\n"
     "Ratio: median to the median of the floor. Published figures are of Orocos RTT with CORBA on other\n"
-    "computers, so compare ratios of one run instead. Not measured: two computers, CORBA (Segue has "
-    "neither).\n";
+    "computers, so compare ratios of one run instead. Not measured: CORBA (Segue does not use it).\n";
 
 type::Value list_of(const std::vector<double>& values) {
   type::Value::List list;

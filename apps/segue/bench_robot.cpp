@@ -3,7 +3,11 @@
 
 #include <segue/base/file.hpp>
 #include <segue/base/folders.hpp>
+#include <segue/base/text.hpp>
+#include <segue/control/host_client.hpp>
+#include <segue/runtime/host_places.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <optional>
@@ -64,22 +68,37 @@ BenchRobot::~BenchRobot() {
   if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
-Result<std::unique_ptr<BenchRobot>> BenchRobot::open(BenchTransport transport) {
+Result<std::unique_ptr<BenchRobot>> BenchRobot::open(BenchTransport transport, const BenchHost& host) {
   auto robot = std::unique_ptr<BenchRobot>(new BenchRobot());
   auto lock = take_bench_lock();
   if (!lock) return lock.error();
   robot->lock_ = std::move(*lock);
-  if (auto started = robot->start(transport); !started) return started.error();
+  if (auto started = robot->start(transport, host); !started) return started.error();
   if (auto empty = robot->switch_to({}); !empty) return empty.error();
   return robot;
 }
 
-Result<void> BenchRobot::start(BenchTransport transport) {
+Result<std::string> BenchRobot::enter_host(const BenchHost& host) {
+  std::string address = host.address;
+  if (host.is_here()) {
+    hosts_ = std::make_unique<runtime::TemporaryHosts>();
+    // Like the robot in this process, it says nothing but errors.
+    if (auto started = hosts_->start({{host.name, {}, {"--log-level", "error"}}}); !started)
+      return started.error();
+    address = hosts_->address(host.name);
+  }
+  std::string text = ", " + host.name + ": {address: " + quote(address);
+  if (!host.credentials.empty()) text += ", credentials: " + quote(fs::absolute(host.credentials).string());
+  return text + "}";
+}
+
+Result<void> BenchRobot::start(BenchTransport transport, const BenchHost& host) {
   const fs::path file = folder_ / "robot.yaml";
-  const auto written =
-      write_file(file, std::string("robot: ") + kRobotName +
-                           "\nhosts: {localhost: local}\nlibraries: [segue_components_bench]\n"
-                           "look_ahead: {processes: 1000, memory: 100GB}\n");
+  const auto other = transport == BenchTransport::Remote ? enter_host(host) : Result<std::string>("");
+  if (!other) return other.error();
+  const auto written = write_file(file, std::string("robot: ") + kRobotName + "\nhosts: {localhost: local" +
+                                            *other + "}\nlibraries: [segue_components_bench]\n" +
+                                            "look_ahead: {processes: 1000, memory: 100GB}\n");
   if (!written) return written;
   Diagnostics diagnostics;
   runtime::EmbeddedOptions options;
@@ -89,6 +108,24 @@ Result<void> BenchRobot::start(BenchTransport transport) {
   robot_ = runtime::EmbeddedRobot::open(file, diagnostics, options);
   if (robot_ == nullptr) return first_error(diagnostics);
   return {};
+}
+
+Result<std::vector<double>> BenchRobot::round_trips(std::size_t repetitions,
+                                                    const std::function<bool()>& stopped) {
+  const model::Robot& robot = robot_->robot();
+  const auto there = std::ranges::find_if(robot.hosts, [](const auto& host) { return !host.is_local(); });
+  if (there == robot.hosts.end()) return std::vector<double>{};
+  const auto endpoint = runtime::endpoint_of(robot, *there);
+  if (!endpoint) return endpoint.error();
+  const auto daemon = control::connect_host(*endpoint, patience(), [] {});
+  if (!daemon) return daemon.error();
+  std::vector<double> durations;
+  for (std::size_t i = 0; i < repetitions && !stopped(); ++i) {
+    const auto begin = RealClock::instance().now();
+    if (auto answered = (*daemon)->clock(); !answered) return answered.error();
+    durations.push_back(std::chrono::duration<double>(RealClock::instance().now() - begin).count());
+  }
+  return durations;
 }
 
 Result<Switched> BenchRobot::request(runtime::Request request, model::Order order) {

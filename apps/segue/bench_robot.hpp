@@ -6,6 +6,7 @@
 #include <segue/model/network.hpp>
 #include <segue/model/transition.hpp>
 #include <segue/runtime/embedded_robot.hpp>
+#include <segue/runtime/temporary_hosts.hpp>
 
 #include <filesystem>
 #include <functional>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "bench_chain.hpp"
+#include "bench_experiment.hpp"
 
 namespace segue::cli {
 
@@ -29,7 +31,7 @@ class BenchRobot {
  public:
   /// Removes first what an earlier run left when it was killed. AlreadyExists while another such robot of
   /// this user runs.
-  static Result<std::unique_ptr<BenchRobot>> open(BenchTransport transport);
+  static Result<std::unique_ptr<BenchRobot>> open(BenchTransport transport, const BenchHost& host);
   ~BenchRobot();
   BenchRobot(const BenchRobot&) = delete;
   BenchRobot& operator=(const BenchRobot&) = delete;
@@ -43,6 +45,8 @@ class BenchRobot {
   /// A transition that only calls this operation.
   Result<Switched> call_by_transition(const std::string& task, const std::string& operation);
   Result<type::Value> call(const std::string& task, const char* operation);
+  /// How long the other host's daemon takes to answer the smallest request; in seconds.
+  Result<std::vector<double>> round_trips(std::size_t repetitions, const std::function<bool()>& stopped);
   /// Makes the relay enter the error state, and waits until it has.
   Result<void> make_fail(const std::string& relay);
 
@@ -55,11 +59,14 @@ class BenchRobot {
 
  private:
   BenchRobot();
-  Result<void> start(BenchTransport transport);
+  Result<void> start(BenchTransport transport, const BenchHost& host);
+  /// Its text in the robot file. Starts the daemon where there is none.
+  Result<std::string> enter_host(const BenchHost& host);
   Result<Switched> request(runtime::Request request, model::Order order);
 
   Descriptor lock_;
   std::filesystem::path folder_;
+  std::unique_ptr<runtime::TemporaryHosts> hosts_;
   std::unique_ptr<runtime::EmbeddedRobot> robot_;
 };
 

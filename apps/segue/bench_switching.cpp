@@ -19,9 +19,11 @@ model::Order order_of(const BenchSettings& settings) {
   return settings.order.value_or(model::Order::Seamless);
 }
 
-Result<std::vector<double>> floor_of(const ChainOptions& chain, std::size_t repetitions,
+Result<std::vector<double>> floor_of(const ChainOptions& chain, const BenchSettings& settings,
                                      const BenchReport& report) {
   const std::size_t tasks = chain.relays + 2;
+  if (chain.transport == BenchTransport::Remote && !settings.host.is_here()) return std::vector<double>{};
+  const std::size_t repetitions = settings.repetitions;
   if (chain.transport == BenchTransport::Local) return thread_starts(tasks, repetitions, report.stopped);
   return program_runs(tasks, repetitions, report.stopped);
 }
@@ -32,13 +34,14 @@ using Measure = std::function<Result<void>(BenchRobot&, const ChainOptions&)>;
 Result<void> for_each_chain(const BenchSettings& settings, const Lengths& lengths, const BenchReport& report,
                             const Measure& measure) {
   for (const BenchTransport transport : settings.transports) {
-    auto robot = BenchRobot::open(transport);
+    auto robot = BenchRobot::open(transport, settings.host);
     if (!robot) return robot.error();
     for (const std::size_t relays : settings.relays.empty() ? lengths : settings.relays) {
       if (report.stopped()) return {};
       ChainOptions chain;
       chain.relays = relays;
       chain.transport = transport;
+      chain.host = settings.host.name;
       if (auto done = measure(**robot, chain); !done) return done;
       if (auto down = (*robot)->switch_to({}); !down) return down.error();
     }
@@ -75,8 +78,21 @@ class Rows {
   std::vector<BenchRow> rows_;
 };
 
-Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, const BenchSettings& settings,
-                              const BenchReport& report) {
+std::string published_bring_up(const ChainOptions& chain) {
+  if (chain.relays != 25) return {};
+  switch (chain.transport) {
+    case BenchTransport::Local:
+      return "some ms";
+    case BenchTransport::SharedMemory:
+      return "> 1 s";
+    default:
+      return "> 1.5 s";
+  }
+}
+
+/// `more` is appended to what was measured.
+Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, const std::string& more,
+                              const BenchSettings& settings, const BenchReport& report) {
   Rows rows(chain);
   for (std::size_t i = 0; i < settings.repetitions && !report.stopped(); ++i) {
     show(report, chain, "bring-up", i);
@@ -85,14 +101,13 @@ Result<void> measure_bring_up(BenchRobot& robot, const ChainOptions& chain, cons
     if (auto runs = robot.wait_for_samples(); !runs) return runs;
     const auto down = robot.switch_to({}, order_of(settings));
     if (!down) return down.error();
-    rows.row("bring-up").seconds.push_back(up->seconds);
-    rows.row("tear-down").seconds.push_back(down->seconds);
+    rows.row("bring-up" + more).seconds.push_back(up->seconds);
+    rows.row("tear-down" + more).seconds.push_back(down->seconds);
   }
-  auto floor = floor_of(chain, settings.repetitions, report);
+  auto floor = floor_of(chain, settings, report);
   if (!floor) return floor.error();
-  rows.row("bring-up").floor = std::move(*floor);
-  if (chain.relays == 25)
-    rows.row("bring-up").published = chain.transport == BenchTransport::Local ? "some ms" : "> 1 s";
+  rows.row("bring-up" + more).floor = std::move(*floor);
+  rows.row("bring-up" + more).published = published_bring_up(chain);
   rows.add_to(report);
   return {};
 }
@@ -170,9 +185,13 @@ Result<void> measure_half(BenchRobot& robot, const ChainOptions& chain, const Be
 }  // namespace
 
 Result<void> run_bring_up(const BenchSettings& settings, const BenchReport& report) {
-  return for_each_chain(settings, {10, 25, 50}, report, [&](BenchRobot& robot, const ChainOptions& chain) {
-    return measure_bring_up(robot, chain, settings, report);
-  });
+  const auto measure = [&](BenchRobot& robot, ChainOptions chain) -> Result<void> {
+    if (auto done = measure_bring_up(robot, chain, "", settings, report); !done) return done;
+    if (chain.transport != BenchTransport::Remote) return {};
+    chain.placement = ChainPlacement::Alternating;
+    return measure_bring_up(robot, chain, ", alternating", settings, report);
+  };
+  return for_each_chain(settings, {10, 25, 50}, report, measure);
 }
 
 Result<void> run_exchange(const BenchSettings& settings, const BenchReport& report) {

@@ -3,7 +3,10 @@
 
 #include <strings.h>
 
+#include <algorithm>
+#include <array>
 #include <utility>
+#include <vector>
 
 namespace segue::cli {
 
@@ -15,6 +18,15 @@ Result<void> parse_format(const std::string& text, Format& format) {
     return fail(ErrorCode::InvalidArgument, text + " not in {text,json}");
   format = json ? Format::Json : Format::Text;
   return {};
+}
+
+constexpr std::array kLogLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
+
+std::vector<std::string> level_names() {
+  std::vector<std::string> names;
+  for (const LogLevel level : kLogLevels)
+    names.emplace_back(to_string(level));
+  return names;
 }
 
 }  // namespace
@@ -33,6 +45,19 @@ Verb& add_verb(Verb& parent, Context& context, const std::string& name, const st
 
 void add_robot_option(Verb& verb, Context& context) {
   verb.option("--robot NAME", context.robot, "the running robot's name; needed if more than one is running");
+}
+
+Option add_log_level_option(Verb& verb, LogLevel& level, const std::string& what) {
+  const auto parse = [&level](const std::string& text) -> Result<void> {
+    const auto found =
+        std::ranges::find(kLogLevels, text, [](LogLevel each) { return std::string(to_string(each)); });
+    if (found != kLogLevels.end()) level = *found;
+    return {};
+  };
+  return verb
+      .option("--log-level LEVEL", parse,
+              "lowest level of " + what + ": debug, info (default), warning or error")
+      .one_of(level_names());
 }
 
 Option add_order_option(Verb& verb, std::string& order) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/log.hpp>
+
 #include <functional>
 #include <string>
 
@@ -39,6 +41,9 @@ Verb& add_verb(Verb& parent, Context& context, const std::string& name, const st
 
 /// --robot, for verbs that talk to a running robot.
 void add_robot_option(Verb& verb, Context& context);
+
+/// --log-level debug|info|warning|error. `what`: "messages shown".
+Option add_log_level_option(Verb& verb, LogLevel& level, const std::string& what);
 
 /// --order seamless|paper.
 Option add_order_option(Verb& verb, std::string& order);

@@ -33,6 +33,8 @@ struct HostOptions {
   std::vector<std::string> zygote;
   std::string name;
   std::string state;
+  bool until_eof = false;
+  LogLevel log_level = LogLevel::Info;
 };
 
 /// The port of daemons unless one is given.
@@ -111,39 +113,63 @@ void announce(const model::HostConfig& config, const std::filesystem::path& sock
                          socket.string(), network));
 }
 
+/// Runs the daemon. Returns why it has ended, when nobody can ask it for anything any more.
+Result<std::string> serve_host(const model::HostConfig& config, process::ProcessService& processes,
+                               StopSignal& stop, const Context& context) {
+  const auto folder = control::socket_folder();
+  if (!folder) return folder.error();
+  process::ProcessHub hub(processes);
+  const auto for_runtimes = hub.for_all();
+  const auto for_host = hub.for_all();
+  std::error_code ignored;
+  std::filesystem::create_directories(config.state.parent_path(), ignored);  // LocalHost says what is wrong
+  const auto host = hosts::LocalHost::create(*for_host, &control::connect_deployment,
+                                             {model::HostName(config.name), config.state});
+  if (!host) return host.error();
+  auto tcp = tcp_place(config);
+  if (!tcp) return tcp.error();
+  const auto socket = control::daemon_socket();
+  if (!socket) return socket.error();
+  const auto process_server = control::Server::listen(*folder / "host.sock", for_runtimes.get());
+  if (!process_server) return process_server.error();
+  const auto daemon = control::Server::listen(control::Places{*socket, std::move(*tcp)}, host->get());
+  if (!daemon) return daemon.error();
+  announce(config, *socket, (*daemon)->port(), context);
+  return stop.wait({}).value_or("ended");
+}
+
+/// Kills the deployments of all robots here: each robot has a folder for their sockets.
+void kill_deployments(process::ProcessService& processes) {
+  constexpr auto kPatience = std::chrono::seconds(10);
+  const auto folder = control::socket_folder();
+  if (!folder) return;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator entry(*folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (!entry->is_directory()) continue;
+    const auto running = processes.processes(entry->path().filename().string());
+    if (!running) continue;
+    for (const auto& process : *running)
+      (void)processes.kill(process.robot, process.key, RealClock::instance().now() + kPatience);
+  }
+}
+
 int run_host(const HostOptions& options, const Context& context) {
-  StopSignal stop;
+  set_log_level(options.log_level);
+  StopSignal stop(options.until_eof ? STDIN_FILENO : -1);
   Diagnostics diagnostics;
   const auto config = configuration(options, diagnostics);
   if (!config) return report_failure(context, diagnostics);
-  const auto folder = control::socket_folder();
-  if (!folder) return failed(context, folder.error());
   process::ProcessServerOptions chosen;
   chosen.zygote = true;
   chosen.zygote_libraries = config->zygote;
   const auto processes = process::ProcessServer::create(chosen);
   if (!processes) return failed(context, processes.error());
-  process::ProcessHub hub(**processes);
-  const auto for_runtimes = hub.for_all();
-  const auto for_host = hub.for_all();
-  std::error_code ignored;
-  std::filesystem::create_directories(config->state.parent_path(), ignored);  // LocalHost says what is wrong
-  const auto host = hosts::LocalHost::create(*for_host, &control::connect_deployment,
-                                             {model::HostName(config->name), config->state});
-  if (!host) return failed(context, host.error());
-  auto tcp = tcp_place(*config);
-  if (!tcp) return failed(context, tcp.error());
-  const auto socket = control::daemon_socket();
-  if (!socket) return failed(context, socket.error());
-  const auto process_server = control::Server::listen(*folder / "host.sock", for_runtimes.get());
-  if (!process_server) return failed(context, process_server.error());
-  const auto daemon = control::Server::listen(control::Places{*socket, std::move(*tcp)}, host->get());
-  if (!daemon) return failed(context, daemon.error());
-  announce(*config, *socket, (*daemon)->port(), context);
-  const auto reason = stop.wait({});
-  if (!context.json()) {
-    print_line(fmt::format("{}; deployments keep running and will be found again", reason.value_or("ended")));
-  }
+  const auto reason = serve_host(*config, **processes, stop, context);
+  if (options.until_eof) kill_deployments(**processes);
+  if (!reason) return failed(context, reason.error());
+  if (!context.json() && !options.until_eof)
+    print_line(fmt::format("{}; deployments keep running and will be found again", *reason));
   return kDone;
 }
 
@@ -168,6 +194,10 @@ void add_host(Verb& app, Context& context) {
   verb.option("--state FOLDER", options->state,
               "where to keep what outlives the daemon; default: /var/lib/segue for root, else "
               "$XDG_STATE_HOME/segue");
+  add_log_level_option(verb, options->log_level, "messages shown");
+  verb.flag("--until-eof", options->until_eof,
+            "end when standard input ends, and kill all deployments here at the end: for programs that need "
+            "a host for a while");
   verb.option(
       "--zygote LIBRARY", options->zygote,
       "load this component library once for all deployments, so that they start faster; may be repeated");

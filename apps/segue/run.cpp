@@ -9,8 +9,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <future>
 #include <memory>
@@ -41,24 +39,9 @@ struct RunOptions {
   bool no_journal = false;
   std::string journal;
   bool verbose = false;
-  std::string log_level = std::string(to_string(LogLevel::Info));
+  LogLevel log_level = LogLevel::Info;
   Duration length{0};
 };
-
-constexpr std::array kLogLevels = {LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error};
-
-std::vector<std::string> level_names() {
-  std::vector<std::string> names;
-  for (const LogLevel level : kLogLevels)
-    names.emplace_back(to_string(level));
-  return names;
-}
-
-LogLevel level_of(const std::string& name) {
-  const auto found = std::find_if(kLogLevels.begin(), kLogLevels.end(),
-                                  [&](LogLevel level) { return to_string(level) == name; });
-  return found == kLogLevels.end() ? LogLevel::Info : *found;
-}
 
 /// Prints the events of the runtime, from a thread of its own.
 class EventPrinter {
@@ -194,7 +177,7 @@ int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, con
 }
 
 int run_robot(const RunOptions& options, const Context& context) {
-  set_log_level(level_of(options.log_level));
+  set_log_level(options.log_level);
   StopSignal stop;
   Diagnostics diagnostics;
   runtime::EmbeddedOptions embedded;
@@ -206,7 +189,7 @@ int run_robot(const RunOptions& options, const Context& context) {
   embedded.take_over = options.take_over;
   embedded.journal = !options.no_journal;
   embedded.journal_file = options.journal;
-  embedded.log_level = level_of(options.log_level);
+  embedded.log_level = options.log_level;
   const auto robot = EmbeddedRobot::open(options.file, diagnostics, embedded);
   if (!robot) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
@@ -249,9 +232,7 @@ void add_run(Verb& app, Context& context) {
   verb.option("--for DURATION", options->length, "end after this time")
       .between(std::chrono::milliseconds(1), kLongestWait);
   verb.flag("-v,--verbose", options->verbose, "also print every action");
-  verb.option("--log-level LEVEL", options->log_level,
-              "lowest level of task log messages shown: debug, info (default), warning or error")
-      .one_of(level_names());
+  add_log_level_option(verb, options->log_level, "task log messages shown");
 }
 
 }  // namespace segue::cli

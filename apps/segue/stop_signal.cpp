@@ -18,6 +18,12 @@ constexpr int kEndedBySignal = 130;
 /// A process group often gets the same signal twice at once; only a later signal counts as the second.
 constexpr auto kSameRequest = std::chrono::milliseconds(200);
 
+/// Takes what there is to read; whether that was the end.
+bool has_ended(int input) {
+  std::array<char, 4096> ignored{};
+  return ::read(input, ignored.data(), ignored.size()) <= 0;
+}
+
 sigset_t stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -28,10 +34,10 @@ sigset_t stop_signals() {
 
 }  // namespace
 
-StopSignal::StopSignal() : wake_(::eventfd(0, EFD_CLOEXEC)) {
+StopSignal::StopSignal(int input) : wake_(::eventfd(0, EFD_CLOEXEC)) {
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, &before_);
-  thread_ = std::thread([this] { listen(); });
+  thread_ = std::thread([this, input] { listen(input); });
 }
 
 StopSignal::~StopSignal() {
@@ -47,14 +53,19 @@ StopSignal::~StopSignal() {
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
-void StopSignal::listen() {
+void StopSignal::listen(int input) {
   const sigset_t signals = stop_signals();
   const int descriptor = ::signalfd(-1, &signals, SFD_CLOEXEC);
   std::optional<TimePoint> first;
-  std::array<pollfd, 2> waited = {{{descriptor, POLLIN, 0}, {wake_, POLLIN, 0}}};
+  std::array<pollfd, 3> waited = {{{descriptor, POLLIN, 0}, {wake_, POLLIN, 0}, {input, POLLIN, 0}}};
   for (;;) {
     if (::poll(waited.data(), waited.size(), -1) < 0) continue;
     if (waited[1].revents != 0) break;
+    if (waited[2].revents != 0 && has_ended(input)) {
+      waited[2].fd = -1;
+      request("the input has ended");
+    }
+    if (waited[0].revents == 0) continue;
     signalfd_siginfo signal{};
     if (::read(descriptor, &signal, sizeof signal) != sizeof signal) continue;
     const TimePoint now = RealClock::instance().now();

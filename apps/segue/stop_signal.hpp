@@ -19,7 +19,8 @@ namespace segue::cli {
 /// handles signals as before, unless the process has already been asked to end.
 class StopSignal {
  public:
-  StopSignal();
+  /// The end of `input` (nobody writes to it any more) asks to end as well; -1: only signals do.
+  explicit StopSignal(int input = -1);
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
@@ -33,7 +34,7 @@ class StopSignal {
   [[nodiscard]] std::stop_token token() const { return stop_.get_token(); }
 
  private:
-  void listen();
+  void listen(int input);
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -45,8 +45,7 @@ class CycloneJoining final : public Joining {
       for (const dds_entity_t topic : made)
         readers.push_back(make_cyclone_reader(domain, topic));
       for (const dds_entity_t reader : readers) {
-        Stamp stamp;
-        while (!take_cyclone(reader, stamp.sent_ns, stamp.number))
+        while (!take_cyclone(reader).stamp)
           ::sched_yield();
       }
       if (round > 0) end.board.add_result(Duration(clock_ns() - begin));

@@ -10,14 +10,7 @@ namespace {
 class CycloneWriter final : public Writer {
  public:
   explicit CycloneWriter(std::size_t bytes) : data_(bytes - sizeof(Stamp)) {}
-  bool send(std::uint64_t number) override {
-    bench_dds_Sample sample{};
-    sample.sent_ns = clock_ns();
-    sample.number = number;
-    sample.data._buffer = data_.data();
-    sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(data_.size());
-    return ::dds_write(writer_, &sample) == DDS_RETCODE_OK;
-  }
+  bool send(std::uint64_t number) override { return write_cyclone(writer_, data_, number); }
 
  private:
   std::vector<std::uint8_t> data_;
@@ -33,15 +26,7 @@ class Cyclone final : public Transport {
   void read(const End& end) override {
     const CycloneDomain domain;
     const dds_entity_t reader = make_cyclone_reader(domain, domain.topic("hop"));
-    const dds_entity_t waiting = ::dds_create_waitset(domain.participant());
-    const dds_entity_t condition = ::dds_create_readcondition(reader, DDS_ANY_STATE);
-    ::dds_waitset_attach(waiting, condition, 0);
-    Stamp stamp;
-    while (stamp.number != kLast) {
-      ::dds_waitset_wait(waiting, nullptr, 0, DDS_INFINITY);
-      while (take_cyclone(reader, stamp.sent_ns, stamp.number))
-        end.board.arrive(stamp);
-    }
+    read_cyclone(domain.participant(), reader, end.board);
   }
 };
 

@@ -7,7 +7,10 @@
 #include <segue/deploy/deployed_task_host.hpp>
 #include <segue/deploy/local_deployment.hpp>
 #include <segue/host/local_task_host.hpp>
+#include <segue/hosts/distributed_task_host.hpp>
+#include <segue/model/files.hpp>
 #include <segue/process/process_server.hpp>
+#include <segue/runtime/host_places.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -53,7 +56,7 @@ class Folder {
   std::string path_;
 };
 
-class RealFleet final : public Fleet {
+class RealFleet : public Fleet {
  public:
   explicit RealFleet(bool zygote) {
     process::ProcessServerOptions options;
@@ -61,25 +64,30 @@ class RealFleet final : public Fleet {
     if (zygote) options.zygote_libraries = {kLibrary};
     processes_ = must(process::ProcessServer::create(options));
     memory_ = must(link::SharedMemory::create());
-    process::Launch launch;
-    launch.robot = "bench";
-    launch.libraries = {kLibrary};
-    launch.log_level = "error";
+    launch_.robot = "bench";
+    launch_.libraries = {kLibrary};
+    launch_.log_level = "error";
     deploy::DeploymentInfo info;
-    info.robot = launch.robot;
+    info.robot = launch_.robot;
     info.pid = ::getpid();
     info.software = SEGUE_VERSION;
     info.incarnation = memory_->incarnation();
     own_ = std::make_unique<deploy::LocalDeployment>(info, local_, memory_);
     deployed_ = std::make_unique<deploy::DeployedTaskHost>(*own_, *processes_, &control::connect_deployment,
-                                                           launch, local_);
+                                                           launch_, local_);
   }
   ~RealFleet() override { deployed_->end_processes(soon()); }
 
   host::TaskHost& host() override { return *deployed_; }
 
+ protected:
+  [[nodiscard]] deploy::DeployedTaskHost& deployed() { return *deployed_; }
+  [[nodiscard]] const model::ComponentCatalog& catalog() const { return catalog_; }
+  [[nodiscard]] const process::Launch& launch() const { return launch_; }
+
  private:
   Folder folder_;
+  process::Launch launch_;
   host::LibrarySet libraries_;
   model::ComponentCatalog catalog_;
   host::LocalTaskHost local_{libraries_, catalog_};
@@ -87,6 +95,31 @@ class RealFleet final : public Fleet {
   std::unique_ptr<process::ProcessServer> processes_;
   std::unique_ptr<deploy::LocalDeployment> own_;
   std::unique_ptr<deploy::DeployedTaskHost> deployed_;
+};
+
+class RemoteFleet final : public RealFleet {
+ public:
+  explicit RemoteFleet(const runtime::HostEntries& hosts) : RealFleet(false) {
+    std::string text = "robot: bench\nhosts:\n";
+    for (const auto& [name, entry] : hosts)
+      text += "  " + name + ": " + entry + "\n";
+    Diagnostics diagnostics;
+    const auto robot = model::read_robot(text, "robot.yaml", diagnostics);
+    if (!robot) require(diagnostics.to_error());
+    hosts::DistributedOptions options;
+    options.request.holder = "bench/" + std::to_string(::getpid());
+    options.request.launch = launch();
+    options.gateways = runtime::gateway_settings(*robot);
+    distributed_ = std::make_unique<hosts::DistributedTaskHost>(deployed(), runtime::host_places(*robot),
+                                                                catalog(), std::move(options));
+    require(distributed_->commands_all());
+  }
+  ~RemoteFleet() override { distributed_->end_processes(soon()); }
+
+  host::TaskHost& host() override { return *distributed_; }
+
+ private:
+  std::unique_ptr<hosts::DistributedTaskHost> distributed_;
 };
 
 Action action(ActionKind kind) {
@@ -101,6 +134,10 @@ std::unique_ptr<Fleet> Fleet::open(bool zygote) {
   return std::make_unique<RealFleet>(zygote);
 }
 
+std::unique_ptr<Fleet> Fleet::open_on(const runtime::HostEntries& hosts) {
+  return std::make_unique<RemoteFleet>(hosts);
+}
+
 void Fleet::perform(const std::vector<Action>& actions) {
   for (auto& outcome : host().perform_all(actions, soon()))
     require(outcome);
@@ -110,7 +147,7 @@ void Fleet::run(const std::string& process, const std::vector<std::string>& task
                 const std::string& component) {
   std::vector<Action> placed;
   for (const std::string& task : tasks)
-    placed.push_back(place(task, component, process));
+    placed.push_back(place(task, component, here(process)));
   perform(placed);
   for (const ActionKind kind : {ActionKind::Configure, ActionKind::Start}) {
     std::vector<Action> changes;
@@ -126,10 +163,11 @@ Action on_task(ActionKind kind, const std::string& task) {
   return made;
 }
 
-Action on_process(ActionKind kind, const std::string& process) {
+Action on_process(ActionKind kind, const model::DeploymentKey& process) {
   Action made = action(kind);
   model::Deployment deployment;
-  deployment.process = model::ProcessName(process);
+  deployment.host = process.host;
+  deployment.process = process.process;
   made.what = model::DeploymentAction{deployment};
   return made;
 }
@@ -144,7 +182,7 @@ Action on_connection(ActionKind kind, const std::string& from, const std::string
   return made;
 }
 
-Action place(const std::string& task, const std::string& component, const std::string& process) {
+Action place(const std::string& task, const std::string& component, const model::DeploymentKey& process) {
   Action made = action(ActionKind::ApplyConfig);
   model::Task definition;
   definition.id = model::TaskId(task);
@@ -153,8 +191,12 @@ Action place(const std::string& task, const std::string& component, const std::s
     // One sample, then none for the duration of any benchmark.
     definition.activity = Activity{Trigger::Periodic, std::chrono::hours(1), {}, 0, {}, {}, false};
   }
-  made.what = model::ConfigAction{definition, {model::kLocalHost, model::ProcessName(process)}, task};
+  made.what = model::ConfigAction{definition, process, task};
   return made;
+}
+
+model::DeploymentKey here(const std::string& process) {
+  return {model::kLocalHost, model::ProcessName(process)};
 }
 
 }  // namespace bench

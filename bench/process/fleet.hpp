@@ -4,6 +4,7 @@
 #include "../support/measure.hpp"
 
 #include <segue/host/task_host.hpp>
+#include <segue/runtime/temporary_hosts.hpp>
 
 #include <memory>
 #include <string>
@@ -18,6 +19,8 @@ class Fleet {
   /// `zygote`: processes are forked from one that has the component libraries loaded. Ends the program on
   /// failure.
   static std::unique_ptr<Fleet> open(bool zygote = false);
+  /// The processes are on other hosts.
+  static std::unique_ptr<Fleet> open_on(const segue::runtime::HostEntries& hosts);
   virtual ~Fleet() = default;
   Fleet(const Fleet&) = delete;
   Fleet& operator=(const Fleet&) = delete;
@@ -34,10 +37,13 @@ class Fleet {
 };
 
 segue::model::Action on_task(segue::model::ActionKind kind, const std::string& task);
-segue::model::Action on_process(segue::model::ActionKind kind, const std::string& process);
+segue::model::Action on_process(segue::model::ActionKind kind, const segue::model::DeploymentKey& process);
 /// A connection of the ports for samples of fixed size that transfers the last sample initially.
 segue::model::Action on_connection(segue::model::ActionKind kind, const std::string& from,
                                    const std::string& to);
-segue::model::Action place(const std::string& task, const std::string& component, const std::string& process);
+segue::model::Action place(const std::string& task, const std::string& component,
+                           const segue::model::DeploymentKey& process);
+/// A process on this computer.
+segue::model::DeploymentKey here(const std::string& process);
 
 }  // namespace bench

@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <functional>
 #include <thread>
 
@@ -108,6 +109,22 @@ std::optional<Summary> latency(Transport& transport, const HopCase& wanted) {
 std::optional<Summary> throughput(Transport& transport, const HopCase& wanted) {
   return run(transport, wanted,
              [&](Writer& writer, Board& board) { return flood(writer, board, wanted.bytes); });
+}
+
+void Comparison::add(Transport& transport) {
+  if (!transport.carries(wanted_.bytes)) return;
+  const auto summary = experiment_(transport, wanted_);
+  if (!floor_) floor_ = summary;
+  if (summary && floor_) {
+    table_.add(transport.name(), *summary, 1, floor_->median);
+  } else {
+    table_.note(transport.name(), "failed, or lost samples");
+  }
+}
+
+void Comparison::print() const {
+  table_.print();
+  std::fflush(stdout);
 }
 
 }  // namespace bench

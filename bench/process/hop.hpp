@@ -19,4 +19,21 @@ std::optional<Summary> latency(Transport& transport, const HopCase& wanted);
 /// Throughput with a few samples in flight: the time per sample, over several batches.
 std::optional<Summary> throughput(Transport& transport, const HopCase& wanted);
 
+/// A table of transports, each compared with the first that is measured, which is the floor.
+class Comparison {
+ public:
+  using Experiment = std::optional<Summary> (*)(Transport&, const HopCase&);
+  Comparison(const std::string& title, Experiment experiment, const HopCase& wanted)
+      : table_(title), experiment_(experiment), wanted_(wanted) {}
+  /// Measures a transport, if it carries samples of that size.
+  void add(Transport& transport);
+  void print() const;
+
+ private:
+  Table table_;
+  Experiment experiment_;
+  HopCase wanted_;
+  std::optional<Summary> floor_;
+};
+
 }  // namespace bench

@@ -3,7 +3,7 @@
 
 namespace bench {
 
-std::optional<Summary> omniorb_calls(std::size_t) {
+std::optional<Summary> omniorb_calls(Way, std::size_t) {
   return std::nullopt;
 }
 

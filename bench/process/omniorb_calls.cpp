@@ -19,17 +19,17 @@ class Servant : public POA_bench_corba::Task {
   void stop() override {}
 };
 
-/// Over a Unix socket, as Segue's control.
-CORBA::ORB_var open_orb() {
+CORBA::ORB_var open_orb(Way way) {
   int count = 1;
   char name[] = "bench";
   char* arguments[] = {name, nullptr};
-  const char* options[][2] = {{"endPoint", "giop:unix:"}, {nullptr, nullptr}};
+  const char* options[][2] = {{"endPoint", way == Way::Tcp ? "giop:tcp:127.0.0.1:" : "giop:unix:"},
+                              {nullptr, nullptr}};
   return CORBA::ORB_init(count, arguments, "omniORB4", options);
 }
 
-void serve(const End& end) {
-  const CORBA::ORB_var orb = open_orb();
+void serve(Way way, const End& end) {
+  const CORBA::ORB_var orb = open_orb(way);
   const CORBA::Object_var found = orb->resolve_initial_references("RootPOA");
   const PortableServer::POA_var poa = PortableServer::POA::_narrow(found);
   Servant servant;
@@ -41,12 +41,12 @@ void serve(const End& end) {
   if (::write(end.socket, reference.in(), std::strlen(reference)) > 0) orb->run();
 }
 
-bool ask(const End& end, std::size_t repeat) {
+bool ask(Way way, const End& end, std::size_t repeat) {
   std::string reference(65536, '\0');
   const ssize_t size = ::read(end.socket, reference.data(), reference.size());
   if (size <= 0) return false;
   reference.resize(static_cast<std::size_t>(size));
-  const CORBA::ORB_var orb = open_orb();
+  const CORBA::ORB_var orb = open_orb(way);
   const CORBA::Object_var object = orb->string_to_object(reference.c_str());
   const bench_corba::Task_var task = bench_corba::Task::_narrow(object);
   if (CORBA::is_nil(task)) return false;
@@ -60,9 +60,9 @@ bool ask(const End& end, std::size_t repeat) {
 
 }  // namespace
 
-std::optional<Summary> omniorb_calls(std::size_t repeat) {
+std::optional<Summary> omniorb_calls(Way way, std::size_t repeat) {
   return run_pair(
-      {}, [&](const End& end) { return ask(end, repeat); }, &serve);
+      {}, [&](const End& end) { return ask(way, end, repeat); }, [&](const End& end) { serve(way, end); });
 }
 
 bool has_omniorb() {

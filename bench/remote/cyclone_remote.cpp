@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <components/gateway/participant.hpp>
 
+#include "../process/cyclone_peer.hpp"
 #include "remote.hpp"
 
 #include <dds/dds.h>
@@ -10,8 +11,6 @@
 #include <vector>
 
 #include <unistd.h>
-
-#include "sample.h"
 
 namespace bench {
 namespace {
@@ -43,38 +42,13 @@ class CycloneWriter final : public Writer {
       : joined_(route, route.writer),
         data_(bytes - sizeof(Stamp)),
         writer_(::dds_create_writer(joined_.participant, joined_.topic, joined_.quality, nullptr)) {}
-  bool send(std::uint64_t number) override {
-    bench_dds_Sample sample{};
-    sample.sent_ns = clock_ns();
-    sample.number = number;
-    sample.data._buffer = data_.data();
-    sample.data._length = sample.data._maximum = static_cast<std::uint32_t>(data_.size());
-    return ::dds_write(writer_, &sample) == DDS_RETCODE_OK;
-  }
+  bool send(std::uint64_t number) override { return write_cyclone(writer_, data_, number); }
 
  private:
   Joined joined_;
   std::vector<std::uint8_t> data_;
   dds_entity_t writer_;
 };
-
-/// Records all samples that are there; true where the last one was among them.
-bool note(dds_entity_t reader, Board& board) {
-  bool ended = false;
-  for (;;) {
-    void* samples[1] = {nullptr};
-    dds_sample_info_t info[1];
-    const dds_return_t taken = ::dds_take(reader, samples, info, 1, 1);
-    if (taken <= 0) return ended;
-    if (info[0].valid_data) {
-      const auto* sample = static_cast<const bench_dds_Sample*>(samples[0]);
-      const Stamp stamp{sample->sent_ns, sample->number};
-      board.arrive(stamp);
-      ended = ended || stamp.number == kLast;
-    }
-    ::dds_return_loan(reader, samples, taken);
-  }
-}
 
 struct Listening {
   Board& board;
@@ -83,7 +57,7 @@ struct Listening {
 
 void heard(dds_entity_t reader, void* self) {
   auto& listening = *static_cast<Listening*>(self);
-  if (!note(reader, listening.board)) return;
+  if (!note_cyclone(reader, listening.board)) return;
   listening.ended = true;
   listening.ended.notify_one();
 }
@@ -103,12 +77,7 @@ class RemoteCyclone final : public Transport {
     if (way_ == CycloneReader::Listener) return listen(joined, end);
     const dds_entity_t reader =
         ::dds_create_reader(joined.participant, joined.topic, joined.quality, nullptr);
-    const dds_entity_t waiting = ::dds_create_waitset(joined.participant);
-    const dds_entity_t condition = ::dds_create_readcondition(reader, DDS_ANY_STATE);
-    ::dds_waitset_attach(waiting, condition, 0);
-    do
-      ::dds_waitset_wait(waiting, nullptr, 0, DDS_INFINITY);
-    while (!note(reader, end.board));
+    read_cyclone(joined.participant, reader, end.board);
   }
 
  private:

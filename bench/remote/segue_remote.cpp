@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../process/handshake.hpp"
-#include "../support/chain.hpp"
+#include "../process/segue_samples.hpp"
 #include "remote.hpp"
 
 #include <segue/host/component_library.hpp>
@@ -10,68 +9,18 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
-#include <vector>
 
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 namespace bench {
-
-template <std::size_t N>
-struct Frame {
-  std::int64_t sent_ns = 0;
-  std::uint64_t number = 0;
-  std::array<std::uint8_t, N - sizeof(Stamp)> data{};
-};
-template <>
-struct Frame<sizeof(Stamp)> {
-  std::int64_t sent_ns = 0;
-  std::uint64_t number = 0;
-};
-
-struct Image {
-  std::int64_t sent_ns = 0;
-  std::uint64_t number = 0;
-  std::vector<std::uint8_t> data;
-};
-
-}  // namespace bench
-
-SEGUE_TYPE(bench::Frame<16>, sent_ns, number)
-SEGUE_TYPE(bench::Frame<1000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Frame<64000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Frame<1000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Frame<10000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Frame<100000000>, sent_ns, number, data)
-SEGUE_TYPE(bench::Image, sent_ns, number, data)
-
-namespace bench {
 namespace {
 
-namespace link = segue::link;
-using segue::task::WriteResult;
 using segue::type::Value;
 using segue::type::ValueMap;
 
 constexpr std::int64_t kGatewayDomain = 78;
-
-segue::Policy policy_for(std::size_t bytes) {
-  return {segue::BufferKind::Buffer, bytes >= 10'000'000 ? 2U : 16U};
-}
-
-std::shared_ptr<link::SharedMemory> memory_for(std::size_t bytes) {
-  segue::SharedMemoryOptions options;
-  options.prefault = std::max(options.prefault, bytes * 4);
-  auto memory = link::SharedMemory::create(options);
-  if (!memory) require(std::move(memory.error()));
-  return std::move(*memory);
-}
-
-std::shared_ptr<link::SharedEndpoint> required(segue::Result<std::shared_ptr<link::SharedEndpoint>> made) {
-  if (!made) require(std::move(made.error()));
-  return std::move(*made);
-}
 
 /// Runs `body` with one end of a socket in a process of its own, which ends with this one; returns the other.
 int start_gateway(const std::function<void(int)>& body) {
@@ -113,65 +62,22 @@ void start(segue::task::Task& task) {
   require(task.start(segue::RealClock::instance().now() + std::chrono::seconds(30)));
 }
 
+/// Writer -> Sender: the latter in a process of its own.
 template <class T>
-void prime(segue::task::OutputPort<T>&, std::size_t) {}
-void prime(segue::task::OutputPort<Image>& port, std::size_t bytes) {
-  port.prime({0, 0, std::vector<std::uint8_t>(bytes - sizeof(Stamp))});
-}
-
-template <class T>
-class RemoteWriter final : public Writer {
- public:
-  RemoteWriter(const Route& route, std::size_t bytes) {
-    enter(route.writer);
-    const int socket = start_gateway([&](int end) { run_gateway(route, bytes, end); });
-    memory_ = memory_for(bytes);
-    source_ = std::make_unique<Source<T>>();
-    prime(source_->output, bytes);
-    endpoint_ = required(connect_writer(*memory_, socket, source_->output, policy_for(bytes)));
-  }
-
-  bool send(std::uint64_t number) override {
-    auto loan = source_->output.loan();
-    if (!loan) return false;
-    loan->number = number;
-    loan->sent_ns = clock_ns();
-    return source_->output.publish(std::move(loan)) == WriteResult::Written;
-  }
-
- private:
-  static void run_gateway(const Route& route, std::size_t bytes, int socket) {
+std::unique_ptr<Writer> open_remote(const Route& route, std::size_t bytes) {
+  enter(route.writer);
+  const int socket = start_gateway([&](int other) {
     static const auto memory = memory_for(0);
     static const auto task = link_task("gateway::Sender", route, route.writer,
                                        std::string(segue::type::type_info<T>().name()), bytes);
     static const auto endpoint =
-        required(connect_reader(*memory, socket, *task->component().find_input("in"), policy_for(bytes)));
+        required(connect_reader(*memory, other, *task->component().find_input("in"), policy_for(bytes)));
     start(*task);
-  }
+  });
+  return std::make_unique<LoanWriter<T>>(socket, bytes);
+}
 
-  std::shared_ptr<link::SharedMemory> memory_;
-  std::unique_ptr<Source<T>> source_;
-  std::shared_ptr<link::SharedEndpoint> endpoint_;
-};
-
-/// Records arrivals on the board.
-template <class T>
-class Noter final : public segue::task::Component {
- public:
-  segue::task::InputPort<T> input{*this, "input"};
-  Board* board = nullptr;
-  std::atomic<bool> ended{false};
-
-  void on_update() override {
-    while (auto sample = input.take()) {
-      board->arrive({sample->sent_ns, sample->number});
-      if (sample->number != kLast) continue;
-      ended.store(true, std::memory_order_release);
-      ended.notify_one();
-    }
-  }
-};
-
+/// Receiver -> reader, likewise.
 template <class T>
 void read_remote(const Route& route, const End& end) {
   enter(route.reader);
@@ -183,18 +89,7 @@ void read_remote(const Route& route, const End& end) {
         connect_writer(*memory, other, *task->component().find_output("out"), policy_for(end.bytes)));
     start(*task);
   });
-  const auto memory = memory_for(0);
-  Bench bench;
-  auto component = std::make_unique<Noter<T>>();
-  Noter<T>& noter = *component;
-  noter.board = &end.board;
-  auto task = segue::task::Task::create("noter", std::move(component));
-  if (!task) require(std::move(task.error()));
-  const auto soon = segue::RealClock::instance().now() + std::chrono::seconds(30);
-  require((*task)->configure(soon));
-  const auto endpoint = required(connect_reader(*memory, socket, noter.input, policy_for(end.bytes)));
-  start(**task);
-  noter.ended.wait(false, std::memory_order_acquire);
+  read_samples<T>(socket, end);
 }
 
 class RemoteSegue final : public Transport {
@@ -205,11 +100,11 @@ class RemoteSegue final : public Transport {
     return layout_ == Layout::Fixed ? "segue, without pointers" : "segue, a vector inside";
   }
   [[nodiscard]] bool carries(std::size_t bytes) const override {
-    return layout_ == Layout::Fixed || bytes > sizeof(Stamp);
+    return layout_ == Layout::Fixed ? is_block(bytes) : bytes > sizeof(Stamp);
   }
   std::unique_ptr<Writer> open(const End& end) override {
     std::unique_ptr<Writer> writer;
-    choose(end.bytes, [&]<class T>(T*) { writer = std::make_unique<RemoteWriter<T>>(route_, end.bytes); });
+    choose(end.bytes, [&]<class T>(T*) { writer = open_remote<T>(route_, end.bytes); });
     return writer;
   }
   void read(const End& end) override {
@@ -219,21 +114,8 @@ class RemoteSegue final : public Transport {
  private:
   template <class Use>
   void choose(std::size_t bytes, const Use& use) const {
-    if (layout_ == Layout::Vector) return use(static_cast<Image*>(nullptr));
-    switch (bytes) {
-      case 16:
-        return use(static_cast<Frame<16>*>(nullptr));
-      case 1000:
-        return use(static_cast<Frame<1000>*>(nullptr));
-      case 64'000:
-        return use(static_cast<Frame<64'000>*>(nullptr));
-      case 1'000'000:
-        return use(static_cast<Frame<1'000'000>*>(nullptr));
-      case 10'000'000:
-        return use(static_cast<Frame<10'000'000>*>(nullptr));
-      default:
-        return use(static_cast<Frame<100'000'000>*>(nullptr));
-    }
+    if (layout_ == Layout::Vector) return use(static_cast<Grown*>(nullptr));
+    with_block(bytes, use);
   }
   Route route_;
   Layout layout_;

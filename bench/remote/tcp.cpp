@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "../process/stream.hpp"
 #include "remote.hpp"
 
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <thread>
-#include <vector>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -40,42 +39,19 @@ void at_once(int socket) {
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
-bool send_all(int socket, const std::byte* bytes, std::size_t size) {
-  while (size > 0) {
-    const ssize_t sent = ::send(socket, bytes, size, MSG_NOSIGNAL);
-    if (sent <= 0) return false;
-    bytes += sent;
-    size -= static_cast<std::size_t>(sent);
-  }
-  return true;
-}
-
-class TcpWriter final : public Writer {
- public:
-  TcpWriter(const Route& route, std::size_t bytes) : sample_(bytes) {
-    enter(route.writer);
-    const sockaddr_in address = address_of(route);
-    for (int i = 0; i < 1000; ++i) {
-      socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
-      if (::connect(socket_, generic(address), sizeof address) == 0) {
-        at_once(socket_);
-        return;
-      }
-      ::close(socket_);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+int connect_to_reader(const Route& route) {
+  const sockaddr_in address = address_of(route);
+  for (int i = 0; i < 1000; ++i) {
+    const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+    if (::connect(socket, generic(address), sizeof address) == 0) {
+      at_once(socket);
+      return socket;
     }
-    give_up("connect");
+    ::close(socket);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  bool send(std::uint64_t number) override {
-    const Stamp stamp{clock_ns(), number};
-    std::memcpy(sample_.data(), &stamp, sizeof stamp);
-    return send_all(socket_, sample_.data(), sample_.size());
-  }
-
- private:
-  int socket_ = -1;
-  std::vector<std::byte> sample_;
-};
+  give_up("connect");
+}
 
 class Tcp final : public Transport {
  public:
@@ -83,7 +59,8 @@ class Tcp final : public Transport {
   [[nodiscard]] std::string name() const override { return "TCP"; }
   [[nodiscard]] bool carries(std::size_t) const override { return true; }
   std::unique_ptr<Writer> open(const End& end) override {
-    return std::make_unique<TcpWriter>(route_, end.bytes);
+    enter(route_.writer);
+    return std::make_unique<StreamWriter>(connect_to_reader(route_), end.bytes);
   }
   void read(const End& end) override {
     enter(route_.reader);
@@ -95,13 +72,7 @@ class Tcp final : public Transport {
       give_up("listen");
     const int socket = ::accept(listener, nullptr, nullptr);
     at_once(socket);
-    std::vector<std::byte> sample(end.bytes);
-    Stamp stamp;
-    while (stamp.number != kLast &&
-           ::recv(socket, sample.data(), sample.size(), MSG_WAITALL) == static_cast<ssize_t>(sample.size())) {
-      std::memcpy(&stamp, sample.data(), sizeof stamp);
-      end.board.arrive(stamp);
-    }
+    read_stream(socket, end);
   }
 
  private:

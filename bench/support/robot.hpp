@@ -25,6 +25,7 @@ class Scratch {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
+  [[nodiscard]] std::filesystem::path path() const { return path_; }
   std::filesystem::path write(const std::string& name, const std::string& text) const {
     std::ofstream(std::filesystem::path(path_) / name) << text;
     return std::filesystem::path(path_) / name;

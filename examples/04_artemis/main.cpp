@@ -8,6 +8,7 @@
 #include <segue/runtime/embedded_robot.hpp>
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -30,22 +31,44 @@ constexpr std::array<const char*, 13> kWalk = {
 // How long each controller runs, so that samples flow visibly.
 constexpr auto kStay = std::chrono::milliseconds(250);
 
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first signal ends the walk after the present transition; the next one ends this program at once.
+void end_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGINT, SIGTERM})
+    ::sigaction(signal, &action, nullptr);
+}
+
+/// Makes all transitions, unless it is interrupted; false where one fails.
+bool make_transitions(runtime::EmbeddedRobot& robot, demo::Report& report) {
+  for (const char* target : std::span(kWalk).subspan(1)) {
+    if (interrupted != 0) break;
+    const demo::Flow before = demo::measure_flow(robot);
+    const runtime::SwitchResult result = robot.switch_to(target);
+    if (!report.switched(result, before, demo::measure_flow(robot))) return false;
+    report.check_processes(robot);
+    std::this_thread::sleep_for(kStay);
+    report.flowed(demo::measure_flow(robot));
+  }
+  return true;
+}
+
 int walk(runtime::EmbeddedRobot& robot, demo::Report& report) {
   report.introduce(robot);
   const runtime::SwitchResult begun = robot.switch_to(kWalk.front());
   if (!report.started(begun)) return 1;
   report.check_processes(robot);
   std::this_thread::sleep_for(kStay);
-  for (const char* target : std::span(kWalk).subspan(1)) {
-    const demo::Flow before = demo::measure_flow(robot);
-    const runtime::SwitchResult result = robot.switch_to(target);
-    if (!report.switched(result, before, demo::measure_flow(robot))) return 1;
-    report.check_processes(robot);
-    std::this_thread::sleep_for(kStay);
-    report.flowed(demo::measure_flow(robot));
-  }
+  if (!make_transitions(robot, report)) return 1;
   report.ended(robot.shut_down());
   report.check_processes(robot);
+  if (interrupted != 0) {
+    std::fputs("interrupted; everything is shut down\n", stderr);
+    return 1;
+  }
   return report.summarise() ? 0 : 1;
 }
 
@@ -122,5 +145,6 @@ int main(int argc, char** argv) {
         stderr);
     return 2;
   }
+  end_on_signals();
   return run(*arguments);
 }

@@ -59,7 +59,9 @@ std::vector<Result<T>> fitting(std::vector<Result<T>> answers, std::size_t count
 /// Sends one request for each of `indices` to a process, in one message. `make` gives the requests, `take`
 /// gets the answers.
 template <class Question, class Make, class Ask, class Take>
-void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_service, Take take) {
+void ask(const RecordPtr& record, const Indices& indices, TimePoint deadline, Make make, Ask ask_service,
+         Take take) {
+  const ConnectionTurn turn(*record, deadline);
   const auto service = record->service();
   std::vector<Question> questions;
   questions.reserve(indices.size());
@@ -67,8 +69,9 @@ void ask(const RecordPtr& record, const Indices& indices, Make make, Ask ask_ser
     questions.push_back(make(index));
   }
   using Answers = decltype(ask_service(*service, questions));
-  Answers answers = service ? fitting(ask_service(*service, questions), indices.size())
-                            : Answers(indices.size(), record->unreachable());
+  Answers answers = !turn     ? Answers(indices.size(), turn.error())
+                    : service ? fitting(ask_service(*service, questions), indices.size())
+                              : Answers(indices.size(), record->unreachable());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     take(indices[i], std::move(answers[i]));
   }
@@ -201,7 +204,7 @@ class ConnectionBatch {
   void describe(const RecordPtr& writer, const Indices& indices,
                 std::vector<Result<link::OutputOrigin>>& origins) {
     ask<model::PortRef>(
-        writer, indices, [&](std::size_t i) { return attempts_[i].remote->connection.from; },
+        writer, indices, deadline_, [&](std::size_t i) { return attempts_[i].remote->connection.from; },
         [&](DeploymentService& service, const std::vector<model::PortRef>& ports) {
           return service.describe_outputs(ports, deadline_);
         },
@@ -210,7 +213,7 @@ class ConnectionBatch {
 
   void open(const RecordPtr& reader, const Indices& indices) {
     ask<OpenInput>(
-        reader, indices,
+        reader, indices, deadline_,
         [&](std::size_t i) {
           return OpenInput{attempts_[i].remote->connection, *attempts_[i].origin,
                            attempts_[i].remote->at_commit};
@@ -233,7 +236,7 @@ class ConnectionBatch {
   void attach() {
     for_each_group(pool_, by_writer(), [&](const RecordPtr& writer, const Indices& indices) {
       ask<AttachOutput>(
-          writer, indices,
+          writer, indices, deadline_,
           [&](std::size_t i) {
             return AttachOutput{attempts_[i].remote->connection, attempts_[i].place,
                                 attempts_[i].remote->at_commit};
@@ -278,7 +281,7 @@ class ConnectionBatch {
   template <class Take>
   void close(const RecordPtr& record, const Indices& indices, Side side, Take take) {
     ask<CloseEndpoint>(
-        record, indices,
+        record, indices, deadline_,
         [&](std::size_t i) {
           const RemoteConnection& remote = *attempts_[i].remote;
           const RecordPtr& other = side == Side::Input ? remote.writer : remote.reader;

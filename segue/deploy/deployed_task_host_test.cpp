@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/deploy/deployed_task_host.hpp>
 
+#include <segue/deploy/process_record.hpp>
 #include <segue/host/component_library.hpp>
 #include <segue/host/full_id.hpp>
 #include <segue/host/local_task_host.hpp>
@@ -720,6 +721,70 @@ TEST(DeployedTaskHost, NeedsOneMessageForEachProcessAndThreeForAllConnections) {
     EXPECT_EQ(world.calls(round), 2) << round;
   }
   EXPECT_EQ(robot.host.observe().connections.size(), 20U);
+}
+
+/// Counts the calls that are in a process at the same time: holds them until there are more than `most`, or
+/// for a moment.
+class Crowd {
+ public:
+  explicit Crowd(std::size_t most) : most_(most) {}
+  void enter() {
+    std::unique_lock lock(mutex_);
+    ++inside_;
+    changed_.notify_all();
+    changed_.wait_for(lock, 300ms, [this] { return inside_ > most_ || over_; });
+    over_ = true;  // one moment is enough
+    crowded_ = crowded_ || inside_ > most_;
+    changed_.notify_all();
+    --inside_;
+  }
+  [[nodiscard]] bool crowded() {
+    const std::lock_guard lock(mutex_);
+    return crowded_;
+  }
+
+ private:
+  const std::size_t most_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t inside_ = 0;
+  bool over_ = false;
+  bool crowded_ = false;
+};
+
+TEST(DeployedTaskHost, AsksAProcessAboutFewOfItsManyConnectionsAtATime) {
+  constexpr int kReaders = 40;
+  std::string text = "network: star\ntasks:\n  hub: {component: test::A}\n";
+  std::string processes = "deployments:\n  hub: {tasks: [hub]}\n";
+  for (int i = 0; i < kReaders; ++i) {
+    const std::string reader = "r" + std::to_string(i);
+    text += "  " + reader + ": {component: test::B}\n";
+    processes += "  " + reader + ": {tasks: [" + reader + "]}\n";
+  }
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_TRUE(robot.switch_to(network_of(text + processes)));
+  Crowd crowd(detail::ConnectionTurn::kMost);
+  world.on_call([&](const std::string& what, const FakePtr& process) {
+    const bool about_connections = what == "admit" || what == "describe_outputs" || what == "attach_outputs";
+    if (about_connections && process->info.key.process.str() == "hub") crowd.enter();
+  });
+  std::latch connected(kReaders);
+  for (int i = 0; i < kReaders; ++i) {
+    model::Action connect;
+    connect.kind = ActionKind::Connect;
+    connect.what = model::ConnectionAction{
+        {{model::TaskId("hub"), "out"}, {model::TaskId("r" + std::to_string(i)), "in"}, {}, {}}};
+    robot.host.begin_all({connect}, soon(), [&](const std::vector<host::Completed>& completed) {
+      for (const auto& one : completed) {
+        EXPECT_TRUE(one.outcome) << to_string(one.outcome.error());
+        connected.count_down();
+      }
+    });
+  }
+  connected.wait();
+  EXPECT_FALSE(crowd.crowded());
+  world.on_call({});
 }
 
 TEST(DeployedTaskHost, OpensAnInputAgainWhereTheOutputHasNoType) {

@@ -44,8 +44,9 @@ class PeerMapping {
     std::vector<concurrent::ThreadPool::Job> jobs;
     for (auto& item : offers_) {
       jobs.emplace_back([this, &item] {
+        const ConnectionTurn turn(*item.first, deadline_);
         if (const auto service = item.first->service()) {
-          item.second = service->memory(deadline_);
+          item.second = turn ? service->memory(deadline_) : Result<link::MemoryOffer>(turn.error());
         }
       });
     }
@@ -56,8 +57,10 @@ class PeerMapping {
     const auto service = one->service();
     for (const auto& other : others) {
       const auto& offer = offers_.at(other);
+      const ConnectionTurn turn(*one, deadline_);
       const auto admitted = !offer     ? Result<void>(offer.error())
                             : !service ? Result<void>(one->unreachable())
+                            : !turn    ? Result<void>(turn.error())
                                        : service->admit(*offer, deadline_);
       if (admitted) {
         one->mark_mapped(offer->incarnation);

@@ -42,6 +42,28 @@ std::string last_log_lines(const process::ProcessInfo& process) {
   return indented;
 }
 
+ConnectionTurn::ConnectionTurn(ProcessRecord& process, TimePoint deadline)
+    : process_(process), given_([&] {
+        std::unique_lock lock(process.mutex_);
+        const bool free = process.changed_.wait_until(lock, deadline, [&] { return process.turns_ < kMost; });
+        if (free) ++process.turns_;
+        return free;
+      }()) {}
+
+ConnectionTurn::~ConnectionTurn() {
+  if (!given_) return;
+  {
+    const std::lock_guard lock(process_.mutex_);
+    --process_.turns_;
+  }
+  process_.changed_.notify_all();
+}
+
+Error ConnectionTurn::error() const {
+  return fail(ErrorCode::DeadlineExceeded,
+              "process " + quote(to_string(process_.key())) + " is still busy with other connections");
+}
+
 ProcessRecord::ProcessRecord(model::Deployment deployment, process::ProcessInfo process)
     : key_(deployment.key()), process_(std::move(process)), deployment_(std::move(deployment)) {}
 

@@ -8,6 +8,7 @@
 #include <segue/process/process_service.hpp>
 
 #include <condition_variable>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,6 +22,27 @@ namespace segue::deploy::detail {
 /// The last lines of the process's log, each on an indented line of its own; empty where there are none.
 /// Reads a file.
 std::string last_log_lines(const process::ProcessInfo& process);
+
+class ProcessRecord;
+
+/// A turn to ask a process about connections. A few are given at a time, since a process refuses more than 16
+/// calls of one client at once; one that has connections with many others would be asked about all of them.
+class ConnectionTurn {
+ public:
+  static constexpr std::size_t kMost = 8;
+  /// Waits until the deadline at most; false where there was none.
+  ConnectionTurn(ProcessRecord& process, TimePoint deadline);
+  ~ConnectionTurn();
+  ConnectionTurn(const ConnectionTurn&) = delete;
+  ConnectionTurn& operator=(const ConnectionTurn&) = delete;
+  explicit operator bool() const { return given_; }
+  /// Where it was not given.
+  [[nodiscard]] Error error() const;
+
+ private:
+  ProcessRecord& process_;
+  const bool given_;
+};
 
 /// What the runtime knows of one deployment process: its connection, its latest snapshot, the polls that are
 /// under way and whether it has ended. Thread safe: one mutex protects everything that changes, and nobody is
@@ -97,6 +119,7 @@ class ProcessRecord {
   void mark_unmapped(link::Incarnation peer);
 
  private:
+  friend class ConnectionTurn;
   Change silent_now();
   Change answering_now();
   [[nodiscard]] std::shared_ptr<const Snapshot> last_known() const;
@@ -104,7 +127,8 @@ class ProcessRecord {
   const model::DeploymentKey key_;
   const process::ProcessInfo process_;
   mutable std::mutex mutex_;                 ///< protects everything below
-  mutable std::condition_variable changed_;  ///< finished_ or ended_ has changed
+  mutable std::condition_variable changed_;  ///< finished_, ended_ or turns_ has changed
+  std::size_t turns_ = 0;                    ///< of ConnectionTurn, given at present
   model::Deployment deployment_;
   link::Incarnation incarnation_ = 0;
   std::shared_ptr<DeploymentService> service_;

@@ -244,8 +244,8 @@ Result<std::shared_ptr<HostedRobot>> LocalHost::acquire(const RobotRequest& requ
     (void)robot->here->part().withdraw();
   }
   segue::log(LogLevel::Info, "host",
-      "robot " + quote(name) + " is commanded by runtime " + quote(request.holder) + " (epoch " +
-          std::to_string(*epoch) + ")");
+             "robot " + quote(name) + " is commanded by runtime " + quote(request.holder) + " (epoch " +
+                 std::to_string(*epoch) + ")");
   return detail::make_session(robot, *epoch);
 }
 

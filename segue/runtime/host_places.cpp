@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/host_places.hpp>
 
+#include <segue/base/descriptor.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/host_client.hpp>
 
+#include <netdb.h>
+#include <sys/socket.h>
+
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -18,14 +24,37 @@ namespace {
 
 constexpr std::string_view kUnixScheme = "unix:";
 constexpr std::string_view kTcpScheme = "tcp://";
+constexpr const char* kThisComputer = "127.0.0.1";
 
 /// The address of a host without its port, where samples reach it.
 std::string data_address(const model::Host& host) {
   if (!host.address.starts_with(kTcpScheme)) {
-    return "127.0.0.1";  // a Unix socket leads to this computer
+    return kThisComputer;  // a Unix socket leads to this computer
   }
   const auto address = control::parse_tcp_address(host.address.substr(kTcpScheme.size()));
   return address ? address->host : std::string();
+}
+
+/// The address that this computer has towards another one, of which `address` is a number; empty where there
+/// is no way to it. Sends nothing.
+std::string own_address_towards(const std::string& address) {
+  addrinfo numbers{};
+  numbers.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  numbers.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(address.c_str(), "7", &numbers, &found) != 0) {
+    return {};
+  }
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> there(found, &::freeaddrinfo);
+  const Descriptor socket(::socket(there->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_storage own{};
+  socklen_t size = sizeof own;
+  std::array<char, NI_MAXHOST> name{};
+  const bool known = ::connect(socket.get(), there->ai_addr, there->ai_addrlen) == 0 &&
+                     ::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&own), &size) == 0 &&
+                     ::getnameinfo(reinterpret_cast<const sockaddr*>(&own), size, name.data(), name.size(),
+                                   nullptr, 0, NI_NUMERICHOST) == 0;
+  return known ? name.data() : std::string();
 }
 
 /// The credentials of a robot: of the folder that its host names, else the user's.
@@ -76,17 +105,27 @@ hosts::GatewaySettings gateway_settings(const model::Robot& robot) {
   if (const char* domain = std::getenv("ROS_DOMAIN_ID")) {
     settings.domain = std::atoi(domain);
   }
+  std::string own;
   bool all_here = true;
   for (const auto& host : robot.hosts) {
     if (host.is_local()) {
       settings.own.push_back(host.name);
-    } else {
-      settings.addresses.emplace(host.name, data_address(host));
-      all_here = all_here && host.address.starts_with(kUnixScheme);
+      continue;
+    }
+    settings.addresses.emplace(host.name, data_address(host));
+    if (host.address.starts_with(kUnixScheme)) {
+      continue;
+    }
+    all_here = false;
+    if (own.empty()) {
+      own = own_address_towards(data_address(host));
     }
   }
   if (all_here) {
-    settings.addresses.emplace(model::kLocalHost, "127.0.0.1");
+    own = kThisComputer;
+  }
+  if (!own.empty()) {
+    settings.addresses.emplace(model::kLocalHost, own);
   }
   return settings;
 }

@@ -21,7 +21,8 @@ Result<control::Endpoint> endpoint_of(const model::Robot& robot, const model::Ho
 /// while the robot runs.
 std::vector<hosts::HostPlace> host_places(const model::Robot& robot);
 
-/// Where samples travel: at the addresses of the hosts, in the DDS domain of $ROS_DOMAIN_ID.
+/// Where samples travel: at the addresses of the hosts, in the DDS domain of $ROS_DOMAIN_ID. The runtime's
+/// own computer has the address that leads to the first of them whose address is a number.
 hosts::GatewaySettings gateway_settings(const model::Robot& robot);
 
 }  // namespace segue::runtime

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Artemis rover, its processes dealt out to several hosts.
 #include <segue/model/files.hpp>
+#include <segue/runtime/temporary_hosts.hpp>
 
 #include <support/shared_data.hpp>
 
-#include <cstdint>
 #include <set>
 
 #include "hosts_test.hpp"
@@ -20,14 +20,6 @@ const std::vector<std::string> kWalk = {
     "manipulator_teleop", "goal_navigation",    "manipulation",   "goal_navigation", "manipulator_teleop",
     "manipulation",       "manipulator_teleop", "search_explore"};
 
-/// The same for a process in all controllers (FNV-1a).
-std::uint32_t hash(const std::string& name) {
-  std::uint32_t value = 2166136261U;
-  for (const char c : name)
-    value = (value ^ static_cast<unsigned char>(c)) * 16777619U;
-  return value;
-}
-
 class Artemis : public HostsTest {
  protected:
   /// Deals out the processes and writes the robot's files.
@@ -39,10 +31,9 @@ class Artemis : public HostsTest {
       Diagnostics diagnostics;
       auto network = model::load_network(shared_data("artemis") / (controller + ".cnd"), diagnostics);
       ASSERT_TRUE(network) << to_string(diagnostics);
-      for (auto& deployment : network->deployments) {
-        deployment.host = model::HostName(names[hash(deployment.process.str()) % names.size()]);
+      runtime::deal_out(*network, names);
+      for (const auto& deployment : network->deployments)
         used.insert(deployment.host.str());
-      }
       network->name = model::NetworkName(controller);
       write("robot/" + controller + ".net", model::write_network(*network));
     }

@@ -23,17 +23,29 @@ std::ptrdiff_t lines_of(const fs::path& file) {
 
 class Bench : public SystemTest {
  protected:
-  /// Other processes with the runtime folder of this test.
+  /// Other processes with the folders of this test, those of temporary hosts too.
   [[nodiscard]] std::vector<std::string> processes_left() const {
     std::vector<std::string> left;
     for (const auto& entry : fs::directory_iterator("/proc")) {
       const std::string pid = entry.path().filename();
       if (pid.find_first_not_of("0123456789") != std::string::npos || pid == std::to_string(::getpid()))
         continue;
-      if (text_of(entry.path() / "environ").find((folder_ / "runtime").string()) != std::string::npos)
+      if (text_of(entry.path() / "environ").find(folder_.string()) != std::string::npos)
         left.push_back(text_of(entry.path() / "cmdline"));
     }
     return left;
+  }
+
+  /// A host of this computer that is not the bench's own.
+  [[nodiscard]] std::unique_ptr<Process> start_host() const {
+    fs::create_directories(folder_ / "arm");
+    auto daemon = std::make_unique<Process>(
+        std::vector<std::string>{"/usr/bin/env", "XDG_RUNTIME_DIR=" + (folder_ / "arm").string(),
+                                 segue::paths::kProgram, "host", "--name", "arm", "--state",
+                                 (folder_ / "arm" / "state").string()},
+        folder_);
+    EXPECT_TRUE(daemon->wait_for("host arm is running"));
+    return daemon;
   }
 
   [[nodiscard]] bool a_deployment_runs() const {
@@ -87,9 +99,10 @@ TEST_F(Bench, ItListsTheExperimentsOfThePaper) {
 
 TEST_F(Bench, LatenciesAreMeasuredByLengthOnEachTransport) {
   const auto report = json({"bench", "E1.1", "--relays", "1,3", "--repetitions", "12"});
-  EXPECT_EQ(rows_of(report).size(), 4U);
-  EXPECT_EQ(values_of(report, "transport"), (std::set<std::string>{"local", "shm"}));
-  EXPECT_EQ(values_of(report, "published"), (std::set<std::string>{"20 us a hop", "140 us a hop"}));
+  EXPECT_EQ(rows_of(report).size(), 6U);
+  EXPECT_EQ(values_of(report, "transport"), (std::set<std::string>{"local", "shm", "remote"}));
+  EXPECT_EQ(values_of(report, "published"),
+            (std::set<std::string>{"20 us a hop", "140 us a hop", "220 us a hop"}));
   expect_plausible(report, 12);
   for (const type::Value& row : rows_of(report))
     EXPECT_NE(row.find("floor_s"), nullptr);
@@ -102,14 +115,16 @@ TEST_F(Bench, LatenciesAreMeasuredBySize) {
   std::multiset<std::uint64_t> sizes;
   for (const type::Value& row : rows_of(report))
     sizes.insert(row.find("bytes")->as_uint());
-  EXPECT_EQ(sizes, (std::multiset<std::uint64_t>{100, 100, 200000, 200000}));
+  EXPECT_EQ(sizes, (std::multiset<std::uint64_t>{100, 100, 100, 200000, 200000, 200000}));
 }
 
 TEST_F(Bench, ChainsAreBroughtUpAndTakenDown) {
   const auto report = json({"bench", "E2.1", "--relays", "2", "--repetitions", "2"});
   expect_plausible(report, 2);
-  EXPECT_EQ(rows_of(report).size(), 4U);
-  EXPECT_EQ(values_of(report, "what"), (std::set<std::string>{"bring-up", "tear-down"}));
+  EXPECT_EQ(rows_of(report).size(), 8U);
+  EXPECT_EQ(
+      values_of(report, "what"),
+      (std::set<std::string>{"bring-up", "tear-down", "bring-up, alternating", "tear-down, alternating"}));
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
 }
 
@@ -126,6 +141,43 @@ TEST_F(Bench, EveryKindOfActionIsMeasured) {
   }
 }
 
+TEST_F(Bench, ActionsOnAnotherHostAreMeasuredBesideARoundTrip) {
+  const auto report = json({"bench", "E2.2", "--transport", "remote", "--repetitions", "2"});
+  EXPECT_EQ(
+      values_of(report, "what"),
+      (std::set<std::string>{"recover", "stop", "disconnect", "cleanup", "undeploy", "deploy", "apply_config",
+                             "configure", "connect", "start", "call_operation", "round trip"}));
+  EXPECT_EQ(values_of(report, "published"), (std::set<std::string>{"", "0.5 + 1.3 ms", "tens of ms"}));
+  EXPECT_EQ(processes_left(), std::vector<std::string>{});
+}
+
+TEST_F(Bench, AHostThatRunsIsUsedAndLeftAsItWas) {
+  const auto daemon = start_host();
+  const auto report = json({"bench", "E2.1", "--transport", "remote", "--host",
+                            "arm=unix:arm/segue/@host.sock", "--relays", "2", "--repetitions", "2"});
+  expect_plausible(report, 2);
+  EXPECT_EQ(rows_of(report).size(), 4U);
+  for (const type::Value& row : rows_of(report))
+    EXPECT_EQ(row.find("floor_s"), nullptr) << "of another computer";
+  for (const std::string& process : processes_left())
+    EXPECT_EQ(process.find("segue-bench"), std::string::npos) << process;
+  daemon->signal(SIGTERM);
+  EXPECT_EQ(daemon->wait().status, 0);
+}
+
+TEST_F(Bench, AHostThatCannotBeReachedIsNamed) {
+  const auto finished = segue({"bench", "E2.1", "--transport", "remote", "--host", "arm=unix:no.sock",
+                               "--relays", "2", "--repetitions", "2"});
+  EXPECT_EQ(finished.status, 3);
+  EXPECT_NE(finished.errors.find("arm"), std::string::npos) << finished.errors;
+}
+
+TEST_F(Bench, HalfIsExchangedOnAnotherHost) {
+  const auto report = json({"bench", "E2.3", "--transport", "remote", "--relays", "4", "--repetitions", "2"});
+  expect_plausible(report, 2);
+  EXPECT_EQ(rows_of(report).size(), 7U);
+}
+
 TEST_F(Bench, HalfIsExchangedAndComparedWithARestart) {
   const auto report = json({"bench", "E2.3", "--transport", "local", "--relays", "4", "--repetitions", "3"});
   expect_plausible(report, 3);
@@ -140,7 +192,7 @@ TEST_F(Bench, ATableShowsThePublishedFiguresAndWhatIsNotMeasured) {
   const auto finished =
       segue({"bench", "E2.1", "--transport", "local", "--relays", "25", "--repetitions", "1"});
   ASSERT_EQ(finished.status, 0) << finished.errors;
-  for (const std::string part : {"bring-up", "some ms", "floor", "Not measured: two computers, CORBA"})
+  for (const std::string part : {"bring-up", "some ms", "floor", "Not measured: CORBA"})
     EXPECT_NE(finished.output.find(part), std::string::npos) << finished.output;
 }
 
@@ -173,6 +225,21 @@ TEST_F(Bench, AnInterruptEndsItCleanlyAndKeepsTheResults) {
   EXPECT_EQ(processes_left(), std::vector<std::string>{});
 }
 
+TEST_F(Bench, AnInterruptEndsTheOtherHostToo) {
+  Process bench(
+      command({"bench", "E1.1", "--transport", "remote", "--relays", "1", "--repetitions", "1000000"}),
+      folder_);
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (!a_deployment_runs()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_NE(processes_left(), std::vector<std::string>{});
+  bench.signal(SIGINT);
+  EXPECT_EQ(bench.wait().status, 1);
+  EXPECT_EQ(processes_left(), std::vector<std::string>{});
+}
+
 TEST_F(Bench, WrongArgumentsAreExplained) {
   const auto unknown = segue({"bench", "E3"});
   EXPECT_EQ(unknown.status, 2);
@@ -181,6 +248,12 @@ TEST_F(Bench, WrongArgumentsAreExplained) {
   EXPECT_EQ(lengths.status, 2);
   EXPECT_NE(lengths.errors.find("separated by commas, got '5,x'"), std::string::npos) << lengths.errors;
   EXPECT_EQ(segue({"bench", "E1.1", "--transport", "dds"}).status, 2);
+  const auto host = segue({"bench", "E1.1", "--host", "tcp://10.0.0.2:7447"});
+  EXPECT_EQ(host.status, 2);
+  EXPECT_NE(host.errors.find("expected the host's name and address, NAME=tcp://... or NAME=unix:..."),
+            std::string::npos)
+      << host.errors;
+  EXPECT_EQ(segue({"bench", "E1.1", "--credentials", "folder"}).status, 2);
 }
 
 TEST_F(Bench, AFolderThatCannotBeCreatedIsExplained) {
