@@ -80,7 +80,7 @@ Result<void> TaskHostPart::get_ready(const model::Network& target, const std::ve
 }
 
 Result<void> TaskHostPart::wait_for(const LinkWait& link, TimePoint deadline) {
-  const Duration left = std::max(Duration(0), deadline - clock_.now());
+  const Duration left = std::max(Duration(0), deadline - RealClock::instance().now());
   type::ValueMap arguments;
   arguments.append("count", link.count);
   arguments.append("timeout_ms", std::chrono::duration_cast<std::chrono::milliseconds>(left).count());
