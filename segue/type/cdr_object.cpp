@@ -4,6 +4,7 @@
 // sequence is a count of four bytes and its items, a text the same with a final zero byte, an optional a
 // sequence of at most one item, a struct without members one byte. Matrices are written by rows.
 #include <segue/type/cdr_object.hpp>
+#include <segue/type/copy_bytes.hpp>
 #include <segue/type/described_type.hpp>
 
 #include <algorithm>
@@ -78,7 +79,7 @@ class Sink {
 
   bool put(const void* from, std::size_t size) {
     if (size > limit_ - used_) return false;
-    if (bytes_ != nullptr && size > 0) std::memcpy(bytes_ + used_, from, size);
+    if (bytes_ != nullptr) detail::copy_bytes(bytes_ + used_, from, size);
     used_ += size;
     return true;
   }
@@ -207,7 +208,7 @@ class Source {
   }
   bool get(void* to, std::size_t size) {
     if (size > left()) return false;
-    if (size > 0) std::memcpy(to, bytes_.data() + used_, size);
+    detail::copy_bytes(to, bytes_.data() + used_, size);
     used_ += size;
     return true;
   }

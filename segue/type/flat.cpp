@@ -3,6 +3,7 @@
 // Layout, without any padding of its own: what travels as bytes is as it is in memory (neighbours in a struct
 // in one run); strings, sequences and vector<bool> are a count and their items; an optional is 0 or 1 and its
 // item; a matrix is rows, columns and its numbers; a struct without members is one byte. Counts have 8 bytes.
+#include <segue/type/copy_bytes.hpp>
 #include <segue/type/described_type.hpp>
 #include <segue/type/flat.hpp>
 
@@ -66,7 +67,7 @@ class Sink {
 
   bool put(const void* from, std::size_t size) {
     if (size > limit_ - used_) return false;
-    if (bytes_ != nullptr && size > 0) std::memcpy(bytes_ + used_, from, size);
+    if (bytes_ != nullptr) detail::copy_bytes(bytes_ + used_, from, size);
     used_ += size;
     return true;
   }
@@ -154,7 +155,7 @@ class Source {
 
   bool get(void* to, std::size_t size) {
     if (size > bytes_.size()) return false;
-    if (size > 0) std::memcpy(to, bytes_.data(), size);
+    detail::copy_bytes(to, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
     return true;
   }

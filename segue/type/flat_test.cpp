@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/type/copy_bytes.hpp>
 #include <segue/type/eigen.hpp>
 #include <segue/type/flat.hpp>
 #include <support/random_types.hpp>
@@ -7,11 +8,14 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <new>
+#include <vector>
 
 using namespace std::chrono_literals;
 
@@ -446,6 +450,25 @@ TEST(Flat, refuses_types_that_it_cannot_flatten) {
   EXPECT_EQ(flat_size(type_info<demo::HasOpaque>(), &object), 0U);
   EXPECT_FALSE(write_flat(type_info<demo::HasOpaque>(), &object, bytes));
   EXPECT_FALSE(read(object, bytes));
+}
+
+TEST(CopyBytes, CopiesExactlyThoseBytesWhereverTheyAre) {
+  std::vector<unsigned char> source(3 * 4096);
+  for (std::size_t i = 0; i < source.size(); ++i)
+    source[i] = static_cast<unsigned char>(i * 31 + i / 256);
+  for (const std::size_t size : {0UL, 1UL, 2047UL, 4095UL, 4096UL, 4097UL, 6151UL, 8192UL}) {
+    for (std::size_t behind = 0; behind < 20; ++behind) {
+      std::vector<unsigned char> target(source.size() + 4096 + 64, 0xaa);
+      const auto difference = (reinterpret_cast<std::uintptr_t>(target.data()) -
+                               reinterpret_cast<std::uintptr_t>(source.data())) %
+                              4096;
+      const std::size_t begin = (4096 - difference + behind) % 4096;
+      std::vector<unsigned char> expected = target;
+      std::copy_n(source.begin(), size, expected.begin() + static_cast<std::ptrdiff_t>(begin));
+      detail::copy_bytes(target.data() + begin, source.data(), size);
+      EXPECT_EQ(target, expected) << size << " bytes, " << behind << " behind";
+    }
+  }
 }
 
 }  // namespace
