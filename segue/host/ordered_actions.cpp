@@ -12,6 +12,8 @@ namespace {
 
 /// Hosts report what is overdue themselves; only one that does not is given up.
 constexpr Duration kHostGrace = std::chrono::seconds(30);
+/// No longer chain is waited for, so that deadlines stay within the range of clocks.
+constexpr int kMostSteps = 10'000;
 
 }  // namespace
 
@@ -115,7 +117,7 @@ OrderedActions::BatchPtr OrderedActions::take_ready() {
   std::sort(batch->indices.begin(), batch->indices.end());
   batch->reported.resize(batch->indices.size());
   batch->begin = RealClock::instance().now();
-  batch->deadline = batch->begin + action_deadline_ * steps;
+  batch->deadline = batch->begin + action_deadline_ * std::min(steps, kMostSteps);
   for (const std::size_t index : batch->indices) {
     progress_[index] = Progress::Begun;
   }

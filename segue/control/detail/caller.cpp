@@ -21,8 +21,12 @@ Error refused(ErrorCode code, std::string_view noun, std::string_view why) {
 
 }  // namespace
 
+Duration timeout_of(std::int64_t timeout) {
+  return std::clamp(Duration(timeout), Duration(0), kMaxTimeout);
+}
+
 TimePoint deadline_after(std::int64_t timeout) {
-  return RealClock::instance().now() + std::clamp(Duration(timeout), Duration(0), kMaxTimeout);
+  return RealClock::instance().now() + timeout_of(timeout);
 }
 
 Error thrown_by_service(std::string_view noun) {

@@ -18,6 +18,8 @@
 /// used in the server's event loop, except for the jobs.
 namespace segue::control::detail {
 
+/// A timeout that a client has sent, in nanoseconds, within reason.
+Duration timeout_of(std::int64_t timeout);
 /// When a call with this timeout, in nanoseconds, must be answered.
 TimePoint deadline_after(std::int64_t timeout);
 

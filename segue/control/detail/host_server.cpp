@@ -58,7 +58,7 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
   }
   kj::Promise<void> performInOrder(PerformInOrderContext context) override {
     return in_turn([this, context]() mutable {
-      const Duration action_deadline(context.getParams().getTimeout());
+      const Duration action_deadline = timeout_of(context.getParams().getTimeout());
       return answer_batch(context, caller_, robot_, follower(),
                           [&](std::vector<model::Action> actions, host::Completion completed) {
                             robot_->begin_in_order(std::move(actions), action_deadline, std::move(completed));
