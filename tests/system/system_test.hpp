@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "../fault/processes.hpp"
 #include "../support/sanitizer_reports.hpp"
 #include "process.hpp"
 
@@ -36,6 +37,8 @@ class SystemTest : public ::testing::Test {
   }
   void TearDown() override {
     robot_.reset();
+    for (const auto& [pid, program] : processes_of(folder_ / "runtime"))
+      ::kill(pid, SIGKILL);  // processes of robots outlive their runtime
     EXPECT_EQ(sanitizer_reports(folder_), "");
     std::filesystem::remove_all(folder_);
   }
