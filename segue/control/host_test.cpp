@@ -385,6 +385,29 @@ TEST_F(HostTest, WhatFollowsTheBeginOfATransitionComesAfterIt) {
             (std::vector<std::string>{"begin_transition", "begin_in_order", "halt", "withdraw"}));
 }
 
+TEST_F(HostTest, AClientMayBeGoneWhileItsTransitionBegins) {
+  serve();
+  auto& fake = *daemon_.robot;
+  fake.slow_begin = true;
+  {
+    auto host = client();
+    auto robot = robot_of(*host);
+    ASSERT_TRUE(robot->begin_transition({}, {}));
+    robot->begin_in_order(
+        {{1, model::ActionKind::Start, model::TaskAction{TaskId("a")}, model::Phase::Prepare, {}}}, 5s,
+        [](const std::vector<host::Completed>&) {});
+    fake.entered.wait();
+  }
+  const auto host = client();
+  ASSERT_TRUE(host->info()) << "so that the loop has noticed";
+  fake.go_on.open();
+  ASSERT_TRUE(eventually([&] {
+    const auto asked = fake.fields().asked;
+    return std::find(asked.begin(), asked.end(), "begin_transition") != asked.end();
+  }));
+  EXPECT_TRUE(robot_of(*host)->withdraw());
+}
+
 TEST_F(HostTest, WhoeverLosesTheConnectionHalts) {
   serve();
   auto host = client();

@@ -157,7 +157,8 @@ Result<void> FakeService::act_on_connection(const model::Action& action) {
     if (!process_->tasks.contains(connection.from.task) || !process_->tasks.contains(connection.to.task)) {
       return no_such("task");
     }
-    if (found != all.end() && std::erase(process_->ended, connection) == 0) {
+    const bool has_ended = std::erase(process_->ended, connection) > 0;
+    if (found != all.end() && !has_ended) {
       return fail(ErrorCode::AlreadyExists, "is already connected");
     }
     std::erase(all, connection);  // it has ended with an earlier transition

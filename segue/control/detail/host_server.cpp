@@ -48,13 +48,23 @@ class HostedRobotServer final : public wire::HostedRobot::Server, public TaskAcc
   }
   kj::Promise<void> beginTransition(BeginTransitionContext context) override {
     const auto params = context.getParams();
-    begun_ =
-        caller_
-            .answer(context,
-                    [robot = robot_, before = decode(params.getBefore()),
-                     target = decode(params.getTarget())] { return robot->begin_transition(before, target); })
-            .fork();
-    return begun_.addBranch();
+    auto job = [robot = robot_, before = decode(params.getBefore()), target = decode(params.getTarget())] {
+      return robot->begin_transition(before, target);
+    };
+    // What goes on although the caller is gone must not touch its call.
+    const auto outcome = std::make_shared<Result<void>>();
+    auto run = [job = std::move(job), outcome, noun = caller_.core().noun()] {
+      *outcome = guarded(job, noun);
+    };
+    begun_ = caller_.run(Role::Observe, std::move(run))
+                 .then([outcome](Result<void>&& begun) {
+                   if (!begun) *outcome = std::move(begun);
+                 })
+                 .fork();
+    context.releaseParams();
+    return begun_.addBranch().then([context, outcome]() mutable {
+      if (!*outcome) encode(outcome->error(), context.getResults().initError());
+    });
   }
   kj::Promise<void> performInOrder(PerformInOrderContext context) override {
     return in_turn([this, context]() mutable {
