@@ -19,7 +19,7 @@ void NetworkTest::SetUp() {
   const auto& obstacle = TestNetwork::obstacle();
   if (!obstacle.empty()) GTEST_SKIP() << "skipped: " << obstacle;
   DisturbedChainTest::SetUp();
-  network_ = std::make_unique<TestNetwork>(std::vector<std::string>{"a", "b", "runtime"});
+  network_ = std::make_unique<TestNetwork>(std::vector<std::string>{"a", "b", "c", "runtime"});
   ASSERT_EQ(segue({"host", "init", "--authority", "ca", "--no-host", "--out", "me"}).status, 0);
 }
 

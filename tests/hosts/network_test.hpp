@@ -10,7 +10,7 @@
 
 namespace segue::testing {
 
-/// The same robot on a network: hosts a and b and the runtime have a station each, and meet over TCP with
+/// The same robot on a network: hosts a, b and c and the runtime have a station each, and meet over TCP with
 /// certificates. Skipped, with the reason, where there can be no such network.
 class NetworkTest : public DisturbedChainTest {
  protected:
