@@ -4,6 +4,7 @@
 #include <segue/base/child_process.hpp>
 #include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
+#include <segue/base/pipe.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,7 +14,6 @@
 #include <utility>
 
 #include <arpa/inet.h>
-#include <fcntl.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -25,17 +25,6 @@ namespace {
 
 double seconds_since(TimePoint begin) {
   return std::chrono::duration<double>(RealClock::instance().now() - begin).count();
-}
-
-struct Pipe {
-  Descriptor read;
-  Descriptor write;
-};
-
-Result<Pipe> make_pipe() {
-  int ends[2] = {-1, -1};
-  if (::pipe2(ends, O_CLOEXEC) != 0) return fail(ErrorCode::IoError, "cannot make a pipe");
-  return Pipe{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
 /// A TCP connection in place of a pipe.

@@ -6,10 +6,9 @@
 #include <segue/control/detail/rpc_channel.hpp>
 #include <segue/control/detail/task_access_client.hpp>
 #include <segue/control/host_client.hpp>
+#include <segue/host/ordered_actions.hpp>
 
-#include <algorithm>
 #include <future>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -33,22 +32,6 @@ constexpr Duration kHostPatience = std::chrono::seconds(4);
 const model::ProcessName kAnyProcess{"any"};
 
 constexpr auto kNoResult = [](auto&) { return Result<void>(); };
-
-/// How many of these actions have to wait for each other at most.
-std::size_t longest_chain(const std::vector<model::Action>& actions) {
-  std::map<int, std::size_t> depths;  // an action comes after those that it waits for
-  std::size_t longest = 0;
-  for (const auto& action : actions) {
-    std::size_t depth = 1;
-    for (const int before : action.after) {
-      const auto found = depths.find(before);
-      if (found != depths.end()) depth = std::max(depth, found->second + 1);
-    }
-    depths.emplace(action.id, depth);
-    longest = std::max(longest, depth);
-  }
-  return longest;
-}
 
 using EventSlot = detail::CallbackSlot<host::HostEvent>;
 
@@ -116,7 +99,7 @@ class HostedRobotClient final : public detail::TaskAccessClient<hosts::HostedRob
   }
   void begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
                       host::Completion completed) override {
-    const Duration longest = action_deadline * std::max<std::size_t>(1, longest_chain(actions));
+    const Duration longest = action_deadline * host::longest_chain(actions);
     auto send = [action_deadline](wire::TaskAccess::Client tasks, const std::vector<model::Action>& what,
                                   std::uint64_t ticket) {
       return detail::BatchClient::send(tasks.castAs<wire::HostedRobot>().performInOrderRequest(), what,

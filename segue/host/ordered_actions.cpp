@@ -17,6 +17,23 @@ constexpr int kMostSteps = 10'000;
 
 }  // namespace
 
+int longest_chain(const std::vector<model::Action>& actions) {
+  std::map<int, int> lengths;  // of the chain that ends with the action of that id
+  int longest = 0;
+  for (const auto& action : actions) {
+    int length = 1;
+    for (const int before : action.after) {
+      const auto found = lengths.find(before);
+      if (found != lengths.end()) {
+        length = std::max(length, found->second + 1);
+      }
+    }
+    lengths.emplace(action.id, length);
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
 OrderedActions::OrderedActions(std::vector<model::Action> actions, Duration action_deadline,
                                Performer performer, Completion completed)
     : actions_(std::move(actions)),
@@ -83,10 +100,8 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
   }
   while (may_begin()) {
     const auto batch = take_ready();
-    std::vector<model::Action> actions;
-    for (const std::size_t index : batch->indices) {
-      actions.push_back(actions_[index]);
-    }
+    std::vector<model::Action> actions = actions_of(*batch);
+    batch->deadline = batch->begin + action_deadline_ * std::min(longest_chain(actions), kMostSteps);
     lock.unlock();
     std::string thrown;
     try {
@@ -113,11 +128,12 @@ void OrderedActions::begin_ready(std::unique_lock<std::mutex>& lock) {
 OrderedActions::BatchPtr OrderedActions::take_ready() {
   const auto batch = std::make_shared<Batch>();
   batch->indices.swap(ready_);
-  const int steps = performer_.place ? add_dependent(batch->indices) : 1;
+  if (performer_.place) {
+    add_dependent(batch->indices);
+  }
   std::sort(batch->indices.begin(), batch->indices.end());
   batch->reported.resize(batch->indices.size());
   batch->begin = RealClock::instance().now();
-  batch->deadline = batch->begin + action_deadline_ * std::min(steps, kMostSteps);
   for (const std::size_t index : batch->indices) {
     progress_[index] = Progress::Begun;
   }
@@ -126,33 +142,29 @@ OrderedActions::BatchPtr OrderedActions::take_ready() {
   return batch;
 }
 
-int OrderedActions::add_dependent(Indices& indices) const {
-  struct Inside {
-    int before = 0;  ///< how many of those that it waits for are in the batch
-    int depth = 1;
-  };
-  std::map<std::size_t, Inside> inside;
-  int deepest = 1;
+void OrderedActions::add_dependent(Indices& indices) const {
+  std::map<std::size_t, int> waits_inside;  // for how many of the batch
   for (std::size_t next = 0; next < indices.size(); ++next) {
     const std::size_t index = indices[next];
     const void* place = performer_.place(actions_[index]);
-    const int depth = inside[index].depth;
-    deepest = std::max(deepest, depth);
     if (place == nullptr) {
       continue;
     }
     for (const std::size_t successor : successors_[index]) {
-      if (performer_.place(actions_[successor]) != place) {
-        continue;
-      }
-      Inside& found = inside[successor];
-      found.depth = std::max(found.depth, depth + 1);
-      if (++found.before == waits_for_[successor]) {
+      const bool is_there = performer_.place(actions_[successor]) == place;
+      if (is_there && ++waits_inside[successor] == waits_for_[successor]) {
         indices.push_back(successor);
       }
     }
   }
-  return deepest;
+}
+
+std::vector<model::Action> OrderedActions::actions_of(const Batch& batch) const {
+  std::vector<model::Action> actions;
+  for (const std::size_t index : batch.indices) {
+    actions.push_back(actions_[index]);
+  }
+  return actions;
 }
 
 void OrderedActions::complete(Batch& batch, std::vector<Completed> ended) {

@@ -20,6 +20,10 @@
 
 namespace segue::host {
 
+/// How many of these actions have to wait for each other at most. Each comes after those that it waits for,
+/// as in a transition.
+int longest_chain(const std::vector<model::Action>& actions);
+
 /// Carries out actions as their partial order allows. Whatever is ready is begun at once as one batch; what
 /// the end of an action makes ready is begun by the thread that reports the end, so nothing waits for its
 /// neighbours and no thread waits for the host but the caller of run(). The first failure lets nothing new
@@ -70,8 +74,9 @@ class OrderedActions : public std::enable_shared_from_this<OrderedActions> {
   /// Begins what is ready, until there is nothing left.
   void begin_ready(std::unique_lock<std::mutex>& lock);
   BatchPtr take_ready();
-  /// Adds what waits only for actions of the batch at its own place; returns the length of its longest chain.
-  int add_dependent(Indices& indices) const;
+  /// Adds what waits only for actions of the batch at its own place.
+  void add_dependent(Indices& indices) const;
+  [[nodiscard]] std::vector<model::Action> actions_of(const Batch& batch) const;
   /// Actions that did not end in time count by what is seen of them.
   void settle_doubtful(std::unique_lock<std::mutex>& lock);
   /// Waits until there is something to do in run().

@@ -35,6 +35,25 @@ std::optional<ErrorCode> code_of(const Result<T>& result) {
   return result ? std::nullopt : std::optional(result.error().code);
 }
 
+/// The start of a process, which lasts until the test ends it.
+class StartThatLasts {
+ public:
+  explicit StartThatLasts(Computer& computer) {
+    computer.world.on_call([this, ended = end_.get_future().share()](const std::string& what, const auto&) {
+      if (what == "start") {
+        begin_.set_value();
+        ended.wait();
+      }
+    });
+  }
+  void wait_for_begin() { begin_.get_future().wait(); }
+  void end() { end_.set_value(); }
+
+ private:
+  std::promise<void> begin_;
+  std::promise<void> end_;
+};
+
 /// The code with which each function of a robot refuses; nothing where it does what it shall.
 std::map<std::string, std::optional<ErrorCode>> refusals(HostedRobot& robot) {
   const model::TaskId a("a");
@@ -134,19 +153,12 @@ TEST(LocalHost, RobotsThatWereGivenOutAreUnavailableOnceItIsGone) {
 TEST(LocalHost, WaitsForItsLastCallsWhenItEnds) {
   Computer computer("left");
   const auto robot = acquired(computer, request_of("a"));
-  std::promise<void> entered;
-  std::promise<void> release;
-  computer.world.on_call([&, released = release.get_future().share()](const std::string& what, const auto&) {
-    if (what == "start") {
-      entered.set_value();
-      released.wait();
-    }
-  });
+  StartThatLasts start(computer);
   auto calls = std::async(std::launch::async, [&] { return refusals(*robot).at("perform"); });
-  entered.get_future().wait();
+  start.wait_for_begin();
   auto ends = std::async(std::launch::async, [&] { computer.local.reset(); });
   EXPECT_EQ(ends.wait_for(50ms), std::future_status::timeout);
-  release.set_value();
+  start.end();
   ends.get();
   (void)calls.get();
   EXPECT_EQ(code_of(robot->look()), ErrorCode::Unavailable);
@@ -231,16 +243,9 @@ TEST(LocalHost, ForgetsRobotsThatNobodyCommandsAnyMore) {
 TEST(LocalHost, GivesUpAtItsDeadlineWhereAnotherRuntimeIsGettingTheRobot) {
   Computer computer("left");
   const auto robot = acquired(computer, request_of("a"));
-  std::promise<void> entered;
-  std::promise<void> release;
-  computer.world.on_call([&, released = release.get_future().share()](const std::string& what, const auto&) {
-    if (what == "start") {
-      entered.set_value();
-      released.wait();
-    }
-  });
+  StartThatLasts start(computer);
   auto calls = std::async(std::launch::async, [&] { return refusals(*robot).at("perform"); });
-  entered.get_future().wait();
+  start.wait_for_begin();
   auto first = std::async(std::launch::async,
                           [&] { return code_of(computer.local->acquire(request_of("b", true), in_time())); });
   while (robot->renew()) {
@@ -248,7 +253,7 @@ TEST(LocalHost, GivesUpAtItsDeadlineWhereAnotherRuntimeIsGettingTheRobot) {
   }
   const TimePoint now = RealClock::instance().now();
   EXPECT_EQ(code_of(computer.local->acquire(request_of("c", true), now)), ErrorCode::DeadlineExceeded);
-  release.set_value();
+  start.end();
   EXPECT_EQ(first.get(), std::nullopt);
   (void)calls.get();
 }

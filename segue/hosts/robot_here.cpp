@@ -152,12 +152,16 @@ void begin_as_work(LeasedRobot& robot, std::uint64_t epoch, std::size_t count, h
   });
 }
 
-void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+void begin_batch(LeasedRobot& robot, std::uint64_t epoch, std::vector<model::Action> actions,
+                 TimePoint deadline, host::Completion completed) {
   const std::size_t count = actions.size();
-  begin_as_work(*robot_, epoch_, count, std::move(completed),
-                [&](TaskHostPart& part, host::Completion report) {
-                  part.begin_all(std::move(actions), deadline, std::move(report));
-                });
+  begin_as_work(robot, epoch, count, std::move(completed), [&](TaskHostPart& part, host::Completion report) {
+    part.begin_all(std::move(actions), deadline, std::move(report));
+  });
+}
+
+void Session::begin_all(std::vector<model::Action> actions, TimePoint deadline, host::Completion completed) {
+  begin_batch(*robot_, epoch_, std::move(actions), deadline, std::move(completed));
 }
 
 void Session::begin_in_order(std::vector<model::Action> actions, Duration action_deadline,
@@ -167,10 +171,7 @@ void Session::begin_in_order(std::vector<model::Action> actions, Duration action
   // too.
   const auto begin = [robot = robot_, epoch = epoch_](std::vector<model::Action> ready, TimePoint deadline,
                                                       host::Completion report) {
-    const std::size_t some = ready.size();
-    begin_as_work(*robot, epoch, some, std::move(report), [&](TaskHostPart& part, host::Completion ended) {
-      part.begin_all(std::move(ready), deadline, std::move(ended));
-    });
+    begin_batch(*robot, epoch, std::move(ready), deadline, std::move(report));
   };
   begin_as_work(*robot_, epoch_, count, std::move(completed),
                 [&](TaskHostPart& part, host::Completion report) {

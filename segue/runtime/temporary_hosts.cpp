@@ -4,10 +4,10 @@
 #include <segue/base/child_process.hpp>
 #include <segue/base/clock.hpp>
 #include <segue/base/file.hpp>
+#include <segue/base/pipe.hpp>
 #include <segue/base/text.hpp>
 #include <segue/model/files.hpp>
 
-#include <fcntl.h>
 #include <poll.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -31,17 +31,6 @@ constexpr auto kPatience = std::chrono::seconds(30);
 
 fs::path runtime_folder_of(const fs::path& folder, const std::string& host) {
   return folder / host / "run";
-}
-
-struct Pipe {
-  Descriptor read;
-  Descriptor write;
-};
-
-Result<Pipe> make_pipe() {
-  int ends[2] = {-1, -1};
-  if (::pipe2(ends, O_CLOEXEC) != 0) return system_error("cannot make a pipe", errno);
-  return Pipe{Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
 bool wait_for_input(int descriptor, TimePoint deadline) {

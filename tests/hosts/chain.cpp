@@ -125,4 +125,17 @@ void ChainTest::expect_all_arrived() {
   EXPECT_EQ(flow("relay.out", "consumer.in").dropped, 0U);
 }
 
+std::uint64_t ChainTest::expect_each_once_and_in_order() {
+  switch_to("still");
+  const std::uint64_t written = updates("producer");
+  Counted at_end;
+  const bool all = eventually([&] {
+    at_end = counted();
+    return at_end.count + at_end.lost >= written;
+  });
+  EXPECT_TRUE(all) << at_end.count << " have arrived, " << at_end.lost << " are missing, of " << written;
+  EXPECT_EQ(at_end.count + at_end.lost, written);
+  return at_end.lost;
+}
+
 }  // namespace segue::testing

@@ -35,6 +35,9 @@ class ChainTest : public HostsTest {
   void expect_flow();
   /// Stops the producer, and waits until the consumer has everything that was written.
   void expect_all_arrived();
+  /// Stops the producer. No sample has arrived twice, or after a later one. Returns how many have not
+  /// arrived.
+  std::uint64_t expect_each_once_and_in_order();
   struct Flow {
     std::uint64_t written = 0;
     std::uint64_t read = 0;

@@ -9,8 +9,6 @@
 
 #include <fstream>
 
-#include "../fault/robot_checks.hpp"
-
 namespace segue::testing {
 
 using type::Value;
@@ -101,19 +99,6 @@ bool NetworkTest::try_switch(const std::string& controller) {
   }
   EXPECT_EQ(what_stays_wrong(HostsTest::network(runs)), "") << type::to_json(result);
   return is_done;
-}
-
-std::uint64_t NetworkTest::expect_each_once_and_in_order() {
-  switch_to("still");
-  const std::uint64_t written = updates("producer");
-  Counted at_end;
-  const bool all = eventually([&] {
-    at_end = counted();
-    return at_end.count + at_end.lost >= written;
-  });
-  EXPECT_TRUE(all) << at_end.count << " have arrived, " << at_end.lost << " are missing, of " << written;
-  EXPECT_EQ(at_end.count + at_end.lost, written);
-  return at_end.lost;
 }
 
 void NetworkTest::expect_all_accounted_for() {

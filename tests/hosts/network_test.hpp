@@ -33,10 +33,7 @@ class NetworkTest : public DisturbedChainTest {
   std::string say(const std::string& line) { return network_->say(line); }
   /// Switches. The switch is done, or says why not; then the robot runs what its controller says.
   bool try_switch(const std::string& controller);
-  /// Stops the producer. No sample has arrived twice, or after a later one. Returns how many have not
-  /// arrived.
-  std::uint64_t expect_each_once_and_in_order();
-  /// The same, and those that have not arrived are counted as dropped.
+  /// As expect_each_once_and_in_order(), and those that have not arrived are counted as dropped.
   void expect_all_accounted_for();
 
   std::unique_ptr<TestNetwork> network_;
