@@ -185,6 +185,8 @@ struct Runtime::Implementation {
   // Used by the worker thread only.
   detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};
   detail::RepairScheduler leftover_repairs{options.policies.restart, detail::AfterLimit::GoOn};
+  /// Not reachable since the start, while nothing has been requested: what they hold is not known.
+  std::set<model::HostName> unseen_hosts;
   std::set<std::string> reported_differences;  ///< differences that last and were reported
   model::Network standby;  ///< the part of `extra` that is kept on standby on purpose; the rest are leftovers
   TimePoint next_observation = RealClock::instance().now();

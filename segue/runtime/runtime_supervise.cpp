@@ -156,13 +156,19 @@ void Runtime::Implementation::forget_ended(const model::Network& observed) {
   std::erase_if(ended, [&](const auto& entry) { return !missing.contains(entry.first); });
 }
 
-/// A computer that was away runs what it ran then, or less, whatever has been requested meanwhile.
+/// A computer that was away runs what it ran then, or less, whatever has been requested meanwhile. One that
+/// was away since the start holds its part of what ran before it, as long as nothing else was requested.
 void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts, const Observation& seen) {
+  bool is_first_seen = false;
   {
     const std::lock_guard lock(mutex);
     for (const auto& returned : hosts) {
       returned_hosts.erase(returned);
+      is_first_seen = unseen_hosts.erase(returned) > 0 || is_first_seen;
     }
+  }
+  if (is_first_seen) {
+    return reset({});
   }
   const auto held = belief.held();
   if (hosts.empty() || !held.wanted) {

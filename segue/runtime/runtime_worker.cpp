@@ -26,6 +26,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   host.set_listener([this](const host::HostEvent& event) {
     std::visit([this](const auto& what) { on_event(what); }, event);
   });
+  unseen_hosts = detail::unreachable_hosts(host);
   const Observation seen = belief.observe();
   const model::Network all = seen.network;
   adopt(seen, all, std::nullopt);
@@ -164,6 +165,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
     if (result.cause == Cause::Request || result.cause == Cause::Apply) {
       repairs.reset();
       leftover_repairs.reset();
+      unseen_hosts.clear();
     }
     standby = detail::subtract(plan.target, plan.controller);
     note_differences(seen.network);

@@ -28,6 +28,8 @@ class CommandingHosts : public ChainTest {
   void talk_to(const std::string& runtime_folder) const {
     ::setenv("XDG_RUNTIME_DIR", (folder_ / runtime_folder).c_str(), 1);
   }
+  /// The name of what the robot runs.
+  std::string controller() { return status().find("controller")->as_string(); }
   /// How leases name it.
   static std::string name_of(const LoggedProcess& runtime) {
     return "/" + std::to_string(runtime.pid()) + "/";
@@ -55,6 +57,25 @@ TEST_F(CommandingHosts, a_runtime_that_is_started_again_adopts_what_runs) {
     EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
     EXPECT_EQ(all_deployments(), before);
   }
+  expect_all_arrived();
+}
+
+TEST_F(CommandingHosts, a_runtime_adopts_what_runs_on_a_host_that_was_away_when_it_was_started) {
+  make_chain();
+  start_chain("plain");
+  expect_flow();
+  const auto before = all_deployments();
+  kill_runtime();
+  host("b").kill_daemon();
+  start_chain("");
+  ASSERT_TRUE(wait_until_reachable("b", false));
+  EXPECT_EQ(controller(), "") << "a part of it names no controller";
+  host("b").start();
+  ASSERT_TRUE(wait_until_reachable("b", true));
+  EXPECT_TRUE(eventually([&] { return controller() == "plain"; }));
+  EXPECT_EQ(what_stays_wrong(HostsTest::network("plain")), "");
+  EXPECT_EQ(all_deployments(), before);
+  expect_flow();
   expect_all_arrived();
 }
 
