@@ -10,6 +10,8 @@
 #include <segue/task/component_registry.hpp>
 #include <segue/task/task.hpp>
 
+#include <support/cyclone_suppressions.hpp>
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,12 +26,8 @@
 #include <vector>
 
 #ifdef __SANITIZE_THREAD__
-/// Cyclone DDS is not compiled for thread sanitizer, which sees the memory that its calls of the C library
-/// touch, but not the atomic operations by which its threads agree. This hides what it calls back, too: after
-/// changes there, look at the reports without this function, which should be about Cyclone's own memory and
-/// about freeing what its threads have counted down.
 extern "C" [[gnu::used]] inline const char* __tsan_default_suppressions() {
-  return "race:libddsc.so\n";
+  return segue::testing::kCycloneSuppressions;
 }
 #endif
 
