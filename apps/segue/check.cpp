@@ -154,22 +154,32 @@ class Checker {
         if (parts) controllers.push_back(std::move(*parts));
       }
     }
-    for (const std::string& pattern : robot->missions) {
-      for (const auto& path : files_of(*robot, pattern, diagnostics_)) {
-        ++files_;
-        missions_.check(path, diagnostics_);
-      }
-    }
-    check_robot(*robot, controllers, complete);
+    std::vector<model::Network> networks;
+    for (const Parts& parts : controllers)
+      networks.push_back(parts.network);
+    check_missions(*robot, complete ? &networks : nullptr);
+    check_robot(*robot, networks, complete);
     for (const auto& parts : controllers)
       check(parts, options_.structure ? Depth::Structure : Depth::Full);
   }
 
+  /// Without networks (nullptr), what missions ask of them is not checked.
+  void check_missions(const model::Robot& robot, const std::vector<model::Network>* networks) {
+    for (const std::string& pattern : robot.missions) {
+      for (const auto& path : files_of(robot, pattern, diagnostics_)) {
+        ++files_;
+        if (networks == nullptr) {
+          missions_.check(path, diagnostics_);
+        } else {
+          const RobotControllers known{*networks, catalog_};
+          missions_.check(path, diagnostics_, &known);
+        }
+      }
+    }
+  }
+
   /// Where something could not be read, that a host or controller is missing may follow from it.
-  void check_robot(const model::Robot& robot, const std::vector<Parts>& controllers, bool complete) {
-    std::vector<model::Network> networks;
-    for (const Parts& parts : controllers)
-      networks.push_back(parts.network);
+  void check_robot(const model::Robot& robot, const std::vector<model::Network>& networks, bool complete) {
     const Diagnostics found = model::validate(robot, networks);
     for (const Diagnostic& item : found.items()) {
       const bool may_follow = (item.code == "unknown-host" && robot.hosts.empty()) ||

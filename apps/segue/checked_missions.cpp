@@ -2,6 +2,7 @@
 #include "checked_missions.hpp"
 
 #include <segue/draw/diagram.hpp>
+#include <segue/mission/controllers.hpp>
 #include <segue/session/session.hpp>
 
 #include <utility>
@@ -12,9 +13,12 @@ namespace segue::cli {
 
 using type::Value;
 
-void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diagnostics) {
+void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diagnostics,
+                            const RobotControllers* robot) {
   const auto plan = session::Session::load(file, libraries_, diagnostics);
   if (!plan) return;
+  if (robot != nullptr && plan->program() != nullptr)
+    mission::check_controllers(plan->program()->mission(), robot->networks, robot->catalog, diagnostics);
   auto found = plan->ahead_of_failures();
   if (!found) return diagnostics.error("invalid-mission", found.error().message, {file.string(), 0, 0});
   if (!found->pairs.empty() || !found->complete) entries_.push_back({file.string(), std::move(*found)});

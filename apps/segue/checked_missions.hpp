@@ -3,6 +3,8 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/convert/ahead.hpp>
+#include <segue/model/component.hpp>
+#include <segue/model/network.hpp>
 #include <segue/type/value.hpp>
 
 #include <filesystem>
@@ -11,14 +13,21 @@
 
 namespace segue::cli {
 
+/// The controllers of the robot that runs a mission, and the models of their components.
+struct RobotControllers {
+  const std::vector<model::Network>& networks;
+  const model::ComponentCatalog& catalog;
+};
+
 /// The missions and task networks that were checked: what is wrong with them, and what may happen in a
 /// concurrent run of them although something earlier fails.
 class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
 
-  /// Reads and validates the file; blocks.
-  void check(const std::filesystem::path& file, Diagnostics& diagnostics);
+  /// Reads and validates the file; blocks. With `robot`, what the mission asks of its controllers too.
+  void check(const std::filesystem::path& file, Diagnostics& diagnostics,
+             const RobotControllers* robot = nullptr);
   /// What may happen, for people.
   void print() const;
   /// The fields of `diagnostics`, and `ahead`.

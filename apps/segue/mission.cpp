@@ -92,7 +92,8 @@ void add_runner(Verb& verb, Context& context) {
                           "  segue mission run fetch.yaml\n"
                           "  segue mission run fetch.yaml --clock virtual --simulate --format json\n"
                           "  segue mission run fetch.json --clock virtual\n"
-                          "  segue mission run fetch.yaml --follow      # every event as it happens",
+                          "  segue mission run fetch.yaml --follow      # every event as it happens\n"
+                          "  segue mission run patrol.yaml --robot rover  # whose actions are controllers",
                           [options, network, &context] { return run_plan(*options, *network, context); });
   runner.option("FILE", options->file, "a mission file, a RAFCON machine's folder or a task network")
       .required();
@@ -121,6 +122,7 @@ void add_runner(Verb& verb, Context& context) {
   add_library_option(runner, *options);
   add_network_options(runner, *network);
   add_run_files(runner, options->files);
+  add_robot_option(runner, context);
 }
 
 /// Runs in virtual time and prints nothing but the drawing, if that goes to no file.

@@ -2,6 +2,9 @@
 #include "mission_run.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/mission/controller_runner.hpp>
+#include <segue/mission/controllers.hpp>
+#include <segue/robot/served_robot.hpp>
 #include <segue/session/session.hpp>
 #include <segue/type/yaml.hpp>
 
@@ -12,6 +15,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "connection.hpp"
 #include "mission_progress.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -114,6 +118,17 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
   return plan.run(request, std::move(stop));
 }
 
+bool needs_robot(const session::Session& plan, const MissionOptions& options) {
+  return plan.program() != nullptr && !options.simulate &&
+         mission::uses_controllers(plan.program()->mission());
+}
+
+/// The robot carries out what is a controller.
+void give_robot(RunRequest& request, control::RobotService& robot) {
+  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
+      std::make_shared<robot::ServedRobot>(robot, sender("mission run"))));
+}
+
 void show_executions(const FinishedRun& run) {
   using Align = Table::Align;
   Table table({{"START", Align::Right},
@@ -206,7 +221,28 @@ void add_library_option(Verb& verb, MissionOptions& options) {
               "folders with the state machines used by missions; for RAFCON machines NAME=DIR");
 }
 
-int run_plan(const MissionOptions& options, const NetworkOptions& network, const Context& context) {
+namespace {
+
+int run_and_show(const session::Session& plan, const RunRequest& request, const MissionOptions& options,
+                 const Context& context) {
+  StopSignal stop;  // until the run has been shown
+  auto run = run_with_progress(plan, request, options, stop.token(), context);
+  if (!run) return failed(context, run.error());
+  if (options.show) show_run(**run, plan.is_network(), options.follow, context);
+  if (options.files.any()) {
+    // Standard output has had its document.
+    const auto written = write(options.files, (*run)->gantt());
+    if (!written) return failed(Context{}, written.error());
+  }
+  const session::RunOverview& overview = (*run)->overview();
+  if (overview.succeeded) return kDone;
+  const bool has_told = !plan.is_network() || (options.show && context.json());
+  return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
+}
+
+}  // namespace
+
+int run_plan(const MissionOptions& options, const NetworkOptions& network, Context& context) {
   if (const auto fits = check(options.files); !fits) return failed(context, fits.error());
   if (context.json() && options.files.use_output()) {
     return failed(context, fail(ErrorCode::InvalidArgument,
@@ -216,21 +252,17 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, const
   const auto plan = session::Session::load(options.file, options.libraries, diagnostics);
   if (!plan) return report_failure(context, diagnostics);
   print_diagnostics(diagnostics);
-  const auto request = request_of(options, network, plan->is_network());
+  auto request = request_of(options, network, plan->is_network());
   if (!request) return failed(context, request.error());
-  StopSignal stop;  // until the run has been shown
-  auto run = run_with_progress(*plan, *request, options, stop.token(), context);
-  if (!run) return failed(context, run.error());
-  if (options.show) show_run(**run, plan->is_network(), options.follow, context);
-  if (options.files.any()) {
-    // Standard output has had its document.
-    const auto written = write(options.files, (*run)->gantt());
-    if (!written) return failed(Context{}, written.error());
+  if (!needs_robot(*plan, options)) return run_and_show(*plan, *request, options, context);
+  if (options.clock == "virtual") {
+    return failed(context, fail(ErrorCode::InvalidArgument,
+                                "a robot cannot run in virtual time; simulate the mission with --simulate"));
   }
-  const session::RunOverview& overview = (*run)->overview();
-  if (overview.succeeded) return kDone;
-  const bool has_told = !plan->is_network() || (options.show && context.json());
-  return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
+  return with_robot(context, [&](control::RobotService& robot) {
+    give_robot(*request, robot);
+    return run_and_show(*plan, *request, options, context);
+  });
 }
 
 }  // namespace segue::cli

@@ -51,7 +51,8 @@ void add_library_option(Verb& verb, MissionOptions& options);
 /// ParseError.
 Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
 
-/// Runs a mission or a task network and shows what it did. SIGINT and SIGTERM preempt it.
-int run_plan(const MissionOptions& options, const NetworkOptions& network, const Context& context);
+/// Runs a mission or a task network and shows what it did. SIGINT and SIGTERM preempt it. Controllers are
+/// those of the running robot that the context names.
+int run_plan(const MissionOptions& options, const NetworkOptions& network, Context& context);
 
 }  // namespace segue::cli

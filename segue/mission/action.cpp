@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/action.hpp>
+#include <segue/mission/trimmed.hpp>
 
 #include <algorithm>
 
 namespace segue::mission {
-namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
+using detail::trimmed;
+
+namespace {
 
 bool is_argument(std::string_view text) {
   const bool placeholder = text.size() > 2 && text.front() == '{' && text.back() == '}';

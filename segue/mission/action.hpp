@@ -5,6 +5,8 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/error.hpp>
 #include <segue/base/id.hpp>
+#include <segue/mission/controller_use.hpp>
+#include <segue/mission/port.hpp>
 #include <segue/type/value.hpp>
 
 #include <array>
@@ -20,33 +22,6 @@
 namespace segue::mission {
 
 using ActionName = Id<struct ActionTag>;
-
-/// The place in a file at which something was declared. All are equal, so that missions compare by content.
-struct SourcePlace : SourceLocation {
-  SourcePlace() = default;
-  SourcePlace(SourceLocation where)
-      : SourceLocation(std::move(where)) {}  // NOLINT(google-explicit-constructor)
-  friend bool operator==(const SourcePlace&, const SourcePlace&) { return true; }
-};
-
-/// An input, an output, a scoped variable or a global variable. `type` is any, bool, int, float, text, list
-/// or map, or the name of another type, which accepts any value. `value` is the default; the text "$name"
-/// stands for the global variable `name` at the time of reading, "$$name" for the text "$name".
-struct Port {
-  std::string name;
-  std::string type = "any";
-  type::Value value;
-  SourcePlace where;
-  friend bool operator==(const Port&, const Port&) = default;
-};
-
-/// A default with which a state overrides that of a port of its action or library.
-struct PortValue {
-  std::string port;
-  type::Value value;
-  SourcePlace where;
-  friend bool operator==(const PortValue&, const PortValue&) = default;
-};
 
 enum class ResourceClass { System, Process, Module, World, Task };
 inline constexpr std::array<std::string_view, 5> kResourceClassNames = {"system", "process", "module",
@@ -129,7 +104,7 @@ struct Decision {
   friend bool operator==(const Decision&, const Decision&) = default;
 };
 
-using Procedure = std::variant<std::monostate, Callback, Script, Simulated, Decision>;
+using Procedure = std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse>;
 
 /// What a leaf of the state machine does, and what is declared about it.
 struct Action {

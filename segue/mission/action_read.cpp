@@ -172,10 +172,16 @@ Procedure read_run(Fields& action, const Source& source) {
     ++ways;
     run = read_decision(*decision, action.what(), source);
   }
+  if (fields.find("controller") != nullptr) {
+    ++ways;
+    run = read_controller(fields, source);
+  }
   fields.finish();
   if (ways != 1) {
-    source.error("bad-run",
-                 fields.what() + ": expected exactly one of callback, python, simulated and decide", *value);
+    source.error(
+        "bad-run",
+        fields.what() + ": expected exactly one of callback, python, simulated, decide and controller",
+        *value);
   }
   return run;
 }

@@ -127,6 +127,9 @@ void Runners::add(const std::string& callback, std::shared_ptr<ActionRunner> run
 void Runners::set_scripts(std::shared_ptr<ActionRunner> runner) {
   scripts_ = std::move(runner);
 }
+void Runners::set_controllers(std::shared_ptr<ActionRunner> runner) {
+  controllers_ = std::move(runner);
+}
 void Runners::simulate_all() {
   simulate_all_ = true;
 }
@@ -150,6 +153,18 @@ Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission
   return result;
 }
 
+namespace {
+
+/// Why nothing runs such an action.
+std::string_view why_not(const Procedure& run) {
+  if (std::holds_alternative<Script>(run)) return ": this program runs no scripts; simulate it";
+  if (std::holds_alternative<ControllerUse>(run))
+    return ": it is a controller, and there is no robot; run the mission with --robot, or simulate it";
+  return " does not say under 'run' how it runs; simulate it, or say it";
+}
+
+}  // namespace
+
 Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) const {
   const std::string what = "action " + quote(action.name.str());
   if (std::holds_alternative<Decision>(action.run)) return decisions_;
@@ -164,11 +179,8 @@ Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) c
         action.name.str(), action.where);
   }
   if (std::holds_alternative<Script>(action.run) && scripts_) return scripts_;
-  const bool script = std::holds_alternative<Script>(action.run);
-  return fail(ErrorCode::NotFound,
-              what + (script ? ": this program runs no scripts; simulate it"
-                             : " does not say under 'run' how it runs; simulate it, or say it"),
-              action.name.str(), action.where);
+  if (std::holds_alternative<ControllerUse>(action.run) && controllers_) return controllers_;
+  return fail(ErrorCode::NotFound, what + std::string(why_not(action.run)), action.name.str(), action.where);
 }
 
 }  // namespace segue::mission

@@ -128,6 +128,8 @@ class Runners {
   void add(const std::string& callback, std::shared_ptr<ActionRunner> runner);
   /// The runner of all actions with a script, such as a ScriptRunner.
   void set_scripts(std::shared_ptr<ActionRunner> runner);
+  /// The runner of all actions that are controllers, such as a ControllerRunner.
+  void set_controllers(std::shared_ptr<ActionRunner> runner);
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
   /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
@@ -143,6 +145,7 @@ class Runners {
 
   std::unordered_map<std::string, std::shared_ptr<ActionRunner>> callbacks_;
   std::shared_ptr<ActionRunner> scripts_;
+  std::shared_ptr<ActionRunner> controllers_;
   std::shared_ptr<ActionRunner> simulation_;
   std::shared_ptr<ActionRunner> expectation_;
   std::shared_ptr<ActionRunner> decisions_;

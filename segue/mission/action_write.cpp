@@ -65,6 +65,10 @@ Value write_run(const Decision& decision) {
   return Value::map({{"decide", std::move(rules)}});
 }
 
+Value write_run(const ControllerUse& use) {
+  return write_controller(use);
+}
+
 Value write_run(std::monostate /*nothing*/) {
   return {};
 }

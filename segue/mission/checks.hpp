@@ -20,6 +20,8 @@ void check_actions(const Mission& mission, Diagnostics& diagnostics);
 void check_facts(const Mission& mission, Diagnostics& diagnostics);
 /// Resources that an action needs but that can never exist.
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
+/// What actions that are controllers say about their inputs, outputs and outcomes.
+void check_controllers(const Mission& mission, Diagnostics& diagnostics);
 /// States that begin only when too few units are left for them. Requires a mission without errors.
 void check_units(const MissionIndex& index, Diagnostics& diagnostics);
 /// Names, transitions, reachability, deciders, recursion of libraries.

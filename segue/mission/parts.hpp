@@ -32,6 +32,8 @@ void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& reso
 /// Reads what an action declares of its facts, resources and class, and what is expected of it.
 void read_declarations(Action& action, Fields& fields, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
+/// Reads 'run' of an action that is a controller.
+ControllerUse read_controller(Fields& fields, const Source& source);
 Resource read_resource(const std::string& name, const type::Value& value, const Source& source);
 
 /// The writers append nothing for empty lists.
@@ -41,6 +43,7 @@ void write_outcomes(type::ValueMap& map, const std::vector<std::string>& outcome
 void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
                  const std::vector<ResourceUse>& resources);
 type::Value write_action(const Action& action);
+type::Value write_controller(const ControllerUse& use);
 type::Value write_resource(const Resource& resource);
 
 }  // namespace segue::mission::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/checks.hpp>
+#include <segue/mission/controllers.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/kept_units.hpp>
@@ -166,6 +167,7 @@ Result<std::shared_ptr<const Program>> Program::compile(Mission mission) {
   const Diagnostics problems = detail::validate(index);
   if (problems.has_errors()) return problems.to_error();
   Compiler(index, program->nodes_).run();
+  claim_controllers(program->mission_);
   move_kept_units(program->mission_);
   return std::shared_ptr<const Program>(std::move(program));
 }

@@ -70,7 +70,8 @@ class Program {
   /// InvalidArgument with the first problem that validate() finds.
   static Result<std::shared_ptr<const Program>> compile(Mission mission);
 
-  /// As it was written, but for units that are kept (move_kept_units).
+  /// As it was written, but for units that are kept (move_kept_units) and for the robot's controller
+  /// (claim_controllers).
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.
   [[nodiscard]] const std::vector<CompiledState>& nodes() const { return nodes_; }

@@ -66,11 +66,13 @@ struct Frame {
 
 class YamlReader {
  public:
-  YamlReader(std::string_view text, const std::string& file) : text_(text), file_(file) {
+  /// An empty view may point nowhere, which the parser does not take.
+  YamlReader(std::string_view text, const std::string& file)
+      : text_(text.data() == nullptr ? std::string_view("") : text), file_(file) {
     ready_ = yaml_parser_initialize(&parser_) != 0;
     if (ready_) {
-      yaml_parser_set_input_string(&parser_, reinterpret_cast<const unsigned char*>(text.data()),
-                                   text.size());
+      yaml_parser_set_input_string(&parser_, reinterpret_cast<const unsigned char*>(text_.data()),
+                                   text_.size());
     }
   }
   YamlReader(const YamlReader&) = delete;

@@ -42,6 +42,7 @@ std::string nested(std::size_t levels) {
 }
 
 TEST(Yaml, EmptyTextIsNull) {
+  EXPECT_TRUE(parsed(std::string_view()).is_null());
   EXPECT_TRUE(parsed("").is_null());
   EXPECT_TRUE(parsed("# only a comment\n").is_null());
   EXPECT_TRUE(parsed("---\n").is_null());

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace segue::mission {
+
+enum class Comparator : std::uint8_t { Equal, NotEqual, AtMost, AtLeast, Less, More };
+/// Longer signs before those that they begin with.
+inline constexpr std::array<std::string_view, 6> kComparatorSigns = {"==", "!=", "<=", ">=", "<", ">"};
+
+/// Compares a field of a sample with a constant.
+struct Comparison {
+  std::vector<std::string> field;  ///< "pose.x" as its parts; empty: the sample itself
+  Comparator comparator = Comparator::Equal;
+  type::Value value;
+  friend bool operator==(const Comparison&, const Comparison&) = default;
+};
+
+/// What a sample must be like: all comparisons hold. "code == 3 and pose.x < 1.5"; `value` is the sample
+/// itself where it has no fields.
+struct Condition {
+  std::string text;  ///< as it was written
+  std::vector<Comparison> all;
+  friend bool operator==(const Condition&, const Condition&) = default;
+};
+
+/// ParseError says what is expected. Constants are written as in YAML.
+Result<Condition> parse_condition(std::string_view text);
+
+/// False too where the sample has no such field, or an order is asked of what has none.
+bool holds(const Condition& condition, const type::Value& sample);
+
+}  // namespace segue::mission

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/parts.hpp>
+
+#include <utility>
+
+namespace segue::mission {
+
+Member parse_member(std::string_view text) {
+  const auto dot = text.find('.');
+  if (dot == std::string_view::npos) return {};
+  return {std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
+}
+
+std::string to_string(const Member& member) {
+  return member.task + '.' + member.name;
+}
+
+namespace detail {
+
+using type::Value;
+using type::ValueMap;
+
+namespace {
+
+Member read_member(std::string_view text, std::string_view example, const std::string& what, const Value& at,
+                   const Source& source) {
+  Member member = parse_member(text);
+  if (!is_identifier(member.task) || member.name.empty()) {
+    source.error(
+        "bad-member",
+        what + ": expected a task and a member of it such as " + quote(example) + ", got " + quote(text), at);
+  }
+  return member;
+}
+
+std::vector<MemberValue> read_member_values(Fields& fields, std::string_view key, std::string_view example,
+                                            const Source& source) {
+  std::vector<MemberValue> values;
+  const Value* map = fields.find(key, Value::Kind::Map);
+  if (map == nullptr) return values;
+  for (const auto& [name, value] : map->as_map())
+    values.push_back({read_member(name, example, fields.what() + ": " + quote(key), value, source), value,
+                      source.at(value)});
+  return values;
+}
+
+/// What the keys of an entry of `until` say; nothing, with an error, unless exactly one way is given.
+std::optional<decltype(EndCondition::when)> read_when(Fields& fields, const Source& source) {
+  std::vector<decltype(EndCondition::when)> found;
+  if (const auto after = fields.duration("after")) {
+    if (*after < Duration::zero())
+      source.error("bad-duration", fields.what() + ": 'after' must not be negative", fields.value());
+    found.emplace_back(TimeIsUp{*after});
+  }
+  if (fields.find("task") != nullptr) {
+    fields.require("state", "the state that ends the action");
+    found.emplace_back(TaskReaches{fields.name("task"), fields.text("state")});
+  }
+  if (const Value* port = fields.find("port", Value::Kind::String)) {
+    auto what = parse_condition(fields.text("where"));
+    if (!what) source.error("bad-condition", fields.what() + ": " + what.error().message, *port);
+    found.emplace_back(
+        SampleShows{read_member(port->as_string(), "planner.status", fields.what(), *port, source),
+                    what ? std::move(*what) : Condition{}});
+  }
+  if (const Value* operation = fields.find("call", Value::Kind::String)) {
+    const Value* is = fields.require("is", "the answer that ends the action");
+    found.emplace_back(OperationAnswers{
+        read_member(operation->as_string(), "planner.failed", fields.what(), *operation, source),
+        is == nullptr ? Value() : *is});
+  }
+  if (found.size() == 1) return std::move(found.front());
+  source.error(
+      "bad-until",
+      fields.what() + ": expected exactly one of {task, state}, {port, where}, {call, is} and {after}",
+      fields.value());
+  return std::nullopt;
+}
+
+std::vector<EndCondition> read_until(Fields& action, const Source& source) {
+  std::vector<EndCondition> all;
+  for (const Value& item : action.entries("until")) {
+    Fields fields(item, "'until' of " + action.what(), source);
+    auto when = read_when(fields, source);
+    EndCondition condition;
+    condition.outcome = fields.text("outcome");
+    condition.where = source.at(item);
+    fields.finish();
+    if (!when) continue;
+    condition.when = std::move(*when);
+    if (condition.outcome.empty() && std::holds_alternative<TimeIsUp>(condition.when))
+      condition.outcome = kAbortedName;
+    all.push_back(std::move(condition));
+  }
+  return all;
+}
+
+std::vector<OutputSource> read_sources(Fields& fields, const Source& source) {
+  std::vector<OutputSource> sources;
+  const Value* map = fields.find("outputs", Value::Kind::Map);
+  if (map == nullptr) return sources;
+  for (const auto& [output, port] : map->as_map()) {
+    const auto text = model::detail::scalar_text(port).value_or("");
+    sources.push_back({output,
+                       read_member(text, "odometry.pose", fields.what() + ": 'outputs'", port, source),
+                       source.at(port)});
+  }
+  return sources;
+}
+
+Value write_when(const TimeIsUp& when) {
+  return Value::map({{"after", format_duration(when.after)}});
+}
+Value write_when(const TaskReaches& when) {
+  return Value::map({{"task", when.task}, {"state", when.state}});
+}
+Value write_when(const SampleShows& when) {
+  return Value::map({{"port", to_string(when.port)}, {"where", when.what.text}});
+}
+Value write_when(const OperationAnswers& when) {
+  return Value::map({{"call", to_string(when.operation)}, {"is", when.is}});
+}
+
+void write_member_values(ValueMap& map, std::string_view key, const std::vector<MemberValue>& values) {
+  if (values.empty()) return;
+  ValueMap entries;
+  for (const MemberValue& one : values)
+    entries.append(to_string(one.member), one.value);
+  map.append(std::string(key), std::move(entries));
+}
+
+}  // namespace
+
+ControllerUse read_controller(Fields& fields, const Source& source) {
+  ControllerUse use;
+  use.controller = fields.text("controller");
+  use.set = read_member_values(fields, "set", "planner.speed", source);
+  use.call = read_member_values(fields, "call", "planner.set_goal", source);
+  use.until = read_until(fields, source);
+  use.outputs = read_sources(fields, source);
+  constexpr std::array<std::string_view, 2> kAfterwards = {"keep", "stop"};
+  use.stop = fields.choice("afterwards", kAfterwards, "bad-afterwards").value_or(0) == 1;
+  return use;
+}
+
+Value write_controller(const ControllerUse& use) {
+  ValueMap map;
+  map.append("controller", use.controller);
+  write_member_values(map, "set", use.set);
+  write_member_values(map, "call", use.call);
+  Value::List until;
+  for (const EndCondition& condition : use.until) {
+    Value entry = std::visit([](const auto& when) { return write_when(when); }, condition.when);
+    if (!condition.outcome.empty()) entry.as_map().append("outcome", condition.outcome);
+    until.push_back(std::move(entry));
+  }
+  if (!until.empty()) map.append("until", std::move(until));
+  ValueMap outputs;
+  for (const OutputSource& one : use.outputs)
+    outputs.append(one.output, to_string(one.port));
+  if (!outputs.empty()) map.append("outputs", std::move(outputs));
+  if (use.stop) map.append("afterwards", "stop");
+  return map;
+}
+
+}  // namespace detail
+}  // namespace segue::mission

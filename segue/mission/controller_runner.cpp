@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/controller_runner.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/mission/index.hpp>
+#include <segue/model/reader.hpp>
+
+#include <algorithm>
+#include <condition_variable>
+#include <list>
+#include <map>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+namespace segue::mission {
+
+using type::Value;
+
+namespace {
+
+TimePoint now() {
+  return RealClock::instance().now();
+}
+
+/// With the values of inputs in place of "{input}".
+Value filled(const Value& value, const ActionCall& call) {
+  if (const auto name = parameter_input(value)) return call.input(*name);
+  if (value.is_list()) {
+    Value::List list;
+    for (const Value& item : value.as_list())
+      list.push_back(filled(item, call));
+    return list;
+  }
+  if (!value.is_map()) return value;
+  type::ValueMap map;
+  for (const auto& [key, item] : value.as_map())
+    map.append(key, filled(item, call));
+  return map;
+}
+
+/// The name of a controller with the values of inputs in it.
+Result<std::string> filled_name(std::string name, const ActionCall& call) {
+  for (const std::string& input : placeholders(name)) {
+    const auto text = model::detail::scalar_text(call.input(input));
+    const std::string mark = "{" + input + "}";
+    name.replace(name.find(mark), mark.size(), text.value_or(""));
+  }
+  if (is_identifier(name)) return name;
+  return fail(ErrorCode::InvalidArgument, quote(name) + " is no name of a controller");
+}
+
+ControllerUse filled(ControllerUse use, const ActionCall& call) {
+  for (auto* values : {&use.set, &use.call}) {
+    for (MemberValue& one : *values)
+      one.value = filled(one.value, call);
+  }
+  return use;
+}
+
+Ending aborted(const Error& error) {
+  return {kAborted, to_string(error)};
+}
+
+/// Samples of one port, for conditions and outputs.
+struct Feed {
+  Member port;
+  std::unique_ptr<PortSamples> samples;
+  std::vector<Value> fresh{};  ///< since the last look
+  std::optional<Value> last{};
+};
+
+/// One execution of an action, in a thread of its own.
+class ControlledRun {
+ public:
+  struct Task {
+    ControllerUse use;
+    std::vector<Outcome> outcomes;  ///< of each of `use.until`
+    std::vector<Value> outputs;     ///< as declared; in place of those of `use.outputs` comes what is read
+    std::vector<std::size_t> output_places;  ///< of each of `use.outputs`
+  };
+
+  ControlledRun(CommandedRobot& robot, const ControllerOptions& options, Task task)
+      : robot_(robot), options_(options), task_(std::move(task)), use_(task_.use) {}
+
+  /// Blocks until the action has ended.
+  Ending run(const std::stop_token& stop) {
+    Ending ending = carry_out(stop);
+    if (!use_.stop) return ending;
+    const auto stopped = robot_.request("", now() + options_.request_deadline);
+    if (!stopped && ending.outcome >= 0) return aborted(stopped.error());
+    return ending;
+  }
+  std::vector<Value> take_outputs() { return std::move(task_.outputs); }
+
+ private:
+  Ending carry_out(const std::stop_token& stop) {
+    if (stop.stop_requested()) return {kPreempted, {}};
+    if (auto runs = robot_.request(use_.controller, now() + options_.request_deadline); !runs)
+      return aborted(runs.error());
+    if (auto told = tell(); !told) return aborted_by(told.error());
+    begin_ = now();
+    Ending ending = watch(stop);
+    if (ending.outcome < 0) return ending;
+    if (auto read = read_outputs(stop); !read) return aborted_by(read.error());
+    return ending;
+  }
+
+  /// Where the controller is gone, that is why.
+  Ending aborted_by(const Error& error) {
+    const auto runs = still_runs();
+    return aborted(runs ? error : runs.error());
+  }
+
+  /// Says what to do, and from when on tasks and ports count.
+  Result<void> tell() {
+    for (const MemberValue& one : use_.set) {
+      if (auto set = robot_.set(one.member, one.value, answer_by()); !set) return set;
+    }
+    for (const MemberValue& one : use_.call) {
+      if (auto called = robot_.call(one.member, one.value, answer_by()); !called) return called.error();
+    }
+    for (const EndCondition& condition : use_.until) {
+      if (const auto* reaches = std::get_if<TaskReaches>(&condition.when)) {
+        const auto task = robot_.task(reaches->task);
+        if (!task) return task.error();
+        told_.emplace(reaches->task, task->updates);
+      } else if (const auto* shows = std::get_if<SampleShows>(&condition.when)) {
+        if (auto opened = open(shows->port); !opened) return opened;
+      }
+    }
+    for (const OutputSource& one : use_.outputs) {
+      if (auto opened = open(one.port); !opened) return opened;
+    }
+    return {};
+  }
+
+  Result<void> open(const Member& port) {
+    if (feed(port) != nullptr) return {};
+    auto samples = robot_.open(port);
+    if (!samples) return samples.error();
+    feeds_.push_back({port, std::move(*samples)});
+    return {};
+  }
+
+  Feed* feed(const Member& port) {
+    const auto found = std::ranges::find(feeds_, port, &Feed::port);
+    return found == feeds_.end() ? nullptr : &*found;
+  }
+
+  /// Until a condition holds, the controller is lost, or the action is preempted.
+  Ending watch(const std::stop_token& stop) {
+    if (use_.until.empty()) return {0, {}};
+    TimePoint look_at_controller = begin_;
+    while (!stop.stop_requested()) {
+      if (now() >= look_at_controller) {
+        if (auto runs = still_runs(); !runs) return aborted(runs.error());
+        look_at_controller = now() + options_.watch;
+      }
+      const auto met = first_that_holds();
+      if (!met) return aborted_by(met.error());
+      if (*met < use_.until.size()) return ended_by(*met);
+      wait(stop);
+    }
+    return {kPreempted, {}};
+  }
+
+  /// The position of the first condition that holds; their number if none does.
+  Result<std::size_t> first_that_holds() {
+    if (auto looked = look_at_samples(); !looked) return looked.error();
+    for (std::size_t i = 0; i < use_.until.size(); ++i) {
+      const auto met = std::visit([this](const auto& when) { return is_met(when); }, use_.until[i].when);
+      if (!met) return met.error();
+      if (*met) return i;
+    }
+    return use_.until.size();
+  }
+
+  Ending ended_by(std::size_t condition) {
+    if (auto runs = still_runs(); !runs) return aborted(runs.error());
+    const Outcome outcome = task_.outcomes[condition];
+    if (outcome >= 0) return {outcome, {}};
+    return {outcome, std::visit([](const auto& when) { return sentence(when); }, use_.until[condition].when)};
+  }
+
+  Result<void> still_runs() {
+    const auto trouble = robot_.trouble(use_.controller);
+    if (!trouble) return trouble.error();
+    if (trouble->empty()) return {};
+    return fail(ErrorCode::InvalidState, "controller " + quote(use_.controller) + " was lost: " + *trouble);
+  }
+
+  Result<bool> is_met(const TimeIsUp& when) const { return now() - begin_ >= when.after; }
+  Result<bool> is_met(const TaskReaches& when) {
+    const auto task = robot_.task(when.task);
+    if (!task) return task.error();
+    const bool is_there = task->state == when.state || task->state_name == when.state;
+    return is_there && (task->updates > told_.at(when.task) || task->state != "running");
+  }
+  Result<bool> is_met(const SampleShows& when) {
+    return std::ranges::any_of(feed(when.port)->fresh,
+                               [&](const Value& sample) { return holds(when.what, sample); });
+  }
+  Result<bool> is_met(const OperationAnswers& when) {
+    const auto answer = robot_.call(when.operation, type::ValueMap{}, answer_by());
+    if (!answer) return answer.error();
+    return *answer == when.is;
+  }
+
+  static std::string sentence(const TimeIsUp& when) {
+    return "it had not ended after " + format_duration(when.after);
+  }
+  static std::string sentence(const TaskReaches& when) {
+    return "task " + quote(when.task) + " is " + when.state;
+  }
+  static std::string sentence(const SampleShows& when) {
+    return "a sample of " + to_string(when.port) + " showed " + when.what.text;
+  }
+  static std::string sentence(const OperationAnswers& when) {
+    return to_string(when.operation) + " answered as 'until' says";
+  }
+
+  Result<void> look_at_samples() {
+    for (Feed& one : feeds_) {
+      auto samples = one.samples->take();
+      if (!samples) return samples.error();
+      one.fresh = std::move(*samples);
+      if (!one.fresh.empty()) one.last = one.fresh.back();
+    }
+    return {};
+  }
+
+  Result<void> read_outputs(const std::stop_token& stop) {
+    const TimePoint deadline = answer_by();
+    for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
+      Feed& one = *feed(use_.outputs[i].port);
+      while (true) {
+        if (auto looked = look_at_samples(); !looked) return looked;
+        if (one.last) break;
+        if (stop.stop_requested() || now() > deadline) {
+          return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(one.port) +
+                                                       " for the output " + quote(use_.outputs[i].output));
+        }
+        wait(stop);
+      }
+      task_.outputs[task_.output_places[i]] = *one.last;
+    }
+    return {};
+  }
+
+  void wait(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any().wait_for(lock, stop, options_.period, [] { return false; });
+  }
+
+  [[nodiscard]] TimePoint answer_by() const { return now() + options_.answer_deadline; }
+
+  CommandedRobot& robot_;
+  const ControllerOptions& options_;
+  Task task_;
+  const ControllerUse& use_;
+  TimePoint begin_{};
+  std::map<std::string, std::uint64_t> told_;  ///< how often each task had been updated then
+  std::vector<Feed> feeds_;
+};
+
+}  // namespace
+
+class ControllerRunner::Implementation {
+ public:
+  Implementation(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
+      : robot_(std::move(robot)), options_(options) {}
+  ~Implementation() {
+    for (Job& job : jobs_)
+      job.stop.request_stop();
+  }
+
+  std::optional<Ending> start(ActionCall& call) {
+    const auto& use = std::get<ControllerUse>(call.action().run);
+    auto name = filled_name(use.controller, call);
+    if (!name) return aborted(name.error());
+    ControlledRun::Task task{filled(use, call), {}, {call.outputs().begin(), call.outputs().end()}, {}};
+    task.use.controller = std::move(*name);
+    for (const EndCondition& condition : use.until)
+      task.outcomes.push_back(condition.outcome.empty() ? 0
+                                                        : call.outcome(condition.outcome).value_or(kAborted));
+    for (const OutputSource& one : use.outputs)
+      task.output_places.push_back(position(call.action().outputs, one.output).value_or(0));
+    const std::lock_guard lock(mutex_);
+    std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
+    Job& job = jobs_.emplace_back();
+    const auto completed = call.defer([stop = job.stop]() mutable { stop.request_stop(); });
+    job.thread = std::jthread([this, &job, completed, task = std::move(task)]() mutable {
+      ControlledRun execution(*robot_, options_, std::move(task));
+      Ending ending = execution.run(job.stop.get_token());
+      completed(std::move(ending), execution.take_outputs());
+      job.ended = true;
+    });
+    return std::nullopt;
+  }
+
+ private:
+  struct Job {
+    std::stop_source stop;
+    std::atomic<bool> ended = false;
+    std::jthread thread;
+  };
+
+  const std::shared_ptr<CommandedRobot> robot_;
+  const ControllerOptions options_;
+  std::mutex mutex_;  ///< protects the member below
+  std::list<Job> jobs_;
+};
+
+ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(robot), options)) {}
+ControllerRunner::~ControllerRunner() = default;
+
+std::optional<Ending> ControllerRunner::start(ActionCall& call) {
+  return call.backward() ? std::optional<Ending>(Ending{}) : implementation_->start(call);
+}
+
+}  // namespace segue::mission

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/commanded_robot.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace segue::mission {
+
+struct ControllerOptions {
+  /// How often tasks, ports and operations are looked at for the end of an action.
+  Duration period = std::chrono::milliseconds(20);
+  /// How often it is checked that the controller still runs as it should.
+  Duration watch = std::chrono::milliseconds(250);
+  /// For a request, and for everything else that the robot is asked.
+  Duration request_deadline = std::chrono::seconds(60);
+  Duration answer_deadline = std::chrono::seconds(10);
+};
+
+/// Carries out actions that are controllers (ControllerUse), each in a thread of its own. An action aborts
+/// where the robot refuses what it is asked, and where its controller is replaced or fails: no action
+/// succeeds without its controller. Conditions on a task and on its ports count from its first update after
+/// it was told what to do, so what it said of an earlier goal does not end the action.
+class ControllerRunner final : public ActionRunner {
+ public:
+  explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {});
+  /// Ends what is under way as preempted; blocks until the robot has answered.
+  ~ControllerRunner() override;
+  ControllerRunner(const ControllerRunner&) = delete;
+  ControllerRunner& operator=(const ControllerRunner&) = delete;
+
+  std::optional<Ending> start(ActionCall& call) override;
+
+ private:
+  class Implementation;
+  const std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::mission

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/controller_runner.hpp>
+#include <segue/mission/engine.hpp>
+#include <segue/mission/files.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace segue::mission {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using type::Value;
+
+/// Notes what it is asked, and is as the test says.
+class FakeRobot final : public CommandedRobot {
+ public:
+  Result<void> request(std::string_view controller, TimePoint /*deadline*/) override {
+    note("request " + std::string(controller));
+    const std::lock_guard lock(mutex_);
+    if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
+    runs_ = controller;
+    return {};
+  }
+  Result<std::string> trouble(std::string_view controller) override {
+    const std::lock_guard lock(mutex_);
+    return runs_ == controller ? trouble_ : "the robot runs " + runs_;
+  }
+  Result<void> set(const Member& property, const Value& value, TimePoint /*deadline*/) override {
+    note("set " + to_string(property) + " " + std::to_string(value.as_double()));
+    return {};
+  }
+  Result<Value> call(const Member& operation, const Value& arguments, TimePoint /*deadline*/) override {
+    if (operation.name == "failed") {
+      const std::lock_guard lock(mutex_);
+      return Value(failed_);
+    }
+    const Value* goal = arguments.find("goal");
+    note("call " + to_string(operation) + (goal == nullptr ? "" : " " + goal->as_string()));
+    return Value();
+  }
+  /// Each look is another update.
+  Result<TaskView> task(std::string_view id) override {
+    const std::lock_guard lock(mutex_);
+    if (id != "planner") return fail(ErrorCode::NotFound, "no task " + std::string(id) + " runs");
+    if (updates_) ++task_.updates;
+    return task_;
+  }
+  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
+    note("open " + to_string(port));
+    return std::make_unique<Samples>(*this);
+  }
+
+  void become(const std::string& state) {
+    change([&] { task_.state_name = state; });
+  }
+  void stand_still() {
+    change([&] { updates_ = false; });
+  }
+  void show(Value sample) {
+    change([&] { samples_.push_back(std::move(sample)); });
+  }
+  void fail_by_call() {
+    change([&] { failed_ = true; });
+  }
+  void lose(const std::string& why) {
+    change([&] { trouble_ = why; });
+  }
+  void switch_away() {
+    change([&] { runs_ = "explore"; });
+  }
+  void refuse() {
+    change([&] { refuses_ = true; });
+  }
+  std::vector<std::string> asked() {
+    const std::lock_guard lock(mutex_);
+    return asked_;
+  }
+  void wait_until_asked(const std::string& what) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(asked_one_.wait_for(lock, 60s, [&] { return std::ranges::count(asked_, what) > 0; })) << what;
+  }
+
+ private:
+  class Samples final : public PortSamples {
+   public:
+    explicit Samples(FakeRobot& robot) : robot_(robot) {}
+    Result<std::vector<Value>> take() override {
+      const std::lock_guard lock(robot_.mutex_);
+      std::vector<Value> samples(robot_.samples_.begin() + static_cast<std::ptrdiff_t>(taken_),
+                                 robot_.samples_.end());
+      taken_ = robot_.samples_.size();
+      return samples;
+    }
+
+   private:
+    FakeRobot& robot_;
+    std::size_t taken_ = 0;
+  };
+
+  void change(const std::function<void()>& how) {
+    const std::lock_guard lock(mutex_);
+    how();
+  }
+  void note(std::string what) {
+    const std::lock_guard lock(mutex_);
+    asked_.push_back(std::move(what));
+    asked_one_.notify_all();
+  }
+
+  std::mutex mutex_;  ///< protects all below
+  std::condition_variable asked_one_;
+  std::vector<std::string> asked_;
+  std::string runs_;
+  std::string trouble_;
+  TaskView task_{"running", "driving", 0};
+  bool updates_ = true;
+  bool failed_ = false;
+  bool refuses_ = false;
+  std::vector<Value> samples_;
+};
+
+class ControllerActions : public ::testing::Test {
+ protected:
+  /// A mission of one action with that 'run'.
+  void begin(const std::string& run) {
+    Diagnostics diagnostics;
+    auto mission = read_mission(
+        "mission: m\n"
+        "actions:\n"
+        "  go:\n"
+        "    inputs: {where: {type: text, default: home}}\n"
+        "    outputs: {pose: any}\n"
+        "    outcomes: [arrived, blocked]\n"
+        "    run: {" +
+            run +
+            "}\n"
+            "outcomes: [arrived, blocked]\n"
+            "outputs: {pose: any}\n"
+            "start: go\n"
+            "flows: [go.pose -> outputs.pose]\n"
+            "states: {go: {on: {arrived: return arrived, blocked: return blocked}}}\n",
+        "m.yaml", diagnostics);
+    ASSERT_TRUE(mission) << to_string(diagnostics);
+    auto program = Program::compile(std::move(*mission));
+    ASSERT_TRUE(program) << to_string(program.error());
+    Runners runners;
+    ControllerOptions options;
+    options.period = 1ms;
+    options.watch = 1ms;
+    runners.set_controllers(std::make_shared<ControllerRunner>(robot_, options));
+    auto engine = Engine::create(*program, runners);
+    ASSERT_TRUE(engine) << to_string(engine.error());
+    engine_ = std::move(*engine);
+    thread_ = std::jthread([this] { engine_->run(); });
+  }
+  const MissionResult& ended() {
+    thread_.join();
+    return engine_->result();
+  }
+
+  std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
+  std::unique_ptr<Engine> engine_;
+  std::jthread thread_;
+};
+
+constexpr const char* kArrived = "until: [{task: planner, state: arrived, outcome: arrived}]";
+
+TEST_F(ControllerActions, TellTheRobotWhatToDoAndWaitForTheEnd) {
+  begin(std::string("controller: 'go_{where}', set: {planner.speed: 0.5}, call: {planner.set_goal: {goal: "
+                    "'{where}'}}, ") +
+        kArrived);
+  robot_->wait_until_asked("call planner.set_goal home");
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+  EXPECT_THAT(robot_->asked(),
+              ElementsAre("request go_home", "set planner.speed 0.500000", "call planner.set_goal home"));
+}
+
+TEST_F(ControllerActions, EndAtOnceWithoutAnEndToWaitFor) {
+  begin("controller: go_home");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+}
+
+TEST_F(ControllerActions, AreNotEndedByWhatATaskSaidBefore) {
+  robot_->become("arrived");
+  robot_->stand_still();
+  begin(
+      std::string("controller: go_home, until: [{task: planner, state: arrived, outcome: arrived}, {port: "
+                  "planner.status, where: 'value == 1', outcome: blocked}]"));
+  robot_->wait_until_asked("open planner.status");
+  robot_->show(0);
+  robot_->show(1);
+  EXPECT_EQ(ended().outcome_name, "blocked");
+}
+
+TEST_F(ControllerActions, EndByAnAnswerOrByTime) {
+  begin("controller: go_home, until: [{call: planner.failed, is: true, outcome: blocked}]");
+  robot_->fail_by_call();
+  EXPECT_EQ(ended().outcome_name, "blocked");
+  begin("controller: go_home, until: [{after: 2ms}]");
+  const auto& late = ended();
+  EXPECT_EQ(late.outcome_name, "aborted");
+  EXPECT_THAT(late.error, HasSubstr("it had not ended after 2ms"));
+}
+
+TEST_F(ControllerActions, ReadTheirOutputsFromPorts) {
+  begin("controller: go_home, until: [{after: 0s, outcome: arrived}], outputs: {pose: odometry.pose}");
+  robot_->wait_until_asked("open odometry.pose");
+  robot_->show(7);
+  const auto& result = ended();
+  EXPECT_EQ(result.outcome_name, "arrived");
+  EXPECT_EQ(result.outputs[0], Value(7));
+}
+
+TEST_F(ControllerActions, AbortWhereTheRobotRefuses) {
+  robot_->refuse();
+  begin(std::string("controller: go_home, ") + kArrived);
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("refused by the test"));
+}
+
+TEST_F(ControllerActions, AbortWhereTheControllerIsLost) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_asked("request go_home");
+  robot_->lose("task 'planner' failed still");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("controller 'go_home' was lost: task 'planner' failed still"));
+}
+
+TEST_F(ControllerActions, DoNotSucceedWhereAnotherControllerTookOver) {
+  begin("controller: go_home, until: [{port: planner.status, where: 'value == 1', outcome: arrived}]");
+  robot_->wait_until_asked("open planner.status");
+  robot_->switch_away();
+  robot_->show(1);
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("was lost: the robot runs explore"));
+}
+
+TEST_F(ControllerActions, ArePreemptedAndStopTheRobotIfTheySaySo) {
+  begin("controller: go_home, until: [{task: planner, state: arrived}], afterwards: stop");
+  robot_->wait_until_asked("request go_home");
+  engine_->stop();
+  EXPECT_EQ(ended().outcome_name, "preempted");
+  EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "request "));
+}
+
+TEST_F(ControllerActions, NameAController) {
+  begin("controller: '{where}/..', until: []");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("'home/..' is no name of a controller"));
+}
+
+}  // namespace
+}  // namespace segue::mission

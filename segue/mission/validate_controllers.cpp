@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
+#include <segue/mission/checks.hpp>
+#include <segue/mission/controllers.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::mission::detail {
+
+using type::Value;
+
+namespace {
+
+class ControllerCheck {
+ public:
+  ControllerCheck(const Action& action, const ControllerUse& use, Diagnostics& diagnostics)
+      : action_(action), use_(use), diagnostics_(diagnostics), what_("action " + quote(action.name.str())) {}
+
+  void run() {
+    for (const std::string& name : placeholders(use_.controller))
+      check_input(name, action_.where);
+    for (const auto* values : {&use_.set, &use_.call}) {
+      for (const MemberValue& one : *values)
+        check_inputs(one.value, one.where);
+    }
+    for (const EndCondition& condition : use_.until)
+      check_outcome(condition);
+    for (const OutputSource& one : use_.outputs)
+      check_output(one);
+    if (action_.pure || action_.sensing) {
+      error("bad-class", "a controller moves the robot, so it is neither pure nor sensing", action_.where);
+    }
+  }
+
+ private:
+  void error(std::string code, const std::string& message, const SourcePlace& where) {
+    diagnostics_.error(std::move(code), what_ + ": " + message, where);
+  }
+
+  void check_input(const std::string& name, const SourcePlace& where) {
+    if (position(action_.inputs, name)) return;
+    error("unknown-port",
+          "it uses the input " + quote(name) + ", which it does not have" + suggestion(action_.inputs, name),
+          where);
+  }
+
+  void check_inputs(const Value& value, const SourcePlace& where) {
+    if (const auto name = parameter_input(value)) return check_input(*name, where);
+    if (value.is_list()) {
+      for (const Value& item : value.as_list())
+        check_inputs(item, where);
+    } else if (value.is_map()) {
+      for (const auto& [key, item] : value.as_map())
+        check_inputs(item, where);
+    }
+  }
+
+  void check_outcome(const EndCondition& condition) {
+    const auto& own = action_.outcomes;
+    const bool known = condition.outcome.empty() ? !own.empty()
+                                                 : condition.outcome == kAbortedName ||
+                                                       std::ranges::find(own, condition.outcome) != own.end();
+    if (known) return;
+    error("unknown-outcome",
+          "it has no outcome " + quote(condition.outcome) + did_you_mean(condition.outcome, own),
+          condition.where);
+  }
+
+  void check_output(const OutputSource& one) {
+    if (!position(action_.outputs, one.output)) {
+      error("unknown-port", "it has no output " + quote(one.output) + suggestion(action_.outputs, one.output),
+            one.where);
+    }
+  }
+
+  const Action& action_;
+  const ControllerUse& use_;
+  Diagnostics& diagnostics_;
+  const std::string what_;
+};
+
+}  // namespace
+
+void check_controllers(const Mission& mission, Diagnostics& diagnostics) {
+  for (const Action& action : mission.actions) {
+    if (const auto* use = std::get_if<ControllerUse>(&action.run))
+      ControllerCheck(action, *use, diagnostics).run();
+  }
+}
+
+}  // namespace segue::mission::detail

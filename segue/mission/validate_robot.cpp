@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/base/life_cycle.hpp>
+#include <segue/base/text.hpp>
+#include <segue/mission/controllers.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace segue::mission {
+
+using model::ComponentModel;
+using type::Value;
+
+namespace {
+
+template <class Items>
+std::vector<std::string> names_of(const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items)
+    names.push_back(item.name);
+  return names;
+}
+
+/// What one action asks of one controller.
+class UseCheck {
+ public:
+  UseCheck(const std::string& action, const ControllerUse& use, const model::Network& controller,
+           const model::ComponentCatalog& catalog, Diagnostics& diagnostics)
+      : what_("action " + quote(action)),
+        use_(use),
+        controller_(controller),
+        catalog_(catalog),
+        diagnostics_(diagnostics) {}
+
+  void run() {
+    for (const MemberValue& one : use_.set)
+      check_property(one);
+    for (const MemberValue& one : use_.call) {
+      if (const auto* operation = find_operation(one.member, one.where)) check_arguments(*operation, one);
+    }
+    for (const EndCondition& condition : use_.until)
+      std::visit([&](const auto& when) { check(when, condition.where); }, condition.when);
+    for (const OutputSource& one : use_.outputs)
+      check_port(one.port, one.where);
+  }
+
+ private:
+  void error(std::string code, const std::string& message, const SourcePlace& where) {
+    diagnostics_.error(std::move(code),
+                       what_ + ": in controller " + quote(controller_.name.str()) + ", " + message, where);
+  }
+
+  /// The component model of a task; nullptr, with an error, if there is no such task, and without one if its
+  /// component is not known.
+  const ComponentModel* component_of(const std::string& task, const SourcePlace& where) {
+    const auto* found = controller_.find_task(model::TaskId(task));
+    if (found != nullptr) return catalog_.find(found->component);
+    std::vector<std::string> names;
+    for (const auto& one : controller_.tasks)
+      names.push_back(one.id.str());
+    error("unknown-task", "there is no task " + quote(task) + did_you_mean(task, names), where);
+    return nullptr;
+  }
+
+  void no_member(std::string_view kind, const Member& member, const std::vector<std::string>& names,
+                 const SourcePlace& where) {
+    error("unknown-" + std::string(kind.substr(kind.rfind(' ') + 1)),
+          "task " + quote(member.task) + " has no " + std::string(kind) + " " + quote(member.name) +
+              did_you_mean(member.name, names),
+          where);
+  }
+
+  void check_property(const MemberValue& one) {
+    const auto* component = component_of(one.member.task, one.where);
+    const std::string name = one.member.name.substr(0, one.member.name.find('.'));
+    if (component == nullptr || component->find_property(name) != nullptr) return;
+    no_member("property", one.member, names_of(component->properties), one.where);
+  }
+
+  const model::OperationModel* find_operation(const Member& member, const SourcePlace& where) {
+    const auto* component = component_of(member.task, where);
+    if (component == nullptr) return nullptr;
+    const auto found = std::ranges::find(component->operations, member.name, &model::OperationModel::name);
+    if (found != component->operations.end()) return &*found;
+    no_member("operation", member, names_of(component->operations), where);
+    return nullptr;
+  }
+
+  /// An input as the value as a whole may be anything.
+  void check_arguments(const model::OperationModel& operation, const MemberValue& one) {
+    const bool none = one.value.is_null();
+    if (!none && !one.value.is_map()) return;
+    const auto names = names_of(operation.arguments);
+    for (const std::string& name : names) {
+      if (!none && one.value.find(name) != nullptr) continue;
+      error("missing-argument", to_string(one.member) + " needs the argument " + quote(name), one.where);
+    }
+    if (none) return;
+    for (const auto& [name, value] : one.value.as_map()) {
+      if (std::ranges::find(names, name) != names.end()) continue;
+      error("unknown-argument",
+            to_string(one.member) + " has no argument " + quote(name) + did_you_mean(name, names), one.where);
+    }
+  }
+
+  void check_port(const Member& port, const SourcePlace& where) {
+    const auto* component = component_of(port.task, where);
+    if (component == nullptr || component->find_port(port.name, model::Direction::Output) != nullptr) return;
+    if (component->incomplete) return;
+    std::vector<std::string> names;
+    for (const auto& one : component->ports) {
+      if (one.direction == model::Direction::Output) names.push_back(one.name);
+    }
+    no_member("output port", port, names, where);
+  }
+
+  void check(const TimeIsUp& /*when*/, const SourcePlace& /*where*/) {}
+  void check(const SampleShows& when, const SourcePlace& where) { check_port(when.port, where); }
+  void check(const OperationAnswers& when, const SourcePlace& where) {
+    const auto* operation = find_operation(when.operation, where);
+    if (operation == nullptr || operation->arguments.empty()) return;
+    error("missing-argument",
+          to_string(when.operation) + " has arguments, so it cannot be asked for the end of an action",
+          where);
+  }
+  void check(const TaskReaches& when, const SourcePlace& where) {
+    const auto* component = component_of(when.task, where);
+    if (component == nullptr || component->incomplete) return;
+    std::vector<std::string> names(kTaskStateNames.begin(), kTaskStateNames.end());
+    for (const auto* states : {&component->nominal_states, &component->error_states})
+      names.insert(names.end(), states->begin(), states->end());
+    if (std::ranges::find(names, when.state) != names.end()) return;
+    no_member("state", {when.task, when.state}, names, where);
+  }
+
+  const std::string what_;
+  const ControllerUse& use_;
+  const model::Network& controller_;
+  const model::ComponentCatalog& catalog_;
+  Diagnostics& diagnostics_;
+};
+
+/// With '*' in place of what inputs say.
+std::string pattern_of(std::string name) {
+  for (const std::string& input : placeholders(name))
+    name.replace(name.find("{" + input + "}"), input.size() + 2, "*");
+  return name;
+}
+
+}  // namespace
+
+void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
+                       const model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  std::vector<std::string> names;
+  for (const auto& controller : controllers)
+    names.push_back(controller.name.str());
+  for (const Action& action : mission.actions) {
+    const auto* use = std::get_if<ControllerUse>(&action.run);
+    if (use == nullptr) continue;
+    const std::string pattern = pattern_of(use->controller);
+    bool found = false;
+    for (const auto& controller : controllers) {
+      if (!matches_glob(pattern, controller.name.str())) continue;
+      found = true;
+      UseCheck(action.name.str(), *use, controller, catalog, diagnostics).run();
+    }
+    if (found) continue;
+    diagnostics.error("unknown-controller",
+                      "action " + quote(action.name.str()) + ": the robot has no controller " +
+                          quote(use->controller) + did_you_mean(use->controller, names),
+                      action.where);
+  }
+}
+
+}  // namespace segue::mission
