@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/type/describe.hpp>
+#include <segue/type/eigen.hpp>
+
+#include <vector>
+
+/// What the components of mobile robots and arms say to each other. Lengths in metres, angles in radians,
+/// `time` in seconds of the robot's clock. Frames are right-handed: x forward, y to the left, z upward; those
+/// of cameras: x to the right, y downward, z forward.
+namespace messages {
+
+/// A pose in a plane; theta is measured counterclockwise from the x axis.
+struct Pose2D {
+  double x = 0;
+  double y = 0;
+  double theta = 0;
+};
+
+/// A velocity in a plane, in the frame of the moving body.
+struct Twist2D {
+  double linear = 0;   ///< m/s, forward
+  double angular = 0;  ///< rad/s, counterclockwise
+};
+
+/// Where a vehicle is, in the frame in which it started, and how it moves.
+struct Odometry {
+  double time = 0;
+  Pose2D pose;
+  Twist2D twist;
+};
+
+struct Pose {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+};
+
+struct Twist {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
+};
+
+/// Poses to be passed one after the other.
+struct Path {
+  std::vector<Pose2D> poses;
+};
+
+/// A map of square cells, row by row from the corner with the smallest x and y.
+struct OccupancyGrid {
+  double time = 0;
+  double resolution = 0.05;  ///< m, side of a cell
+  double x = 0;              ///< m, of the corner of the first cell
+  double y = 0;
+  std::uint32_t width = 0;         ///< cells in a row
+  std::uint32_t height = 0;        ///< rows
+  std::vector<std::int8_t> cells;  ///< percent that the cell is occupied, or -1: unknown
+};
+
+}  // namespace messages
+
+SEGUE_TYPE(messages::Pose2D, x, y, theta)
+SEGUE_TYPE(messages::Twist2D, linear, angular)
+SEGUE_TYPE(messages::Odometry, time, pose, twist)
+SEGUE_TYPE(messages::Pose, position, orientation)
+SEGUE_TYPE(messages::Twist, linear, angular)
+SEGUE_TYPE(messages::Path, poses)
+SEGUE_TYPE(messages::OccupancyGrid, time, resolution, x, y, width, height, cells)
