@@ -4,34 +4,18 @@
 // sequence is a count of four bytes and its items, a text the same with a final zero byte, an optional a
 // sequence of at most one item, a struct without members one byte. Matrices are written by rows.
 #include <segue/type/cdr_object.hpp>
-#include <segue/type/copy_bytes.hpp>
-#include <segue/type/described_type.hpp>
+#include <segue/type/cdr_parts.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace segue::type {
+namespace detail::cdr {
 namespace {
-
-using detail::CdrPlan;
-using detail::CdrRun;
-using detail::DescribedField;
-using detail::DescribedType;
-using detail::Shape;
-
-using Count = std::uint32_t;
-
-static_assert(std::endian::native == std::endian::little);
-
-constexpr std::array<std::byte, 4> kHeader = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
-constexpr std::size_t kPadding = 3;  // RTPS fills messages up to a multiple of four bytes
-/// As in flat.cpp.
-constexpr int kMostLevels = 100;
 
 const std::byte* at(const void* object, std::size_t offset) {
   return static_cast<const std::byte*>(object) + offset;
@@ -41,70 +25,19 @@ std::byte* at(void* object, std::size_t offset) {
   return static_cast<std::byte*>(object) + offset;
 }
 
-std::size_t gap_before(std::size_t position, std::size_t alignment) {
-  return (alignment - position % alignment) % alignment;
-}
-
 bool is_bits(const DescribedType& described) {
-  return described.conversion.to_value == &detail::bits_to_value;
+  return described.conversion.to_value == &bits_to_value;
 }
-
-bool is_fixed_matrix(const DescribedType& described) {
-  return described.grid.number != nullptr && described.grid.size == nullptr;
-}
-
-/// Rows and columns of a matrix, and where its numbers lie.
-struct Grid {
-  std::size_t rows = 0;
-  std::size_t columns = 0;
-  bool by_rows = false;
-
-  [[nodiscard]] std::size_t place(std::size_t row, std::size_t column) const {
-    return by_rows ? row * columns + column : column * rows + row;
-  }
-};
 
 Grid fixed_grid(const DescribedType& described) {
   const Type& type = described.shape->type;
   return {type.count, described.shape->element->shape->type.count, described.grid.by_rows};
 }
 
-/// The output behind the header: counts bytes, and writes them where there is memory.
-class Sink {
- public:
-  Sink() : limit_(std::numeric_limits<std::size_t>::max()) {}
-  explicit Sink(std::span<std::byte> bytes) : bytes_(bytes.data()), limit_(bytes.size()) {}
-
-  [[nodiscard]] std::size_t used() const { return used_; }
-
-  bool put(const void* from, std::size_t size) {
-    if (size > limit_ - used_) return false;
-    if (bytes_ != nullptr) detail::copy_bytes(bytes_ + used_, from, size);
-    used_ += size;
-    return true;
-  }
-  bool align(std::size_t alignment) {
-    static constexpr std::array<std::byte, 8> kZeros{};
-    return put(kZeros.data(), gap_before(used_, alignment));
-  }
-  bool put_count(std::size_t number) {
-    if (number > std::numeric_limits<Count>::max()) return false;
-    const auto count = static_cast<Count>(number);
-    return align(sizeof count) && put(&count, sizeof count);
-  }
-
-  bool enter() { return ++level_ <= kMostLevels; }
-  void leave() { --level_; }
-
- private:
-  std::byte* bytes_ = nullptr;
-  std::size_t limit_;
-  std::size_t used_ = 0;
-  int level_ = 0;
-};
-
 bool put(const DescribedType& described, const void* object, Sink& sink);
 bool put_parts(const DescribedType& described, const void* object, Sink& sink);
+
+}  // namespace
 
 bool put_items(const DescribedType& element, const void* items, std::size_t count, Sink& sink) {
   const CdrPlan& plan = element.shape->cdr;
@@ -118,6 +51,8 @@ bool put_items(const DescribedType& element, const void* items, std::size_t coun
   }
   return true;
 }
+
+namespace {
 
 bool put_run(const Shape& shape, const CdrRun& run, const void* object, Sink& sink) {
   if (run.count > 0) {
@@ -151,14 +86,21 @@ bool put_numbers(const DescribedType& number, const Grid& grid, const void* numb
   return true;
 }
 
-bool put_matrix(const DescribedType& described, const void* object, Sink& sink) {
-  const detail::MatrixAccess& access = described.grid;
-  if (is_fixed_matrix(described)) return put_numbers(*access.number, fixed_grid(described), object, sink);
-  const std::array<std::size_t, 2> size = access.size(object);
-  const Grid grid{size[0], size[1], access.by_rows};
+}  // namespace
+
+bool put_grid(const DescribedType& number, const Grid& grid, const void* numbers, Sink& sink) {
+  const std::array<std::uint64_t, 2> size = {grid.rows, grid.columns};
   return sink.align(sizeof(std::int64_t)) && sink.put(size.data(), sizeof size) &&
-         sink.put_count(grid.rows * grid.columns) &&
-         put_numbers(*access.number, grid, access.numbers(object), sink);
+         sink.put_count(grid.rows * grid.columns) && put_numbers(number, grid, numbers, sink);
+}
+
+namespace {
+
+bool put_matrix(const DescribedType& described, const void* object, Sink& sink) {
+  const MatrixAccess& access = described.grid;
+  if (is_fixed_matrix(described)) return put_numbers(*access.number, fixed_grid(described), object, sink);
+  const auto [rows, columns] = access.size(object);
+  return put_grid(*access.number, {rows, columns, access.by_rows}, access.numbers(object), sink);
 }
 
 bool put_text(const std::string& text, Sink& sink) {
@@ -190,73 +132,16 @@ bool put(const DescribedType& described, const void* object, Sink& sink) {
                                      : put_parts(described, object, sink);
 }
 
-/// The unread input behind the header.
-class Source {
- public:
-  Source(std::span<const std::byte> bytes, bool swapped) : bytes_(bytes), swapped_(swapped) {}
-
-  [[nodiscard]] std::size_t left() const { return bytes_.size() - used_; }
-  /// Whether numbers have the other byte order.
-  [[nodiscard]] bool swapped() const { return swapped_; }
-  [[nodiscard]] bool is_at(std::size_t alignment) const { return used_ % alignment == 0; }
-
-  bool align(std::size_t alignment) {
-    const std::size_t gap = gap_before(used_, alignment);
-    if (gap > left()) return false;
-    used_ += gap;
-    return true;
-  }
-  bool get(void* to, std::size_t size) {
-    if (size > left()) return false;
-    detail::copy_bytes(to, bytes_.data() + used_, size);
-    used_ += size;
-    return true;
-  }
-  bool get_number(void* to, std::size_t size) {
-    if (!align(size) || !get(to, size)) return false;
-    auto* bytes = static_cast<std::byte*>(to);
-    if (swapped_) std::reverse(bytes, bytes + size);
-    return true;
-  }
-  /// A count of items of at least `least` bytes each; false where the remaining input, apart from what is
-  /// claimed, cannot hold so many.
-  bool get_count(std::size_t& number, std::size_t least) {
-    Count count = 0;
-    if (!get_number(&count, sizeof count)) return false;
-    number = count;
-    return count <= (left() - std::min(left(), claimed_)) / least;
-  }
-  /// The bytes that items which exist already, but have not been read yet, need at least. Without that a
-  /// message of a type that contains itself could claim the same bytes at each level.
-  void claim(std::size_t size) { claimed_ += size; }
-  void release(std::size_t size) { claimed_ -= size; }
-  /// Skips bytes and returns the first. Requires that so many are left.
-  const std::byte* skip(std::size_t size) {
-    const std::byte* skipped = bytes_.data() + used_;
-    used_ += size;
-    return skipped;
-  }
-
-  bool enter() { return ++level_ <= kMostLevels; }
-  void leave() { --level_; }
-
- private:
-  std::span<const std::byte> bytes_;
-  std::size_t used_ = 0;
-  std::size_t claimed_ = 0;
-  bool swapped_;
-  int level_ = 0;
-};
-
-bool get(const DescribedType& described, void* object, Source& source);
 bool get_parts(const DescribedType& described, void* object, Source& source);
 
 bool sanitize_all(const DescribedType& element, void* items, std::size_t count) {
   bool valid = true;
   for (std::size_t i = 0; element.flat.checked && i < count; ++i)
-    valid = detail::sanitize(element, at(items, i * element.info.size)) && valid;
+    valid = sanitize(element, at(items, i * element.info.size)) && valid;
   return valid;
 }
+
+}  // namespace
 
 bool get_items(const DescribedType& element, void* items, std::size_t count, Source& source) {
   const CdrPlan& plan = element.shape->cdr;
@@ -272,6 +157,10 @@ bool get_items(const DescribedType& element, void* items, std::size_t count, Sou
   return true;
 }
 
+namespace {
+
+bool get(const DescribedType& described, void* object, Source& source);
+
 bool get_run(const Shape& shape, const CdrRun& run, void* object, Source& source) {
   const auto fields = std::span(shape.fields).subspan(run.begin, std::max<std::size_t>(run.count, 1));
   if (run.count > 0 && !source.swapped()) {
@@ -280,7 +169,7 @@ bool get_run(const Shape& shape, const CdrRun& run, void* object, Source& source
       if (!source.get(at(object, run.offset), run.size)) return false;
       bool valid = true;
       for (const DescribedField& field : run.checked ? fields : fields.first(0))
-        valid = detail::sanitize(*field.type, at(object, field.offset)) && valid;
+        valid = sanitize(*field.type, at(object, field.offset)) && valid;
       return valid;
     }
   }
@@ -296,15 +185,22 @@ bool get_compound(const Shape& shape, void* object, Source& source) {
                              [&](const CdrRun& run) { return get_run(shape, run, object, source); });
 }
 
-bool get_bits(std::vector<bool>& bits, Source& source) {
-  std::size_t count = 0;
-  if (!source.get_count(count, 1)) return false;
-  const std::span<const std::byte> values(source.skip(count), count);
-  if (!std::ranges::all_of(values, [](std::byte value) { return value <= std::byte{1}; })) return false;
-  bits.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
+bool get_vector_of_bits(std::vector<bool>& bits, Source& source) {
+  std::span<const std::byte> values;
+  if (!get_bits(values, source)) return false;
+  bits.resize(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
     bits[i] = values[i] != std::byte{0};
   return true;
+}
+
+}  // namespace
+
+bool get_bits(std::span<const std::byte>& bits, Source& source) {
+  std::size_t count = 0;
+  if (!source.get_count(count, 1)) return false;
+  bits = {source.skip(count), count};
+  return std::ranges::all_of(bits, [](std::byte bit) { return bit <= std::byte{1}; });
 }
 
 bool get_numbers(const DescribedType& number, const Grid& grid, void* numbers, Source& source) {
@@ -319,27 +215,41 @@ bool get_numbers(const DescribedType& number, const Grid& grid, void* numbers, S
   return true;
 }
 
-bool get_matrix(const DescribedType& described, void* object, Source& source) {
-  const detail::MatrixAccess& access = described.grid;
-  if (is_fixed_matrix(described)) return get_numbers(*access.number, fixed_grid(described), object, source);
-  std::array<std::size_t, 2> size{};
+bool get_grid(const DescribedType& number, std::array<std::size_t, 2>& size, Source& source) {
   auto& [rows, columns] = size;
   std::size_t count = 0;
   if (!source.get_number(&rows, sizeof rows) || !source.get_number(&columns, sizeof columns)) return false;
-  if (!source.get_count(count, access.number->info.size)) return false;
+  if (!source.get_count(count, number.info.size)) return false;
   constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max());
   if (rows > kMost || columns > kMost || (columns != 0 && rows > kMost / columns)) return false;
-  void* numbers = nullptr;
-  return rows * columns == count && access.resize(object, size, numbers) &&
-         get_numbers(*access.number, {rows, columns, access.by_rows}, numbers, source);
+  return rows * columns == count;
 }
 
-bool get_text(std::string& text, Source& source) {
+bool get_text(std::span<const std::byte>& text, Source& source) {
   std::size_t size = 0;
   if (!source.get_count(size, 1)) return false;
-  const auto* characters = reinterpret_cast<const char*>(source.skip(size));
-  if (size > 0 && characters[size - 1] != '\0') return false;
-  text.assign(characters, size > 0 ? size - 1 : 0);
+  text = {source.skip(size), size};
+  if (text.empty()) return true;
+  if (text.back() != std::byte{0}) return false;
+  text = text.first(size - 1);
+  return true;
+}
+
+namespace {
+
+bool get_matrix(const DescribedType& described, void* object, Source& source) {
+  const MatrixAccess& access = described.grid;
+  if (is_fixed_matrix(described)) return get_numbers(*access.number, fixed_grid(described), object, source);
+  std::array<std::size_t, 2> size{};
+  void* numbers = nullptr;
+  return get_grid(*access.number, size, source) && access.resize(object, size, numbers) &&
+         get_numbers(*access.number, {size[0], size[1], access.by_rows}, numbers, source);
+}
+
+bool get_string(std::string& string, Source& source) {
+  std::span<const std::byte> text;
+  if (!get_text(text, source)) return false;
+  string.assign(reinterpret_cast<const char*>(text.data()), text.size());
   return true;
 }
 
@@ -361,8 +271,8 @@ bool get_sequence(const DescribedType& element, void* items, std::size_t count, 
 
 bool get_container(const DescribedType& described, void* object, Source& source) {
   const Shape& shape = *described.shape;
-  if (shape.type.is_string()) return get_text(*static_cast<std::string*>(object), source);
-  if (is_bits(described)) return get_bits(*static_cast<std::vector<bool>*>(object), source);
+  if (shape.type.is_string()) return get_string(*static_cast<std::string*>(object), source);
+  if (is_bits(described)) return get_vector_of_bits(*static_cast<std::vector<bool>*>(object), source);
   std::size_t count = 0;
   if (!source.get_count(count, shape.element->shape->cdr.least)) return false;
   if (shape.type.is_optional() && count > 1) return false;
@@ -372,7 +282,7 @@ bool get_container(const DescribedType& described, void* object, Source& source)
 }
 
 bool get_scalar(const DescribedType& described, void* object, Source& source) {
-  return source.get_number(object, described.info.size) && detail::sanitize(described, object);
+  return source.get_number(object, described.info.size) && sanitize(described, object);
 }
 
 bool get_parts(const DescribedType& described, void* object, Source& source) {
@@ -396,6 +306,7 @@ bool get(const DescribedType& described, void* object, Source& source) {
 }
 
 }  // namespace
+}  // namespace detail::cdr
 
 bool can_encode_cdr(const TypeInfo& info) noexcept {
   return info.described != nullptr && info.described->shape->cdr.possible;
@@ -403,24 +314,25 @@ bool can_encode_cdr(const TypeInfo& info) noexcept {
 
 std::size_t cdr_size(const TypeInfo& info, const void* object) noexcept {
   if (!can_encode_cdr(info)) return 0;
-  Sink sink;
-  return put(*info.described, object, sink) ? kHeader.size() + sink.used() : 0;
+  detail::cdr::Sink sink;
+  return detail::cdr::put(*info.described, object, sink) ? detail::cdr::kHeader.size() + sink.used() : 0;
 }
 
 std::optional<std::size_t> write_cdr(const TypeInfo& info, const void* object,
                                      std::span<std::byte> bytes) noexcept {
+  using detail::cdr::kHeader;
   if (!can_encode_cdr(info) || bytes.size() <= kHeader.size()) return std::nullopt;
   std::ranges::copy(kHeader, bytes.begin());
-  Sink sink(bytes.subspan(kHeader.size()));
-  if (!put(*info.described, object, sink)) return std::nullopt;
+  detail::cdr::Sink sink(bytes.subspan(kHeader.size()));
+  if (!detail::cdr::put(*info.described, object, sink)) return std::nullopt;
   return kHeader.size() + sink.used();
 }
 
 bool read_cdr(const TypeInfo& info, void* object, std::span<const std::byte> bytes) {
-  if (!can_encode_cdr(info) || bytes.size() < kHeader.size()) return false;
-  if (bytes[0] != std::byte{0} || bytes[1] > std::byte{1}) return false;
-  Source source(bytes.subspan(kHeader.size()), bytes[1] == std::byte{0});
-  return get(*info.described, object, source) && source.left() <= kPadding;
+  if (!can_encode_cdr(info)) return false;
+  auto source = detail::cdr::Source::open(bytes);
+  return source && detail::cdr::get(*info.described, object, *source) &&
+         source->left() <= detail::cdr::kPadding;
 }
 
 }  // namespace segue::type

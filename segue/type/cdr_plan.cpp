@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/type/cdr_parts.hpp>
 #include <segue/type/described_type.hpp>
 
 #include <algorithm>
@@ -9,9 +10,7 @@
 namespace segue::type::detail {
 namespace {
 
-bool is_fixed_matrix(const DescribedType& described) {
-  return described.grid.number != nullptr && described.grid.size == nullptr;
-}
+using cdr::is_fixed_matrix;
 
 /// Whether cdr_object.cpp supports the type itself, apart from its parts.
 bool has_cdr(const DescribedType& described) {
@@ -82,7 +81,8 @@ void plan_compound(DescribedType& described) {
   if (plan.runs.size() != 1 || plan.runs.front().count == 0) return;
   const CdrRun& whole = plan.runs.front();
   // Where items follow each other, each must begin as the first one does.
-  plan.packed = whole.offset == 0 && whole.size == described.info.size && whole.size % whole.most == 0;
+  plan.packed = described.info.trivially_copyable && whole.offset == 0 && whole.size == described.info.size &&
+                whole.size % whole.most == 0;
   plan.first = whole.first;
   plan.most = whole.most;
 }

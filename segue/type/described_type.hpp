@@ -37,7 +37,7 @@ struct CdrRun {
 struct CdrPlan {
   bool possible = false;
   bool planned = false;
-  bool packed = false;    ///< the whole object is a run
+  bool packed = false;    ///< the whole object is a run, and trivially_copyable
   std::size_t first = 1;  ///< packed: as in CdrRun
   std::size_t most = 1;
   std::size_t least = 1;     ///< minimum size of an object in bytes, alignment aside
@@ -74,6 +74,8 @@ struct MatrixAccess {
   /// Resizes and returns the first number in `numbers`, uninitialized. False where the type fixes another
   /// number of rows or columns. Requires that the size has been checked to be reasonable.
   bool (*resize)(void* object, const std::array<std::size_t, 2>& size, void*& numbers) = nullptr;
+  /// Whether the type permits so many rows and columns.
+  bool (*fits)(const std::array<std::size_t, 2>& size) = nullptr;
 };
 
 /// Precomputed facts for flat.hpp; set by plan_flat().

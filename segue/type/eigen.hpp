@@ -76,7 +76,7 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
   }
   static const void* numbers(const void* object) { return static_cast<const Matrix*>(object)->data(); }
   static bool resize_grid(void* object, const std::array<std::size_t, 2>& size, void*& numbers) {
-    if (!fits(Rows, size[0]) || !fits(Columns, size[1])) return false;
+    if (!fits_grid(size)) return false;
     auto& matrix = *static_cast<Matrix*>(object);
     matrix.resize(static_cast<Eigen::Index>(size[0]), static_cast<Eigen::Index>(size[1]));
     numbers = matrix.data();
@@ -86,6 +86,10 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
   /// Whether a size is the one fixed at compile time, if it is.
   static constexpr bool fits(int fixed, std::size_t size) {
     return fixed == Eigen::Dynamic || static_cast<std::size_t>(fixed) == size;
+  }
+
+  static bool fits_grid(const std::array<std::size_t, 2>& size) {
+    return fits(Rows, size[0]) && fits(Columns, size[1]);
   }
 
   static Value to_value(const void* object) {
@@ -113,8 +117,9 @@ struct Describe<Eigen::Matrix<Number, Rows, Columns, Options, MaxRows, MaxColumn
   static constexpr Conversion kConversion = kVector ? Conversion{} : Conversion{&to_value, &from_value};
   static constexpr MatrixAccess grid() {
     if constexpr (kVector) return {};
-    if constexpr (kFixed) return {&described_type<Number>, Matrix::IsRowMajor, nullptr, nullptr, nullptr};
-    return {&described_type<Number>, Matrix::IsRowMajor, &grid_size, &numbers, &resize_grid};
+    if constexpr (kFixed)
+      return {&described_type<Number>, Matrix::IsRowMajor, nullptr, nullptr, nullptr, nullptr};
+    return {&described_type<Number>, Matrix::IsRowMajor, &grid_size, &numbers, &resize_grid, &fits_grid};
   }
   static constexpr MatrixAccess kGrid = grid();
 };

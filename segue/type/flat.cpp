@@ -3,16 +3,14 @@
 // Layout, without any padding of its own: what travels as bytes is as it is in memory (neighbours in a struct
 // in one run); strings, sequences and vector<bool> are a count and their items; an optional is 0 or 1 and its
 // item; a matrix is rows, columns and its numbers; a struct without members is one byte. Counts have 8 bytes.
-#include <segue/type/copy_bytes.hpp>
 #include <segue/type/described_type.hpp>
 #include <segue/type/flat.hpp>
+#include <segue/type/flat_source.hpp>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cstring>
-#include <limits>
 #include <string>
 
 namespace segue::type {
@@ -22,10 +20,9 @@ using detail::DescribedField;
 using detail::DescribedType;
 using detail::Shape;
 
-using Count = std::uint64_t;
-
-/// Limit for the nesting of containers in types that contain themselves, so that no input exhausts the stack.
-constexpr int kMostLevels = 100;
+using Sink = detail::ByteSink;
+using Source = detail::FlatSource;
+using Count = Source::Count;
 
 const std::byte* at(const void* object, std::size_t offset) {
   return static_cast<const std::byte*>(object) + offset;
@@ -57,31 +54,9 @@ Run run_from(std::span<const DescribedField> fields) {
   return run;
 }
 
-/// The output of write_flat() and flat_size(): counts bytes, and writes them where there is memory.
-class Sink {
- public:
-  Sink() : limit_(std::numeric_limits<std::size_t>::max()) {}
-  explicit Sink(std::span<std::byte> bytes) : bytes_(bytes.data()), limit_(bytes.size()) {}
-
-  [[nodiscard]] std::size_t used() const { return used_; }
-
-  bool put(const void* from, std::size_t size) {
-    if (size > limit_ - used_) return false;
-    if (bytes_ != nullptr) detail::copy_bytes(bytes_ + used_, from, size);
-    used_ += size;
-    return true;
-  }
-  bool put_count(Count count) { return put(&count, sizeof count); }
-
-  bool enter() { return ++level_ <= kMostLevels; }
-  void leave() { --level_; }
-
- private:
-  std::byte* bytes_ = nullptr;
-  std::size_t limit_;
-  std::size_t used_ = 0;
-  int level_ = 0;
-};
+bool put_count(Count count, Sink& sink) {
+  return sink.put(&count, sizeof count);
+}
 
 bool put(const DescribedType& described, const void* object, Sink& sink);
 
@@ -94,7 +69,7 @@ bool put_items(const DescribedType& element, const void* items, std::size_t coun
 }
 
 bool put_bits(const std::vector<bool>& bits, Sink& sink) {
-  if (!sink.put_count(bits.size())) return false;
+  if (!put_count(bits.size(), sink)) return false;
   for (const bool bit : bits) {
     if (!sink.put(&bit, 1)) return false;
   }
@@ -103,7 +78,7 @@ bool put_bits(const std::vector<bool>& bits, Sink& sink) {
 
 bool put_grid(const detail::MatrixAccess& grid, const void* object, Sink& sink) {
   const auto [rows, columns] = grid.size(object);
-  return sink.put_count(rows) && sink.put_count(columns) &&
+  return put_count(rows, sink) && put_count(columns, sink) &&
          put_items(*grid.number, grid.numbers(object), rows * columns, sink);
 }
 
@@ -111,12 +86,12 @@ bool put_container(const DescribedType& described, const void* object, Sink& sin
   const Shape& shape = *described.shape;
   if (shape.type.is_string()) {
     const auto& text = *static_cast<const std::string*>(object);
-    return sink.put_count(text.size()) && sink.put(text.data(), text.size());
+    return put_count(text.size(), sink) && sink.put(text.data(), text.size());
   }
   if (is_bits(described)) return put_bits(*static_cast<const std::vector<bool>*>(object), sink);
   const std::size_t count = described.sequence.size(object);
   const auto engaged = static_cast<std::uint8_t>(count);
-  const bool counted = shape.type.is_optional() ? sink.put(&engaged, 1) : sink.put_count(count);
+  const bool counted = shape.type.is_optional() ? sink.put(&engaged, 1) : put_count(count, sink);
   if (!counted || count == 0) return counted;
   if (!sink.enter()) return false;
   const bool done = put_items(*shape.element, described.sequence.item(object, 0), count, sink);
@@ -145,45 +120,6 @@ bool put(const DescribedType& described, const void* object, Sink& sink) {
   if (shape.type.kind == TypeKind::Array) return put_items(*shape.element, object, shape.type.count, sink);
   return put_container(described, object, sink);
 }
-
-/// The unread input.
-class Source {
- public:
-  explicit Source(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-  [[nodiscard]] std::size_t left() const { return bytes_.size(); }
-
-  bool get(void* to, std::size_t size) {
-    if (size > bytes_.size()) return false;
-    detail::copy_bytes(to, bytes_.data(), size);
-    bytes_ = bytes_.subspan(size);
-    return true;
-  }
-  /// For numbers that bound memory accesses: reads them exactly once. The fence keeps the compiler from
-  /// reading shared memory again, which another process may change meanwhile.
-  bool get_once(void* to, std::size_t size) {
-    const bool done = get(to, size);
-    std::atomic_signal_fence(std::memory_order_seq_cst);
-    return done;
-  }
-  /// A count of items of at least `least` bytes each; false where the remaining input cannot hold so many.
-  bool get_count(Count& count, std::size_t least) {
-    return get_once(&count, sizeof count) && count <= bytes_.size() / least;
-  }
-  /// Skips bytes and returns the first. Requires that so many are left.
-  const std::byte* skip(std::size_t size) {
-    const std::byte* skipped = bytes_.data();
-    bytes_ = bytes_.subspan(size);
-    return skipped;
-  }
-
-  bool enter() { return ++level_ <= kMostLevels; }
-  void leave() { --level_; }
-
- private:
-  std::span<const std::byte> bytes_;
-  int level_ = 0;
-};
 
 std::int64_t load_enum(const Type& type, const void* object) {
   std::uint64_t bits = 0;
@@ -265,14 +201,9 @@ bool get_bits(std::vector<bool>& bits, Source& source) {
 
 bool get_grid(const detail::MatrixAccess& grid, void* object, Source& source) {
   std::array<std::size_t, 2> size{};
-  auto& [rows, columns] = size;
-  if (!source.get_once(size.data(), sizeof size)) return false;
-  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::ptrdiff_t>::max());
-  if (rows > kMost || columns > kMost) return false;
-  const std::size_t most = source.left() / grid.number->info.size;
-  if (columns != 0 && rows > most / columns) return false;
   void* numbers = nullptr;
-  return grid.resize(object, size, numbers) && get_items(*grid.number, numbers, rows * columns, source);
+  return source.get_size(size, grid.number->info.size) && grid.resize(object, size, numbers) &&
+         get_items(*grid.number, numbers, size[0] * size[1], source);
 }
 
 bool get_string(std::string& text, Source& source) {
@@ -287,7 +218,7 @@ bool get_container(const DescribedType& described, void* object, Source& source)
   if (shape.type.is_string()) return get_string(*static_cast<std::string*>(object), source);
   if (is_bits(described)) return get_bits(*static_cast<std::vector<bool>*>(object), source);
   Count count = 0;
-  const bool counted = shape.type.is_optional() ? source.get_once(&count, 1) && count <= 1
+  const bool counted = shape.type.is_optional() ? source.get_engaged(count)
                                                 : source.get_count(count, shape.element->flat.least);
   if (!counted) return false;
   void* items = described.sequence.reuse(object, count);
@@ -327,6 +258,61 @@ bool get(const DescribedType& described, void* object, Source& source) {
   if (shape.type.kind == TypeKind::Compound) return get_compound(shape, object, source);
   if (shape.type.kind == TypeKind::Array) return get_items(*shape.element, object, shape.type.count, source);
   return get_container(described, object, source);
+}
+
+bool check(const DescribedType& described, Source& source);
+
+bool check_items(const DescribedType& element, std::size_t count, Source& source) {
+  if (!element.info.trivially_copyable) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!check(element, source)) return false;
+    }
+    return true;
+  }
+  const std::size_t size = count * element.info.size;
+  if (size > source.left()) return false;
+  const std::byte* items = source.skip(size);
+  for (std::size_t i = 0; element.flat.checked && i < count; ++i) {
+    if (!are_valid(element, items + i * element.info.size)) return false;
+  }
+  return true;
+}
+
+bool check_grid(const detail::MatrixAccess& grid, Source& source) {
+  std::array<std::size_t, 2> size{};
+  return source.get_size(size, grid.number->info.size) && grid.fits(size) &&
+         check_items(*grid.number, size[0] * size[1], source);
+}
+
+bool check_container(const DescribedType& described, Source& source) {
+  const Shape& shape = *described.shape;
+  Count count = 0;
+  if (shape.type.is_string() || is_bits(described)) {
+    if (!source.get_count(count, 1)) return false;
+    const std::span<const std::byte> bytes(source.skip(count), count);
+    return shape.type.is_string() ||
+           std::ranges::all_of(bytes, [](std::byte bit) { return bit <= std::byte{1}; });
+  }
+  const bool counted = shape.type.is_optional() ? source.get_engaged(count)
+                                                : source.get_count(count, shape.element->flat.least);
+  if (!counted || count == 0) return counted;
+  if (!source.enter()) return false;
+  const bool valid = check_items(*shape.element, count, source);
+  source.leave();
+  return valid;
+}
+
+/// What get() would accept.
+bool check(const DescribedType& described, Source& source) {
+  if (described.info.trivially_copyable) return check_items(described, 1, source);
+  if (described.grid.size != nullptr) return check_grid(described.grid, source);
+  const Shape& shape = *described.shape;
+  if (shape.type.kind == TypeKind::Array) return check_items(*shape.element, shape.type.count, source);
+  if (shape.type.kind == TypeKind::Container) return check_container(described, source);
+  std::byte nothing{};
+  if (shape.fields.empty()) return source.get(&nothing, 1);
+  return std::ranges::all_of(shape.fields,
+                             [&](const DescribedField& field) { return check(*field.type, source); });
 }
 
 }  // namespace
@@ -370,6 +356,12 @@ bool read_flat(const TypeInfo& info, void* object, std::span<const std::byte> by
   if (!can_flatten(info)) return false;
   Source source(bytes);
   return get(*info.described, object, source) && source.left() == 0;
+}
+
+bool is_flat(const TypeInfo& info, std::span<const std::byte> bytes) noexcept {
+  if (!can_flatten(info)) return false;
+  Source source(bytes);
+  return check(*info.described, source) && source.left() == 0;
 }
 
 bool has_invalid_bytes(const TypeInfo& info) noexcept {

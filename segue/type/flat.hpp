@@ -36,6 +36,9 @@ std::optional<std::size_t> write_flat(const TypeInfo& info, const void* object,
 /// grow, but never for a length that exceeds the input.
 bool read_flat(const TypeInfo& info, void* object, std::span<const std::byte> bytes);
 
+/// Whether read_flat() would accept the bytes, found without an object. Allocates nothing.
+bool is_flat(const TypeInfo& info, std::span<const std::byte> bytes) noexcept;
+
 /// Whether are_valid_bytes() can be false for this type: it contains booleans or enums.
 bool has_invalid_bytes(const TypeInfo& info) noexcept;
 /// Whether bytes are those of an object, as far as that can be told: booleans and enums are checked as

@@ -3,8 +3,10 @@
 // Reading objects from CDR, as if a hostile computer had sent it. The first byte chooses the type.
 #include "require.hpp"
 
+#include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
+#include <segue/type/flat.hpp>
 
 #include <sanitizer/allocator_interface.h>
 
@@ -12,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace fuzzed {
 enum class Mode : std::int16_t { Back = -1, Idle, Drive = 5 };
@@ -67,6 +70,21 @@ constexpr std::size_t kMostGrowth = (sizeof(std::string) + 3) / 4;
 /// A vector that grows at least doubles, and what it holds moves.
 constexpr std::size_t kReallocation = 2;
 
+/// To the flat layout and back, as by way of the object, if there is one.
+void convert(const TypeInfo& info, std::span<const std::byte> bytes, const void* object, void* other) {
+  std::vector<std::byte> flat(flat_size_of_cdr(info, bytes));
+  const bool done = !flat.empty() && cdr_to_flat(info, bytes, flat);
+  require(done == (object != nullptr), "the flat layout accepts what objects accept");
+  if (!done) return;
+  require(flat.size() == flat_size(info, object) && is_flat(info, flat), "it is the flat layout");
+  require(read_flat(info, other, flat), "and can be read");
+  require(info.to_value(other) == info.to_value(object), "and is the same");
+  std::vector<std::byte> cdr(cdr_size_of_flat(info, flat));
+  std::vector<std::byte> expected(cdr_size(info, object));
+  require(flat_to_cdr(info, flat, cdr) && write_cdr(info, object, expected), "and can be written");
+  require(cdr == expected, "to the same message");
+}
+
 template <class T>
 void read(std::span<const std::byte> bytes) {
   static const TypeInfo& info = type_info<T>();
@@ -81,6 +99,7 @@ void read(std::span<const std::byte> bytes) {
   T copy{};
   require(read_cdr(info, &copy, again), "and read again");
   require(info.to_value(&copy) == info.to_value(&object), "and is the same");
+  convert(info, bytes, done ? &object : nullptr, &copy);
   if (!done) return;
   require(info.to_value(&used) == info.to_value(&object), "an object that was used reads the same");
 }

@@ -3,6 +3,8 @@
 // Reading the flat layout, as if a hostile process had written it. The first byte chooses the type.
 #include "require.hpp"
 
+#include <segue/type/cdr_flat.hpp>
+#include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 #include <segue/type/flat.hpp>
 
@@ -13,6 +15,7 @@
 #include <cstdint>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 namespace fuzzed {
 enum class Mode : std::int16_t { Back = -1, Idle, Drive = 5 };
@@ -61,6 +64,17 @@ constexpr std::size_t kMostGrowth = sizeof(std::optional<fuzzed::Sample>);
 /// A vector that grows at least doubles, and what it holds moves.
 constexpr std::size_t kReallocation = 2;
 
+/// To CDR, as by way of the object, if there is one.
+void convert(const TypeInfo& info, std::span<const std::byte> bytes, const void* object) {
+  require(is_flat(info, bytes) == (object != nullptr), "the check accepts what objects accept");
+  std::vector<std::byte> cdr(cdr_size_of_flat(info, bytes));
+  const bool done = !cdr.empty() && flat_to_cdr(info, bytes, cdr);
+  require(done == !cdr.empty(), "what has a size can be written");
+  if (object == nullptr) return;
+  std::vector<std::byte> expected(cdr_size(info, object));
+  require(write_cdr(info, object, expected) && cdr == expected, "CDR is that of the object");
+}
+
 template <class T>
 void read(std::span<const std::byte> bytes) {
   static const TypeInfo& info = type_info<T>();
@@ -75,6 +89,7 @@ void read(std::span<const std::byte> bytes) {
   T copy{};
   require(read_flat(info, &copy, again), "and read again");
   require(info.to_value(&copy) == info.to_value(&object), "and is the same");
+  convert(info, bytes, done ? &object : nullptr);
   if (!done) return;
   require(again.size() == bytes.size(), "what was accepted has one length");
   require(info.to_value(&used) == info.to_value(&object), "an object that was used reads the same");
