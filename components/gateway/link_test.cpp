@@ -6,6 +6,7 @@
 #include "test_support.hpp"
 
 #include <segue/base/child_process.hpp>
+#include <segue/link/shared_test_support.hpp>
 #include <segue/type/cdr_object.hpp>
 
 #include <support/paths.hpp>
@@ -133,6 +134,50 @@ TEST_F(GatewayLink, samples_travel_within_a_process) {
   EXPECT_EQ(sender.count("sent"), 50U);
   EXPECT_EQ(receiver.count("received"), 50U);
   EXPECT_EQ(receiver.count("bytes"), sender.count("bytes"));
+}
+
+/// Writes through shared memory, and reads the same way and within the process.
+template <class T>
+void expect_samples_between_shared_memories(const std::string& topic) {
+  const segue::link::shared_test::Pair memories(
+      {std::size_t{1} << 16, std::size_t{1} << 26, std::size_t{1} << 24});
+  const ValueMap values = properties(kDomain, topic, name_of<T>(), "buffer", 100);
+  Running receiver("gateway::Receiver", values);
+  Sink<T> within(receiver, kPlenty);
+  Sink<T> beyond;
+  const auto to_reader = memories.connect(receiver.out(), beyond.port, policy(BufferKind::Buffer, 100));
+  Running sender("gateway::Sender", values);
+  Source<T> source;
+  const auto from_writer = memories.connect(source.port, sender.in(), policy(BufferKind::Buffer, 100));
+  ASSERT_TRUE(to_reader.ok && from_writer.ok);
+  ASSERT_TRUE(sender.has_matched(1));
+  for (std::uint64_t number = 1; number <= 60; ++number)
+    ASSERT_EQ(source.write(number, number * 97), segue::task::WriteResult::Written);
+  EXPECT_EQ(within.read(60), numbers(1, 60));
+  EXPECT_EQ(beyond.read(60), numbers(1, 60));
+  EXPECT_EQ(sender.count("sent"), 60U);
+  EXPECT_EQ(receiver.count("received"), 60U);
+  EXPECT_EQ(receiver.count("bytes"), sender.count("bytes"));
+  EXPECT_EQ(from_writer.output->counters().read, 60U);
+  EXPECT_EQ(to_reader.output->counters().read, 60U);
+}
+
+TEST_F(GatewayLink, samples_travel_from_shared_memory_to_shared_memory) {
+  expect_samples_between_shared_memories<Cloud>(topic + "_cloud");
+  expect_samples_between_shared_memories<Text>(topic + "_text");
+  expect_samples_between_shared_memories<Image>(topic + "_image");
+  expect_samples_between_shared_memories<Pose>(topic + "_pose");
+}
+
+TEST_F(GatewayLink, nested_vectors_travel_between_processes) {
+  Peer peer = receiving<Cloud>(topic, "buffer", 1000);
+  Running sender("gateway::Sender", properties(kDomain, topic, name_of<Cloud>(), "buffer", 1000));
+  Source<Cloud> source(sender, kPlenty);
+  ASSERT_TRUE(sender.has_matched(1));
+  for (std::uint64_t number = 1; number <= 200; ++number)
+    source.write(number, number * 31);
+  EXPECT_TRUE(eventually([&] { return peer.count("received") == 200; }));
+  EXPECT_EQ(peer.ask("samples"), "200 whole, 0 broken, in order, last 200");
 }
 
 TEST_F(GatewayLink, samples_without_a_value_travel) {

@@ -57,6 +57,7 @@ int receive(const std::vector<std::string>& words) {
   }
   if (type == name_of<Text>()) return receive<Text>(receiver);
   if (type == name_of<Image>()) return receive<Image>(receiver);
+  if (type == name_of<Cloud>()) return receive<Cloud>(receiver);
   return receive<Pose>(receiver);
 }
 

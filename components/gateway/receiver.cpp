@@ -3,6 +3,7 @@
 #include "types.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
 #include <algorithm>
@@ -22,14 +23,15 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 class AnyOutput final : public OutputPortBase {
  public:
   using OutputPortBase::acquire;
+  using OutputPortBase::acquire_flat;
   using OutputPortBase::OutputPortBase;
   using OutputPortBase::publish;
 };
 
-/// Writes what arrives from a topic to `out`, in the thread in which Cyclone receives it: another thread
-/// would cost a wake-up for each sample. A lock keeps that to one thread at a time, and to the time between
-/// on_start and on_stop. What arrives before waits by policy. The task's own thread does nothing but
-/// operations, so all Receivers of a process share one.
+/// Writes what arrives from a topic to `out`, decoded into the memory where readers find it, in the thread in
+/// which Cyclone receives it: another thread would cost a wake-up for each sample. A lock keeps that to one
+/// thread at a time, and to the time between on_start and on_stop. What arrives before waits by policy. The
+/// task's own thread does nothing but operations, so all Receivers of a process share one.
 class Receiver final : public Link {
  public:
   Receiver() : Link(Direction::Output, "out") {
@@ -45,7 +47,8 @@ class Receiver final : public Link {
     received_ = refused_ = lost_ = corrupt_ = bytes_ = 0;
     known_writer_ = 0;
     sequences_.clear();
-    out_.emplace(*this, "out", type(), std::string(), PortOptions{true, "samples as they arrive"});
+    out_.emplace(*this, "out", type(), std::string(),
+                 PortOptions{.dynamic = true, .doc = "samples as they arrive", .flat = true});
     if (auto made = make_reader(); !made) {
       on_cleanup();
       return made;
@@ -157,24 +160,42 @@ class Receiver final : public Link {
   }
 
   void deliver(const Message& message) {
-    SampleSlot* slot = out_->acquire();
-    if (slot == nullptr || !decode(message, *slot)) {
-      if (slot != nullptr) slot->release();
-      ++(slot == nullptr ? lost_ : corrupt_);
+    SampleRef sample;
+    try {
+      sample = room_for(message);
+      if (!sample) return;
+      if (!decode(message, *sample.get())) {
+        ++corrupt_;
+        return;
+      }
+    } catch (const std::bad_alloc&) {
+      ++lost_;
       return;
     }
     ++received_;
     bytes_ += message.size;
-    if (out_->publish(slot) == WriteResult::Refused) ++refused_;
+    if (out_->publish(sample.detach()) == WriteResult::Refused) ++refused_;
+  }
+
+  /// Empty, and counted, where there is none, or where the message cannot be a sample of the type.
+  SampleRef room_for(const Message& message) {
+    if (!out_->is_flat()) {
+      SampleRef slot = SampleRef::adopt(out_->acquire());
+      if (!slot) ++lost_;
+      return slot;
+    }
+    const std::size_t size = segue::type::flat_size_of_cdr(*type(), message.bytes());
+    if (size > 0) return SampleRef::adopt(out_->acquire_flat(size));
+    ++corrupt_;
+    return {};
   }
 
   static bool decode(const Message& message, SampleSlot& slot) {
     if (slot.value == nullptr) return true;
-    try {
-      return segue::type::read_cdr(*slot.owner->info(), slot.value, message.bytes());
-    } catch (const std::bad_alloc&) {
-      return false;
-    }
+    const segue::type::TypeInfo& type = *slot.owner->info();
+    if (slot.flat_size == 0) return segue::type::read_cdr(type, slot.value, message.bytes());
+    return segue::type::cdr_to_flat(type, message.bytes(),
+                                    {static_cast<std::byte*>(slot.value), slot.flat_size});
   }
 
   ReceiverStatistics statistics() const {

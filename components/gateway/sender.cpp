@@ -3,12 +3,15 @@
 #include "types.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <new>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace gateway {
 
@@ -28,8 +31,9 @@ class AnyInput final : public InputPortBase {
   SampleRef take() noexcept { return fetch() == ReadStatus::NewData ? last() : SampleRef(); }
 };
 
-/// Sends what arrives at `in`, in place, to a topic. A write waits while readers are behind: samples then
-/// wait in the connection that leads here, which keeps, refuses or drops them by its own policy.
+/// Sends what arrives at `in` to a topic, encoded where it lies in the writer's memory. A write waits while
+/// readers are behind: samples then wait in the connection that leads here, which keeps, refuses or drops
+/// them by its own policy.
 class Sender final : public Link {
  public:
   Sender() : Link(Direction::Input, "in") {
@@ -46,7 +50,8 @@ class Sender final : public Link {
       close();
       return made;
     }
-    in_.emplace(*this, "in", type(), std::string(), PortOptions{true, "samples to send"});
+    in_.emplace(*this, "in", type(), std::string(),
+                PortOptions{.dynamic = true, .doc = "samples to send", .flat = true});
     return {};
   }
 
@@ -115,22 +120,33 @@ class Sender final : public Link {
     if (Link::matched() == 0 && !policy().init) ++lost_;
   }
 
-  /// nullptr where the sample is too large.
+  /// nullptr where the sample is too large, or where another process changes it meanwhile.
   MessageRef encode(const SampleSlot& sample) const {
-    const bool has_value = type() != nullptr && sample.value != nullptr;
-    const std::size_t size = has_value ? segue::type::cdr_size(*type(), sample.value) : kEmptyMessage.size();
-    if (size == 0 || size > kLargestMessage || (type() != nullptr && !has_value)) return nullptr;
+    const std::size_t size = encoded_size(sample);
+    if (size == 0 || size > kLargestMessage) return nullptr;
     try {
       MessageRef message(new Message(topic().type(), SDK_DATA, size));
-      if (has_value) {
-        segue::type::write_cdr(*type(), sample.value, message->bytes());
-      } else {
-        std::ranges::copy(kEmptyMessage, message->bytes().begin());
-      }
-      return message;
+      return write(sample, message->bytes()) ? std::move(message) : nullptr;
     } catch (const std::bad_alloc&) {
       return nullptr;
     }
+  }
+
+  /// 0: cannot be encoded.
+  std::size_t encoded_size(const SampleSlot& sample) const {
+    if (type() == nullptr) return kEmptyMessage.size();
+    if (sample.value == nullptr) return 0;
+    return sample.flat_size > 0 ? segue::type::cdr_size_of_flat(*type(), sample.flat())
+                                : segue::type::cdr_size(*type(), sample.value);
+  }
+
+  bool write(const SampleSlot& sample, std::span<std::byte> bytes) const {
+    if (type() == nullptr) {
+      std::ranges::copy(kEmptyMessage, bytes.begin());
+      return true;
+    }
+    return sample.flat_size > 0 ? segue::type::flat_to_cdr(*type(), sample.flat(), bytes)
+                                : segue::type::write_cdr(*type(), sample.value, bytes).has_value();
   }
 
   /// Waits while readers are behind, since the connection to `in` keeps, refuses or drops samples meanwhile.

@@ -15,11 +15,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -52,6 +54,18 @@ struct Pose {
   bool valid = false;
 };
 
+/// Everything that shared memory and CDR lay out in another way.
+struct Cloud {
+  std::uint64_t number = 0;
+  std::uint64_t bytes = 0;
+  std::vector<std::vector<double>> rings;
+  std::vector<Pose> poses;
+  std::vector<Text> texts;
+  std::vector<bool> bits;
+  std::optional<std::string> remark;
+  std::array<std::vector<std::uint16_t>, 2> two;
+};
+
 inline void fill(Text& text, std::uint64_t number, std::size_t bytes) {
   text.number = number;
   text.name = std::string(bytes, static_cast<char>('a' + number % 26));
@@ -64,6 +78,22 @@ inline void fill(Image& image, std::uint64_t number, std::size_t bytes) {
 }
 inline void fill(Pose& pose, std::uint64_t number, std::size_t) {
   pose = {number, static_cast<double>(number) / 2, true};
+}
+
+inline void fill(Cloud& cloud, std::uint64_t number, std::size_t bytes) {
+  cloud.number = number;
+  cloud.bytes = bytes;
+  cloud.rings.assign(number % 4, std::vector<double>(bytes / 8, static_cast<double>(number)));
+  cloud.poses.resize(number % 7);
+  for (Pose& pose : cloud.poses)
+    fill(pose, number, 0);
+  cloud.texts.resize(number % 3);
+  for (Text& text : cloud.texts)
+    fill(text, number, bytes % 50);
+  cloud.bits.assign(number % 11, number % 2 == 0);
+  cloud.remark.reset();
+  if (number % 2 == 0) cloud.remark = std::string(number % 5, 'r');
+  cloud.two = {std::vector<std::uint16_t>(number % 3, 7), std::vector<std::uint16_t>(bytes % 100, 8)};
 }
 
 inline bool is_whole(const Text& text) {
@@ -79,12 +109,22 @@ inline bool is_whole(const Image& image) {
 inline bool is_whole(const Pose& pose) {
   return pose.valid && pose.x == static_cast<double>(pose.number) / 2;
 }
+inline bool is_whole(const Cloud& cloud) {
+  Cloud expected;
+  fill(expected, cloud.number, cloud.bytes);
+  const auto same_pose = [](const Pose& a, const Pose& b) { return a.number == b.number && a.x == b.x; };
+  const auto same_text = [](const Text& a, const Text& b) { return a.name == b.name && a.words == b.words; };
+  return cloud.rings == expected.rings && std::ranges::equal(cloud.poses, expected.poses, same_pose) &&
+         std::ranges::equal(cloud.texts, expected.texts, same_text) && cloud.bits == expected.bits &&
+         cloud.remark == expected.remark && cloud.two == expected.two;
+}
 
 }  // namespace gateway::testing
 
 SEGUE_TYPE(gateway::testing::Text, number, name, words)
 SEGUE_TYPE(gateway::testing::Image, number, width, data)
 SEGUE_TYPE(gateway::testing::Pose, number, x, valid)
+SEGUE_TYPE(gateway::testing::Cloud, number, bytes, rings, poses, texts, bits, remark, two)
 
 namespace gateway::testing {
 
@@ -175,6 +215,7 @@ class Running {
 template <class T>
 class Source final : public segue::task::Component {
  public:
+  Source() = default;
   Source(Running& sender, const segue::Policy& policy) {
     if (!segue::link::connect(port, sender.in(), policy)) std::abort();
   }
@@ -192,6 +233,7 @@ class Source final : public segue::task::Component {
 template <class T>
 class Sink final : public segue::task::Component {
  public:
+  Sink() = default;
   Sink(Running& receiver, const segue::Policy& policy) {
     if (!segue::link::connect(receiver.out(), port, policy)) std::abort();
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/link/local.hpp>
+#include <segue/link/sample_form.hpp>
 #include <segue/link/sample_queue.hpp>
 #include <segue/link/word_ring.hpp>
 #include <segue/task/channel.hpp>
@@ -23,7 +24,11 @@ constexpr std::size_t kReaderSlots = 2;  // the sample that was read last, and t
 class LocalConnection final : public PortConnection, public task::WriterEnd, public task::ReaderEnd {
  public:
   LocalConnection(OutputPortBase& from, InputPortBase& to, const Policy& policy, task::CommitGatePtr gate)
-      : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size), gate_(std::move(gate)) {}
+      : from_(from), to_(to), policy_(policy), queue_(policy.kind, policy.size), gate_(std::move(gate)) {
+    if (!from.is_flat() || to.is_flat()) return;
+    objects_ = task::SamplePool::create(from.type());
+    objects_->reserve(policy.size + kReaderSlots);
+  }
 
   static Result<std::shared_ptr<PortConnection>> make(OutputPortBase& from, InputPortBase& to,
                                                       const Policy& policy, task::CommitGatePtr gate);
@@ -68,6 +73,7 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
 
  private:
   void offer_last();
+  SampleRef pull_object() noexcept;
 
   using Count = std::atomic<std::uint64_t>;
   /// Each counter has one writing thread, so no atomic increment is needed; readers may see an older value.
@@ -89,6 +95,9 @@ class LocalConnection final : public PortConnection, public task::WriterEnd, pub
   Count dropped_{0};
   Count overwritten_{0};
   alignas(64) Count read_{0};
+  Count unreadable_{0};  ///< dropped by the reader: no memory was left for the object
+  task::SamplePool::Handle
+      objects_;  ///< where the writer's samples are in the flat layout, but not the reader's
 };
 
 Result<std::shared_ptr<PortConnection>> LocalConnection::make(OutputPortBase& from, InputPortBase& to,
@@ -152,7 +161,21 @@ void LocalConnection::settle() {
   return taken;
 }
 
+/// Reads the object from a sample in the flat layout.
+SampleRef LocalConnection::pull_object() noexcept {
+  if (!queue_.pending()) return {};
+  SampleRef object = SampleRef::adopt(objects_->acquire());
+  if (!object) return {};  // the component holds all slots, so samples keep waiting
+  while (const SampleRef sample = queue_.pull()) {
+    const bool done = read_object(sample->flat(), sample->sequence, *object.get());
+    increment(done ? read_ : unreadable_);
+    if (done) return object;
+  }
+  return {};
+}
+
 [[gnu::hot]] SampleRef LocalConnection::pull() noexcept {
+  if (objects_) return pull_object();
   SampleRef sample = queue_.pull();
   if (sample) increment(read_);
   return sample;
@@ -170,7 +193,8 @@ void LocalConnection::disconnect() {
 
 Counters LocalConnection::counters() const {
   return {written_.load(std::memory_order_relaxed) + initial_.load(std::memory_order_relaxed),
-          read_.load(std::memory_order_relaxed), dropped_.load(std::memory_order_relaxed),
+          read_.load(std::memory_order_relaxed),
+          dropped_.load(std::memory_order_relaxed) + unreadable_.load(std::memory_order_relaxed),
           overwritten_.load(std::memory_order_relaxed)};
 }
 

@@ -6,11 +6,6 @@
 
 namespace segue::link {
 
-SampleForm form_of(const type::TypeInfo* info) {
-  if (info == nullptr) return SampleForm::Untyped;
-  return info->trivially_copyable ? SampleForm::Raw : SampleForm::Flat;
-}
-
 PayloadSource::PayloadSource(std::shared_ptr<PayloadPool> pool, const type::TypeInfo* info)
     : pool_(std::move(pool)), info_(info), form_(form_of(info)) {}
 
@@ -46,18 +41,24 @@ std::optional<Payload> PayloadSource::take_apart(task::SampleSlot& sample) const
 
 [[gnu::hot]] std::optional<Payload> PayloadSource::in_place(task::SampleSlot& sample) const noexcept {
   if (form_ == SampleForm::Untyped) return Payload{};
-  const auto offset = form_ == SampleForm::Raw ? pool_->offset_of(sample.value) : std::nullopt;
+  const bool has_form = form_ == SampleForm::Raw || sample.flat_size > 0;
+  const auto offset = has_form ? pool_->offset_of(sample.value) : std::nullopt;
   if (!offset) return std::nullopt;
   sample.retain();
-  return Payload{&sample, *offset, info_->size};
+  return Payload{&sample, *offset, size_of(sample)};
+}
+
+[[gnu::hot]] std::size_t PayloadSource::size_of(const task::SampleSlot& sample) const noexcept {
+  if (form_ == SampleForm::Raw) return info_->size;
+  return sample.flat_size > 0 ? sample.flat_size : type::flat_size(*info_, sample.value);
 }
 
 std::optional<Payload> PayloadSource::written(const task::SampleSlot& sample) const noexcept {
-  const std::size_t size = form_ == SampleForm::Raw ? info_->size : type::flat_size(*info_, sample.value);
+  const std::size_t size = size_of(sample);
   const std::uint64_t offset = pool_->blocks().allocate(std::max(size, info_->alignment));
   if (offset == BlockPool::kNone) return std::nullopt;
   std::byte* const bytes = pool_->at(offset);
-  if (form_ == SampleForm::Raw) {
+  if (form_ == SampleForm::Raw || sample.flat_size > 0) {
     std::memcpy(bytes, sample.value, size);
   } else if (!type::write_flat(*info_, sample.value, {bytes, size})) {
     pool_->blocks().release(offset);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/link/sample_form.hpp>
 #include <segue/link/shared_pools.hpp>
 #include <segue/task/sample.hpp>
 #include <segue/type/type_info.hpp>
@@ -10,11 +11,6 @@
 #include <optional>
 
 namespace segue::link {
-
-/// How the samples of a port are laid out in shared memory: not at all (ports of any type), as they are in
-/// memory, or flattened (type/flat.hpp).
-enum class SampleForm : std::uint8_t { Untyped, Raw, Flat };
-SampleForm form_of(const type::TypeInfo* info);
 
 /// A reference to the payload of a sample: to a slot whose value lies in the pool, or to a block with a copy.
 struct Payload {
@@ -41,6 +37,7 @@ class PayloadSource {
   void give_back(const Payload& payload) const noexcept;
 
  private:
+  [[nodiscard]] std::size_t size_of(const task::SampleSlot& sample) const noexcept;
   [[nodiscard]] std::optional<Payload> in_place(task::SampleSlot& sample) const noexcept;
   [[nodiscard]] std::optional<Payload> written(const task::SampleSlot& sample) const noexcept;
 

@@ -118,7 +118,7 @@ Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, cons
   auto ring = find_ring(**reader, place, policy);
   if (!ring) return std::move(ring.error());
   state->drop_ended();
-  if (form_of(port.type()) == SampleForm::Raw && !place.any_type) {
+  if (writes_in_place(port) && !place.any_type) {
     if (auto shared = port.share(state->payload()); !shared) return std::move(shared.error());
   }
   auto endpoint =

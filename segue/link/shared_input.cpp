@@ -6,8 +6,6 @@
 #include <segue/type/flat.hpp>
 #include <segue/type/type.hpp>
 
-#include <exception>
-
 namespace segue::link {
 
 using task::SampleRef;
@@ -28,6 +26,7 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
       port_(port),
       info_(untyped ? nullptr : port.type()),
       form_(form_of(info_)),
+      decodes_(form_ == SampleForm::Flat && !port.is_flat()),
       checked_(form_ == SampleForm::Raw && type::has_invalid_bytes(*info_)),
       policy_(policy),
       offset_(*state_->control()->offset_of(&(*ring)->header())),
@@ -35,7 +34,7 @@ SharedInput::SharedInput(std::shared_ptr<SharedState> state, std::shared_ptr<con
       port_name_(port.full_name()),
       ring_(std::move(ring)),
       gate_(std::move(gate)) {
-  if (form_ == SampleForm::Flat) {
+  if (decodes_) {
     decoded_ = task::SamplePool::create(info_);
     decoded_->reserve(policy.size + SharedRing::kExtra);
   } else {
@@ -80,7 +79,7 @@ InputPlace SharedInput::place() const {
 [[gnu::hot]] SampleRef SharedInput::pull() noexcept {
   SharedRing& ring = **ring_;
   SampleRef spare;
-  if (form_ == SampleForm::Flat) {
+  if (decodes_) {
     if (!ring.words().pending()) return {};
     spare = SampleRef::adopt(decoded_->acquire());
     if (!spare) return {};  // the component holds all slots, so samples keep waiting
@@ -111,8 +110,7 @@ InputPlace SharedInput::place() const {
   const std::uint64_t size = found.size.load(std::memory_order_relaxed);
   const std::uint64_t sequence = found.sequence.load(std::memory_order_relaxed);
   const std::uint64_t generation = found.generation.load(std::memory_order_relaxed);
-  const bool flat = form_ == SampleForm::Flat;
-  if (generation != generation_ || (!flat && samples_->held(entry))) {
+  if (generation != generation_ || (!decodes_ && samples_->held(entry))) {
     corrupt_.fetch_add(1, std::memory_order_relaxed);
     return {};
   }
@@ -124,33 +122,40 @@ InputPlace SharedInput::place() const {
   }
   const void* value = nullptr;
   if (form_ != SampleForm::Untyped) {
-    const bool fits = flat || size == info_->size;
-    value = fits ? writer_->payload(offset, size, flat ? BlockPool::kUnit : info_->alignment) : nullptr;
-    if (value == nullptr || (checked_ && !type::are_valid_bytes(*info_, value))) {
+    value = find_value(offset, size);
+    if (value == nullptr) {
       reject(entry);
       return {};
     }
   }
-  SampleRef sample =
-      flat ? decode(entry, value, size, sequence, *spare) : samples_->lend(entry, value, sequence);
+  const std::size_t flat_size = form_ == SampleForm::Flat ? size : 0;
+  SampleRef sample = decodes_ ? decode(entry, value, size, sequence, *spare)
+                              : samples_->lend(entry, value, flat_size, sequence);
   if (sample) newest_read_ = sequence;
   return sample;
 }
 
+/// nullptr where the bytes are outside the writer's memory, or those of no sample of the type; decode() finds
+/// the latter by itself.
+[[gnu::hot]] const void* SharedInput::find_value(std::uint64_t offset, std::uint64_t size) const noexcept {
+  if (form_ == SampleForm::Flat) {
+    const std::byte* bytes = writer_->payload(offset, size, BlockPool::kUnit);
+    const bool valid = bytes != nullptr && (decodes_ || type::is_flat(*info_, {bytes, size}));
+    return valid ? bytes : nullptr;
+  }
+  if (size != info_->size) return nullptr;
+  const void* value = writer_->payload(offset, size, info_->alignment);
+  const bool valid = value != nullptr && (!checked_ || type::are_valid_bytes(*info_, value));
+  return valid ? value : nullptr;
+}
+
 SampleRef SharedInput::decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
                               SampleSlot& spare) noexcept {
-  bool valid = false;
-  try {
-    valid = type::read_flat(*info_, spare.value, {static_cast<const std::byte*>(bytes), size});
-  } catch (const std::exception&) {
-    valid = false;  // out of memory
-  }
-  if (!valid) {
+  if (!read_object({static_cast<const std::byte*>(bytes), size}, sequence, spare)) {
     reject(entry);
     return {};
   }
   (*ring_)->give_back(entry);
-  spare.sequence = sequence;
   return SampleRef::share(spare);
 }
 

@@ -53,6 +53,7 @@ class SharedInput final : public RegisteredEndpoint,
  private:
   Result<void> keep();
   task::SampleRef accept(std::size_t entry, task::SampleSlot* spare) noexcept;
+  [[nodiscard]] const void* find_value(std::uint64_t offset, std::uint64_t size) const noexcept;
   task::SampleRef decode(std::size_t entry, const void* bytes, std::size_t size, std::uint64_t sequence,
                          task::SampleSlot& spare) noexcept;
   void reject(std::size_t entry) noexcept;
@@ -66,6 +67,7 @@ class SharedInput final : public RegisteredEndpoint,
   task::InputPortBase& port_;  ///< valid while open
   const type::TypeInfo* const info_;
   const SampleForm form_;
+  const bool decodes_;  ///< objects are read from samples in the flat layout
   const bool checked_;  ///< values are looked at before they are passed on
   const Policy policy_;
   const std::uint64_t number_ = task::next_connection_number();
@@ -73,8 +75,8 @@ class SharedInput final : public RegisteredEndpoint,
   const std::uint64_t generation_;
   const std::string port_name_;
 
-  SharedSamples::Handle samples_;          ///< for untyped and raw samples
-  task::SamplePool::Handle decoded_;       ///< for flat samples
+  SharedSamples::Handle samples_;          ///< for samples that are read in place
+  task::SamplePool::Handle decoded_;       ///< for objects
   std::uint64_t newest_read_ = 0;          ///< reader only, policy data: sequence of the newest sample
   std::atomic<std::uint64_t> corrupt_{0};  ///< invalid words and entries
 

@@ -80,7 +80,7 @@ bool SharedOutput::dormant() const {
 }
 
 std::size_t SharedOutput::capacity() const {
-  const bool holds_slots = form_of(port_.type()) == SampleForm::Raw && !untyped_;
+  const bool holds_slots = writes_in_place(port_) && !untyped_;
   return holds_slots ? ring_.entries().size() + in_flight_before_ : 0;
 }
 

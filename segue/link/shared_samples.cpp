@@ -37,11 +37,12 @@ SharedSamples::SharedSamples(const type::TypeInfo* info, std::shared_ptr<OwnedRi
     slots_[i].owner = this;
 }
 
-[[gnu::hot]] SampleRef SharedSamples::lend(std::size_t entry, const void* value,
+[[gnu::hot]] SampleRef SharedSamples::lend(std::size_t entry, const void* value, std::size_t flat_size,
                                            std::uint64_t sequence) noexcept {
   SampleSlot& slot = slots_[entry];
   // The const_cast is safe because readers never write, and the mapping is read-only.
   slot.value = const_cast<void*>(value);
+  slot.flat_size = flat_size;
   slot.sequence = sequence;
   slot.references.store(1, std::memory_order_relaxed);
   holders_.fetch_add(1, std::memory_order_relaxed);  // the connection still holds one

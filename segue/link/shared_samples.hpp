@@ -44,8 +44,10 @@ class SharedSamples final : public task::SampleOwner {
   [[nodiscard]] bool held(std::size_t entry) const noexcept {
     return slots_[entry].references.load(std::memory_order_acquire) != 0;
   }
-  /// The sample of an entry that is not held. The reader only; real-time safe.
-  task::SampleRef lend(std::size_t entry, const void* value, std::uint64_t sequence) noexcept;
+  /// The sample of an entry that is not held; with `flat_size`, in the flat layout. The reader only;
+  /// real-time safe.
+  task::SampleRef lend(std::size_t entry, const void* value, std::size_t flat_size,
+                       std::uint64_t sequence) noexcept;
   void recycle(task::SampleSlot& slot) noexcept override;
 
  private:

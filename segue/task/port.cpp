@@ -3,6 +3,7 @@
 #include <segue/task/component.hpp>
 #include <segue/task/port.hpp>
 #include <segue/task/wake_batch.hpp>
+#include <segue/type/flat.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -16,6 +17,26 @@ constexpr std::size_t kWriterSlots = 2;  // the one being written and the last o
 
 std::string declared_name(const type::TypeInfo* type, std::string type_name) {
   return type == nullptr ? std::move(type_name) : std::string(type->name());
+}
+
+PortOptions checked(PortOptions options, const type::TypeInfo* type) {
+  options.flat = options.flat && type != nullptr && !type->trivially_copyable && type::can_flatten(*type);
+  return options;
+}
+
+/// A default object of a type, in a slot.
+SampleRef make_object(const type::TypeInfo& type) {
+  const auto pool = SamplePool::create(&type);
+  pool->reserve(1);
+  return SampleRef::adopt(pool->acquire());
+}
+
+type::Value value_of(const SampleSlot& slot) {
+  if (slot.value == nullptr) return {};
+  const type::TypeInfo& info = *slot.owner->info();
+  if (slot.flat_size == 0) return info.to_value(slot.value);
+  const SampleRef object = make_object(info);
+  return type::read_flat(info, object->value, slot.flat()) ? info.to_value(object->value) : type::Value{};
 }
 
 std::uint64_t next_port_number() {
@@ -51,7 +72,7 @@ PortBase::PortBase(Component& component, Direction direction, std::string name, 
     : component_(component),
       name_(std::move(name)),
       type_name_(declared_name(type, std::move(type_name))),
-      options_(std::move(options)),
+      options_(checked(std::move(options), type)),
       type_(type),
       number_(next_port_number()),
       direction_(direction) {
@@ -68,7 +89,7 @@ std::string PortBase::full_name() const {
 OutputPortBase::OutputPortBase(Component& component, std::string name, const type::TypeInfo* type,
                                std::string type_name, PortOptions options)
     : PortBase(component, Direction::Output, std::move(name), type, std::move(type_name), std::move(options)),
-      pool_(SamplePool::create(type)) {
+      pool_(SamplePool::create(type, is_flat() ? SamplePool::Holds::Flat : SamplePool::Holds::Objects)) {
   pool_->reserve(kWriterSlots);
   const std::lock_guard lock(component_.ports_mutex_);
   component_.outputs_.push_back(this);
@@ -93,6 +114,7 @@ void OutputPortBase::disconnect_all() {
 }
 
 [[gnu::hot]] SampleSlot* OutputPortBase::acquire() noexcept {
+  assert(!is_flat());
   SampleSlot* slot = pool_->acquire();
   if (slot == nullptr) increment(exhausted_);
   return slot;
@@ -122,7 +144,16 @@ void OutputPortBase::disconnect_all() {
   return refused ? WriteResult::Refused : WriteResult::Written;
 }
 
+WriteResult OutputPortBase::write_flat(const void* object) {
+  const std::size_t size = type::flat_size(*type(), object);
+  if (size == 0) return WriteResult::Refused;
+  SampleSlot* slot = acquire_flat(size);
+  type::write_flat(*type(), object, {static_cast<std::byte*>(slot->value), size});
+  return publish(slot);
+}
+
 WriteResult OutputPortBase::write_object(const void* object) {
+  if (is_flat()) return write_flat(object);
   SampleSlot* slot = acquire();
   if (slot == nullptr) return WriteResult::NoSlot;
   if (slot->value != nullptr) type()->copy(slot->value, object);
@@ -138,6 +169,12 @@ WriteResult OutputPortBase::write_default() {
 }
 
 Result<WriteResult> OutputPortBase::write_value(const type::Value& value) {
+  if (is_flat()) {
+    const SampleRef object = make_object(*type());
+    auto read = type()->from_value(object->value, value, name());
+    if (!read) return std::move(read.error());
+    return write_flat(object->value);
+  }
   SampleSlot* slot = acquire();
   if (slot == nullptr) return WriteResult::NoSlot;
   if (slot->value != nullptr) {
@@ -257,8 +294,7 @@ void InputPortBase::detach(const ReaderEnd& end) {
 ReadStatus InputPortBase::read_value(type::Value& value) {
   const ReadStatus status = fetch();
   if (status == ReadStatus::NoData) return status;
-  const SampleSlot& slot = *last_.get();
-  value = slot.value == nullptr ? type::Value{} : slot.owner->info()->to_value(slot.value);
+  value = value_of(*last_.get());
   return status;
 }
 

@@ -3,6 +3,7 @@
 
 #include <segue/base/result.hpp>
 #include <segue/task/connection_list.hpp>
+#include <segue/task/port_options.hpp>
 #include <segue/task/sample.hpp>
 #include <segue/type/type_info.hpp>
 
@@ -16,13 +17,6 @@
 namespace segue::task {
 
 class Component;
-
-struct PortOptions {
-  bool dynamic = false;  ///< created in on_configure, destroyed in on_cleanup
-  std::string doc{};
-  /// Outputs: keep the last sample, so that a connection with Policy::init can begin with it. Costs one slot.
-  bool keep_last = true;
-};
 
 enum class Direction : std::uint8_t { Input, Output };
 
@@ -54,6 +48,8 @@ class PortBase {
   [[nodiscard]] bool dynamic() const { return options_.dynamic; }
   [[nodiscard]] const std::string& doc() const { return options_.doc; }
   [[nodiscard]] const PortOptions& options() const { return options_; }
+  /// Whether samples are in the flat layout: PortOptions::flat, and a type for which that is of use.
+  [[nodiscard]] bool is_flat() const { return options_.flat; }
   [[nodiscard]] Component& component() const { return component_; }
   /// Unique within the process: no port ever has the number of another one, whatever their addresses.
   [[nodiscard]] std::uint64_t number() const { return number_; }
@@ -122,12 +118,16 @@ class OutputPortBase : public PortBase {
 
  protected:
   /// For the writer: a slot to write to, which publish() or SampleSlot::release() must follow; nullptr,
-  /// counted, if none is free.
+  /// counted, if none is free. Not for flat ports.
   SampleSlot* acquire() noexcept;
+  /// The same for flat ports, with room for so many bytes. Allocates, so a slot is always free; may throw
+  /// std::bad_alloc.
+  SampleSlot* acquire_flat(std::size_t size) { return pool_->acquire_flat(size); }
   WriteResult publish(SampleSlot* slot) noexcept;
   SamplePool& pool() { return *pool_; }
 
  private:
+  WriteResult write_flat(const void* object);
   [[nodiscard]] Error out_of_memory() const;
 
   SamplePool::Handle pool_;

@@ -24,20 +24,24 @@ std::size_t alignment_of(const type::TypeInfo* info) {
 
 }  // namespace
 
-SamplePool::Handle SamplePool::create(const type::TypeInfo* info) {
-  return Handle(new SamplePool(info));
+SamplePool::Handle SamplePool::create(const type::TypeInfo* info, Holds holds) {
+  return Handle(new SamplePool(info, holds));
 }
 
-SamplePool::SamplePool(const type::TypeInfo* info)
-    : SampleOwner(info), offset_(rounded_up(sizeof(SampleSlot), alignment_of(info))) {}
+SamplePool::SamplePool(const type::TypeInfo* info, Holds holds)
+    : SampleOwner(info), holds_(holds), offset_(rounded_up(sizeof(SampleSlot), alignment_of(info))) {}
 
 SamplePool::~SamplePool() {
   forget_example();
   for (const Chunk& chunk : chunks_) {
     for (std::size_t i = 0; i < chunk.slots; ++i) {
       auto* slot = reinterpret_cast<SampleSlot*>(chunk.memory + i * chunk.stride);
-      if (slot->value != nullptr) info()->destroy(slot->value);
-      if (slot->shared) memory_->deallocate(slot->value);
+      if (holds_ == Holds::Flat) {
+        free_flat(*slot);
+      } else {
+        if (slot->value != nullptr) info()->destroy(slot->value);
+        if (slot->shared) memory_->deallocate(slot->value);
+      }
       slot->~SampleSlot();
     }
     ::operator delete(chunk.memory, std::align_val_t(alignment_of(info())));
@@ -54,7 +58,7 @@ bool SamplePool::share(const std::shared_ptr<SampleMemory>& memory) {
   if (info() == nullptr) return true;
   if (!memory_) {
     memory_ = memory;
-    outside_ = size_;
+    outside_ = holds_ == Holds::Flat ? 0 : size_;
   }
   if (!reserve_usable(outside_)) return false;
   shares_.store(true, std::memory_order_release);
@@ -69,7 +73,8 @@ bool SamplePool::reserve_usable(std::size_t slots) {
 /// Requires mutex_. Adds fewer slots where the memory is full.
 bool SamplePool::add_slots(std::size_t count) {
   chunks_.reserve(chunks_.size() + 1);
-  const std::size_t inside = info() == nullptr || memory_ ? 0 : info()->size;
+  const bool separate = info() == nullptr || holds_ == Holds::Flat || memory_ != nullptr;
+  const std::size_t inside = separate ? 0 : info()->size;
   Chunk chunk{nullptr, 0, rounded_up(offset_ + inside, alignment_of(info()))};
   chunk.memory =
       static_cast<std::byte*>(::operator new(count* chunk.stride, std::align_val_t(alignment_of(info()))));
@@ -91,16 +96,17 @@ bool SamplePool::add_slots(std::size_t count) {
 /// nullptr where the memory is full.
 SampleSlot* SamplePool::make_slot(std::byte* memory) {
   void* value = nullptr;
-  if (memory_) {
+  const bool flat = holds_ == Holds::Flat;  // has no value until it is acquired
+  if (memory_ && !flat) {
     value = memory_->allocate(info()->size, info()->alignment);
     if (value == nullptr) return nullptr;
-  } else if (info() != nullptr) {
+  } else if (info() != nullptr && !flat) {
     value = memory + offset_;
   }
   auto* slot = new (memory) SampleSlot;
   slot->owner = this;
   slot->value = value;
-  slot->shared = memory_ != nullptr;
+  slot->shared = memory_ != nullptr && !flat;
   if (value == nullptr) return slot;
   info()->construct(value);
   if (example_ != nullptr) info()->copy(value, example_);
@@ -148,14 +154,44 @@ std::size_t SamplePool::size() const {
 
 [[gnu::hot]] SampleSlot* SamplePool::acquire() noexcept {
   SampleSlot* slot = pop();
-  // Slots from before share() are dropped; it has added as many new ones.
-  while (slot != nullptr && !slot->shared && shares_.load(std::memory_order_relaxed)) {
+  // Slots with objects from before share() are dropped; it has added as many new ones.
+  while (slot != nullptr && !slot->shared && holds_ == Holds::Objects &&
+         shares_.load(std::memory_order_relaxed)) {
     ++replaced_;
     slot = pop();
   }
   if (slot == nullptr) return nullptr;
   slot->references.store(1, std::memory_order_relaxed);
   return slot;
+}
+
+SampleSlot* SamplePool::acquire_flat(std::size_t size) {
+  SampleRef slot = SampleRef::adopt(acquire());
+  if (!slot) {
+    reserve(this->size() + 1);
+    slot = SampleRef::adopt(acquire());
+  }
+  free_flat(*slot.get());
+  if (shares_.load(std::memory_order_acquire)) {
+    slot->value = memory_->allocate(size, alignof(SampleSlot));
+    slot->shared = slot->value != nullptr;
+  }
+  // Connections to other processes refuse what does not lie in the shared memory where that is full; those
+  // within this process can have it.
+  if (slot->value == nullptr) slot->value = ::operator new(size, std::align_val_t(alignof(SampleSlot)));
+  slot->flat_size = size;
+  return slot.detach();
+}
+
+void SamplePool::free_flat(SampleSlot& slot) noexcept {
+  if (slot.shared) {
+    memory_->deallocate(slot.value);
+  } else {
+    ::operator delete(slot.value, std::align_val_t(alignof(SampleSlot)));
+  }
+  slot.value = nullptr;
+  slot.shared = false;
+  slot.flat_size = 0;
 }
 
 [[gnu::hot]] void SamplePool::push_chain(SampleSlot* first, SampleSlot* last) noexcept {
@@ -167,6 +203,8 @@ std::size_t SamplePool::size() const {
 }
 
 [[gnu::hot]] void SamplePool::recycle(SampleSlot& slot) noexcept {
+  // Other memory stays until the slot is used again, since freeing it is not real-time safe.
+  if (holds_ == Holds::Flat && slot.shared) free_flat(slot);
   push_chain(&slot, &slot);
 }
 

@@ -62,6 +62,12 @@ struct alignas(64) SampleSlot {
   SampleOwner* owner = nullptr;
   SampleSlot* next = nullptr;  ///< for the owner, while the slot is free
   bool shared = false;         ///< the value lies in the owner's SampleMemory
+  std::size_t flat_size = 0;   ///< not 0: the value is so many bytes in the flat layout, not an object
+
+  /// Requires flat_size.
+  [[nodiscard]] std::span<const std::byte> flat() const noexcept {
+    return {static_cast<const std::byte*>(value), flat_size};
+  }
 
   void retain() noexcept { references.fetch_add(1, std::memory_order_relaxed); }
   void release() noexcept {
@@ -123,12 +129,14 @@ class SamplePool final : public SampleOwner {
   };
   using Handle = std::unique_ptr<SamplePool, Retire>;
 
-  static Handle create(const type::TypeInfo* info);
+  /// What its slots hold: objects of the type, or bytes in its flat layout.
+  enum class Holds : std::uint8_t { Objects, Flat };
+  static Handle create(const type::TypeInfo* info, Holds holds = Holds::Objects);
 
   /// Makes sure that the pool has at least `slots`. Any thread; allocates. False: the SampleMemory is full,
   /// and there are fewer.
   bool reserve(std::size_t slots);
-  /// From now on values lie in `memory`; earlier slots are replaced as they are recycled. The type must be
+  /// From now on values lie in `memory`; earlier slots are replaced as they are recycled. Objects must be
   /// trivially copyable. Only the first memory counts. Any thread; allocates. False as for reserve().
   bool share(const std::shared_ptr<SampleMemory>& memory);
   [[nodiscard]] std::size_t size() const;
@@ -139,6 +147,9 @@ class SamplePool final : public SampleOwner {
   /// A free slot with one reference, holding an old or a default value; nullptr if there is none. One thread
   /// at a time (the writer); real-time safe.
   SampleSlot* acquire() noexcept;
+  /// Likewise, with room for `size` bytes in the flat layout, in the shared memory unless that is full;
+  /// Holds::Flat only. Allocates, a slot as well where none is free; may throw std::bad_alloc.
+  SampleSlot* acquire_flat(std::size_t size);
   void recycle(SampleSlot& slot) noexcept override;
 
  private:
@@ -147,7 +158,7 @@ class SamplePool final : public SampleOwner {
     std::size_t slots = 0;
     std::size_t stride = 0;
   };
-  explicit SamplePool(const type::TypeInfo* info);
+  SamplePool(const type::TypeInfo* info, Holds holds);
   ~SamplePool();
   void retire() noexcept;
   void account(std::int64_t outstanding) noexcept;
@@ -157,15 +168,17 @@ class SamplePool final : public SampleOwner {
   SampleSlot* make_slot(std::byte* memory);
   SampleSlot* pop() noexcept;
   void forget_example() noexcept;
+  void free_flat(SampleSlot& slot) noexcept;
 
+  const Holds holds_;
   SampleSlot* reserved_ = nullptr;  ///< writer only: free slots that it has already fetched
   std::size_t replaced_ = 0;        ///< writer only: slots outside memory_ that it will not use again
   std::size_t offset_;              ///< of the value in its slot, unless it lies in memory_
   /// Whether values lie in memory_. Relaxed for the writer: if it misses the change, it uses an old slot once
   /// more.
   std::atomic<bool> shares_{false};
-  mutable std::mutex mutex_;  ///< guards the members down to example_
-  std::shared_ptr<SampleMemory> memory_;
+  mutable std::mutex mutex_;              ///< guards the members down to example_
+  std::shared_ptr<SampleMemory> memory_;  ///< never changes once shares_ is set
   std::vector<Chunk> chunks_;
   std::size_t size_ = 0;
   std::size_t outside_ = 0;  ///< slots outside memory_

@@ -13,6 +13,13 @@ namespace segue::task {
 template <class T>
 class OutputPort;
 
+namespace detail {
+inline PortOptions for_objects(PortOptions options) {
+  options.flat = false;
+  return options;
+}
+}  // namespace detail
+
 /// A sample that is written in place. It still holds the value of an earlier sample, so every part must be
 /// set. Must not outlive its port; discarded unless it is published. Real-time safe.
 template <class T>
@@ -53,7 +60,8 @@ template <class T>
 class OutputPort : public OutputPortBase {
  public:
   OutputPort(Component& component, std::string name, PortOptions options = {})
-      : OutputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
+      : OutputPortBase(component, std::move(name), &type::type_info<T>(), {},
+                       detail::for_objects(std::move(options))) {}
 
   /// Copies `value` by assignment into a free slot. As real-time safe as that assignment: containers keep
   /// their capacity, see prime().
@@ -82,7 +90,8 @@ template <class T>
 class InputPort : public InputPortBase {
  public:
   InputPort(Component& component, std::string name, PortOptions options = {})
-      : InputPortBase(component, std::move(name), &type::type_info<T>(), {}, std::move(options)) {}
+      : InputPortBase(component, std::move(name), &type::type_info<T>(), {},
+                      detail::for_objects(std::move(options))) {}
 
   /// Copies the next sample, or the last one again (OldData), into `value`; NoData leaves it unchanged. As
   /// real-time safe as T's assignment.

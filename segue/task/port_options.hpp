@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace segue::task {
+
+struct PortOptions {
+  bool dynamic = false;  ///< created in on_configure, destroyed in on_cleanup
+  std::string doc{};
+  /// Outputs: keep the last sample, so that a connection with Policy::init can begin with it. Costs one slot.
+  bool keep_last = true;
+  /// For ports that pass samples on without looking at them: those of types with pointers inside are bytes in
+  /// the flat layout (type/flat.hpp, SampleSlot::flat_size), not objects. An input may get objects all the
+  /// same, from a port of its own process. Without effect on OutputPort and InputPort, whose samples are
+  /// objects.
+  bool flat = false;
+};
+
+}  // namespace segue::task
