@@ -3,6 +3,7 @@
 
 #include "../support/floor.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -47,19 +48,31 @@ pid_t start(const PairOptions& options, const Work& work) {
   std::_Exit(done ? 0 : 1);
 }
 
-/// Whether the child ended successfully in time; otherwise it is killed.
-bool end_of(pid_t child, Duration limit) {
+enum class Ending { Success, Failure, TooLate };
+
+/// How the child ended; where that is not in time, it is killed.
+Ending end_of(pid_t child, Duration limit) {
   const auto deadline = segue::RealClock::instance().now() + limit;
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
     if (segue::RealClock::instance().now() > deadline) {
       ::kill(child, SIGKILL);
       ::waitpid(child, &status, 0);
-      return false;
+      return Ending::TooLate;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? Ending::Success : Ending::Failure;
+}
+
+std::string reason_of(Ending ending, const Board& board, Duration limit) {
+  if (ending == Ending::TooLate) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit).count();
+    return "not done after " + std::to_string(seconds) + " s; sample " +
+           std::to_string(board.arrived.load()) + " was the last to arrive";
+  }
+  const std::string reason = board.failure.data();
+  return reason.empty() ? "the writing process ended before it was done" : reason;
 }
 
 }  // namespace
@@ -81,6 +94,12 @@ void Board::add_result(Duration duration) {
   if (place >= kMost) return;
   result_ns[place].store(duration.count(), std::memory_order_relaxed);
   results.store(place + 1, std::memory_order_release);
+}
+
+bool Board::give_up(std::string_view reason) {
+  failure = {};
+  std::ranges::copy(reason.substr(0, failure.size() - 1), failure.begin());
+  return false;
 }
 
 Summary Board::summary() const {
@@ -106,10 +125,12 @@ std::optional<Summary> run_pair(const PairOptions& options, const std::function<
   });
   ::close(sockets[0]);
   ::close(sockets[1]);
-  const bool done = writing > 0 && end_of(writing, options.limit);
+  const Ending ending = writing > 0 ? end_of(writing, options.limit) : Ending::Failure;
+  const bool done = ending == Ending::Success;
   if (reading > 0) end_of(reading, done ? Duration(std::chrono::seconds(2)) : Duration{0});
-  if (!done) return std::nullopt;
-  return board->summary();
+  if (done) return board->summary();
+  if (options.failure != nullptr) *options.failure = reason_of(ending, *board, options.limit);
+  return std::nullopt;
 }
 
 std::int64_t clock_ns() {

@@ -3,11 +3,14 @@
 
 #include "../support/measure.hpp"
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 /// Two processes that measure something together.
 namespace bench {
@@ -33,11 +36,14 @@ struct Board {
 
   alignas(64) std::atomic<std::uint32_t> word{0};  ///< the futex of the baseline
   Stamp stamp;
+  std::array<char, 200> failure{};  ///< why the writer gave up; empty: it did not
 
   /// Called by the reader: a sample has arrived.
   void arrive(const Stamp& sample);
   /// Called by the writer: adds a measurement.
   void add_result(Duration duration);
+  /// Called by the writer: it gives up. Returns false.
+  bool give_up(std::string_view reason);
   [[nodiscard]] Summary summary() const;
 };
 
@@ -52,6 +58,7 @@ struct PairOptions {
   std::size_t bytes = 0;
   std::optional<int> cpu{};  ///< pins both processes to it
   Duration limit = std::chrono::seconds(60);
+  std::string* failure = nullptr;  ///< gets the reason where there is no result
 };
 
 /// Forks two processes from this one, which must have no threads yet, and waits for the end of the

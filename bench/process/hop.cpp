@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <string>
 #include <thread>
 
 namespace bench {
@@ -57,15 +58,23 @@ bool arrives(const Board& board, std::uint64_t number) {
   return wait_until([&] { return board.arrived.load(std::memory_order_acquire) >= number; }, nap);
 }
 
+/// "sample 7 has not arrived within 20 s", and what has.
+std::string about(std::uint64_t number, const char* what, const Board& board) {
+  return "sample " + std::to_string(number) + " " + what + " within 20 s; the last to arrive was " +
+         std::to_string(board.arrived.load()) + ", " + std::to_string(board.lost.load()) + " were lost";
+}
+
 bool pace(Writer& writer, Board& board) {
   const auto begin = now();
   for (std::uint64_t number = 1; number <= kRounds; ++number) {
     if (number > 5 && now() - begin > kEnough) break;
     std::this_thread::sleep_for(milliseconds(1));
-    if (!send_soon(writer, number) || !arrives(board, number)) return false;
+    if (!send_soon(writer, number)) return board.give_up(about(number, "was not accepted", board));
+    if (!arrives(board, number)) return board.give_up(about(number, "has not arrived", board));
     if (number > 1) board.add_result(Duration(board.latency_ns[number % Board::kMost].load()));
   }
-  return board.lost.load() == 0;
+  const std::uint64_t lost = board.lost.load();
+  return lost == 0 || board.give_up(std::to_string(lost) + " samples were lost");
 }
 
 bool flood(Writer& writer, Board& board, std::size_t bytes) {
@@ -77,9 +86,11 @@ bool flood(Writer& writer, Board& board, std::size_t bytes) {
     const auto batch_begin = now();
     for (const std::uint64_t last = number + batch; number < last; ++number) {
       const auto room = [&] { return number < board.arrived.load(std::memory_order_acquire) + under_way; };
-      if (!wait_until(room, ::sched_yield) || !send_soon(writer, number + 1)) return false;
+      if (!wait_until(room, ::sched_yield))
+        return board.give_up(about(number - under_way + 1, "has not arrived", board));
+      if (!send_soon(writer, number + 1)) return board.give_up(about(number + 1, "was not accepted", board));
     }
-    if (!arrives(board, number)) return false;
+    if (!arrives(board, number)) return board.give_up(about(number, "has not arrived", board));
     board.add_result((now() - batch_begin) / static_cast<std::int64_t>(batch));
   }
   return true;
@@ -87,26 +98,32 @@ bool flood(Writer& writer, Board& board, std::size_t bytes) {
 
 using Measure = std::function<bool(Writer&, Board&)>;
 
-std::optional<Summary> run(Transport& transport, const HopCase& wanted, const Measure& measure) {
+segue::Result<Summary> run(Transport& transport, const HopCase& wanted, const Measure& measure) {
   const auto write = [&](const End& end) {
     const auto writer = transport.open(end);
-    if (writer == nullptr || !greet(*writer, end.board)) return false;
+    if (writer == nullptr) return end.board.give_up("the writer cannot be opened");
+    if (!greet(*writer, end.board)) return end.board.give_up("no sample has arrived within 20 s");
     const bool done = measure(*writer, end.board);
     send_soon(*writer, kLast);
     std::this_thread::sleep_for(milliseconds(20));
     return done;
   };
   const auto read = [&](const End& end) { transport.read(end); };
-  return run_pair({wanted.bytes, wanted.cpu}, write, read);
+  PairOptions options{wanted.bytes, wanted.cpu};
+  std::string failure;
+  options.failure = &failure;
+  const auto summary = run_pair(options, write, read);
+  if (summary) return *summary;
+  return segue::fail(segue::ErrorCode::Unavailable, failure);
 }
 
 }  // namespace
 
-std::optional<Summary> latency(Transport& transport, const HopCase& wanted) {
+segue::Result<Summary> latency(Transport& transport, const HopCase& wanted) {
   return run(transport, wanted, pace);
 }
 
-std::optional<Summary> throughput(Transport& transport, const HopCase& wanted) {
+segue::Result<Summary> throughput(Transport& transport, const HopCase& wanted) {
   return run(transport, wanted,
              [&](Writer& writer, Board& board) { return flood(writer, board, wanted.bytes); });
 }
@@ -114,12 +131,12 @@ std::optional<Summary> throughput(Transport& transport, const HopCase& wanted) {
 void Comparison::add(Transport& transport) {
   if (!transport.carries(wanted_.bytes)) return;
   const auto summary = experiment_(transport, wanted_);
-  if (!floor_) floor_ = summary;
-  if (summary && floor_) {
-    table_.add(transport.name(), *summary, 1, floor_->median);
-  } else {
-    table_.note(transport.name(), "failed, or lost samples");
+  if (!summary) {
+    table_.note(transport.name(), "failed: " + summary.error().message);
+    return;
   }
+  if (!floor_) floor_ = *summary;
+  table_.add(transport.name(), *summary, 1, floor_->median);
 }
 
 void Comparison::print() const {

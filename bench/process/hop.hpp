@@ -3,6 +3,8 @@
 
 #include "transport.hpp"
 
+#include <segue/base/result.hpp>
+
 #include <optional>
 
 namespace bench {
@@ -13,16 +15,16 @@ struct HopCase {
 };
 
 /// The time from sending a sample to its reception, one sample at a time, paced so that the reader sleeps
-/// before each. Nothing if the transport failed or lost samples.
-std::optional<Summary> latency(Transport& transport, const HopCase& wanted);
+/// before each. An error that says why if the transport failed or lost samples.
+segue::Result<Summary> latency(Transport& transport, const HopCase& wanted);
 
-/// Throughput with a few samples in flight: the time per sample, over several batches.
-std::optional<Summary> throughput(Transport& transport, const HopCase& wanted);
+/// Throughput with a few samples in flight: the time per sample, over several batches. Fails likewise.
+segue::Result<Summary> throughput(Transport& transport, const HopCase& wanted);
 
 /// A table of transports, each compared with the first that is measured, which is the floor.
 class Comparison {
  public:
-  using Experiment = std::optional<Summary> (*)(Transport&, const HopCase&);
+  using Experiment = segue::Result<Summary> (*)(Transport&, const HopCase&);
   Comparison(const std::string& title, Experiment experiment, const HopCase& wanted)
       : table_(title), experiment_(experiment), wanted_(wanted) {}
   /// Measures a transport, if it carries samples of that size.
