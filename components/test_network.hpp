@@ -27,10 +27,10 @@ class TestNetwork {
                          const segue::type::Value& properties = {}) {
     const auto entry = segue::task::find_component(component);
     if (!entry) throw std::runtime_error("no component " + component);
-    auto made = value_of(entry->create());
+    auto made = checked(entry->create());
     const segue::Activity activity = made->default_activity();
-    auto task = value_of(segue::task::Task::create(id, std::move(made), activity, executor_));
-    if (properties.is_map()) value_of(task->set_properties(properties, soon()));
+    auto task = checked(segue::task::Task::create(id, std::move(made), activity, executor_));
+    if (properties.is_map()) checked(task->set_properties(properties, soon()));
     return *(tasks_[id] = std::move(task));
   }
   segue::task::Task& task(const std::string& id) { return *tasks_.at(id); }
@@ -41,13 +41,13 @@ class TestNetwork {
     return *found(task(id).component().find_input(port), id, port);
   }
   void connect(segue::task::OutputPortBase& from, segue::task::InputPortBase& to) {
-    connections_.push_back(value_of(segue::link::connect(from, to, {})));
+    connections_.push_back(checked(segue::link::connect(from, to, {})));
   }
   void start(const std::string& id) {
-    value_of(task(id).configure(soon()));
-    value_of(task(id).start(soon()));
+    checked(task(id).configure(soon()));
+    checked(task(id).start(soon()));
   }
-  void stop(const std::string& id) { value_of(task(id).stop(soon())); }
+  void stop(const std::string& id) { checked(task(id).stop(soon())); }
   segue::Result<segue::type::Value> call(const std::string& id, const std::string& operation,
                                          const segue::type::Value& arguments = {}) {
     return task(id).call(operation, arguments, soon());
@@ -63,7 +63,7 @@ class TestNetwork {
 
  private:
   template <class T>
-  static T value_of(segue::Result<T> result) {
+  static T checked(segue::Result<T> result) {
     if (!result) throw std::runtime_error(segue::to_string(result.error()));
     if constexpr (!std::is_void_v<T>) return std::move(*result);
   }

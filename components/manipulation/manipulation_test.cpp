@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The components together, with a simulated arm.
+#include "arm_kinematics.hpp"
+#include "pose_servo.hpp"
+#include "simulated_arm.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace manipulation {
+namespace {
+
+using segue::type::Value;
+using test::SimulatedArm;
+using test::value_of;
+
+class Arm : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string state(const std::string& task) { return arm.task(task).state_name(); }
+  /// Controllers of the tip, from a target to commands for the generator.
+  void add_cartesian() {
+    arm.add("servo", "manipulation::CartesianController");
+    arm.add_whole_body("body");
+    arm.connect(arm.output("kinematics", "pose"), arm.input("servo", "pose"));
+    arm.connect(arm.output("servo", "twist"), arm.input("body", "twist"));
+    arm.connect(arm.output("body", "command"), arm.input("generator", "command"));
+  }
+  void add_waypoints(const std::string& generator) {
+    const std::vector<Waypoint> waypoints = {{"bent", test::bent()}, {"home", {0, 0.3, 0, 0.9, 0, 0.6, 0}}};
+    arm.add("waypoints", "manipulation::JointWaypoints", Value::map({{"waypoints", value_of(waypoints)}}));
+    arm.connect(arm.driver.joints, arm.input("waypoints", "joints"));
+    arm.connect(arm.output("waypoints", "command"), arm.input(generator, "command"));
+  }
+  [[nodiscard]] Pose tip() {
+    Pose pose;
+    arm.driver.pose.read(pose);
+    return pose;
+  }
+  [[nodiscard]] double distance_from(const std::vector<double>& positions) const {
+    double farthest = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      farthest = std::max(farthest, std::abs(positions[i] - arm.state.positions[i]));
+    return farthest;
+  }
+
+  SimulatedArm arm;
+};
+
+TEST_F(Arm, TheTipReachesAPoseAndStaysThere) {
+  add_cartesian();
+  for (const char* task : {"generator", "servo", "body"})
+    arm.start(task);
+  arm.advance(std::chrono::milliseconds(10));
+  EXPECT_EQ(state("servo"), "waiting");
+  arm.run(0.5);
+  EXPECT_EQ(state("servo"), "idle");
+  EXPECT_EQ(distance_from(test::bent()), 0) << "it rests without a target";
+
+  Pose target = tip();
+  target.position += Eigen::Vector3d(0.1, -0.15, -0.1);
+  target.orientation = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * target.orientation;
+  ASSERT_TRUE(arm.call("servo", "set_target", Value::map({{"target", value_of(target)}})));
+  arm.run(0.5);
+  EXPECT_EQ(state("servo"), "reaching");
+  EXPECT_EQ(state("generator"), "moving");
+  arm.run(10);
+  EXPECT_EQ(state("servo"), "reached");
+  const PoseError left = error_between(tip(), target);
+  EXPECT_LT(left.translation.norm(), 0.005);
+  EXPECT_LT(left.rotation.norm(), 0.02);
+
+  arm.stop("servo");
+  arm.run(2);
+  EXPECT_EQ(state("body"), "holding");
+  EXPECT_EQ(state("generator"), "holding");
+}
+
+TEST_F(Arm, GoesToNamedConfigurations) {
+  add_waypoints("generator");
+  arm.start("generator");
+  arm.start("waypoints");
+  arm.run(0.2);
+  EXPECT_EQ(state("waypoints"), "idle");
+  EXPECT_EQ(state("generator"), "holding");
+  ASSERT_TRUE(arm.call("waypoints", "go_to", Value::map({{"name", "home"}})));
+  arm.run(0.2);
+  EXPECT_EQ(state("waypoints"), "moving");
+  arm.run(5);
+  EXPECT_EQ(state("waypoints"), "reached");
+  EXPECT_LT(distance_from({0, 0.3, 0, 0.9, 0, 0.6, 0}), 0.01);
+  const auto nowhere = arm.call("waypoints", "go_to", Value::map({{"name", "hmoe"}}));
+  ASSERT_FALSE(nowhere);
+  EXPECT_THAT(nowhere.error().message, ::testing::HasSubstr("hmoe"));
+}
+
+TEST_F(Arm, AnotherGeneratorGoesOnWithTheMotionWithoutAJump) {
+  const double dt = 0.01;
+  add_cartesian();
+  for (const char* task : {"generator", "servo", "body"})
+    arm.start(task);
+  arm.run(0.1);
+  Pose target = tip();
+  target.position += Eigen::Vector3d(0.2, 0.2, -0.2);
+  ASSERT_TRUE(arm.call("servo", "set_target", Value::map({{"target", value_of(target)}})));
+  arm.run(0.6);
+  EXPECT_EQ(state("generator"), "moving");
+
+  arm.add_generator("other");
+  add_waypoints("other");
+  const auto before = arm.command;
+  arm.stop("generator");
+  const auto saved = arm.task("generator").save_state(SimulatedArm::soon());
+  ASSERT_TRUE(saved && *saved);
+  ASSERT_TRUE(arm.task("other").configure(SimulatedArm::soon()));
+  ASSERT_TRUE(arm.task("other").restore_state(**saved, SimulatedArm::soon()));
+  ASSERT_TRUE(arm.task("other").start(SimulatedArm::soon()));
+  arm.start("waypoints");
+  ASSERT_TRUE(arm.call("waypoints", "go_to", Value::map({{"name", "home"}})));
+  auto last = before;
+  for (int i = 0; i < 500; ++i) {
+    arm.step();
+    for (std::size_t j = 0; j < 7; ++j) {
+      const double velocity = arm.command.velocities[j];
+      ASSERT_LE(std::abs(velocity - last.velocities[j]), 4 * dt + 1e-6) << "acceleration of joint " << j;
+      ASSERT_LE(std::abs(arm.command.positions[j] - last.positions[j]), 1.5 * dt + 1e-6);
+    }
+    last = arm.command;
+  }
+  EXPECT_EQ(state("waypoints"), "reached");
+}
+
+TEST_F(Arm, AGeneratorRefusesAMotionThatIsNotItsOwn) {
+  arm.start("generator");
+  arm.stop("generator");
+  auto& generator = arm.task("generator");
+  const TrajectoryState three{{1, 2, 3}, {0, 0, 0}, {0, 0, 0}};
+  EXPECT_FALSE(generator.restore_state(segue::task::make_state(three, 1), SimulatedArm::soon()));
+  EXPECT_FALSE(generator.restore_state(segue::task::make_state(three, 2), SimulatedArm::soon()));
+  const auto saved = generator.save_state(SimulatedArm::soon());
+  ASSERT_TRUE(saved);
+  EXPECT_FALSE(*saved) << "it has never moved the arm";
+}
+
+TEST_F(Arm, ComesToRestWhenCommandsStop) {
+  segue::task::OutputPort<messages::JointCommand> hand(arm.driver, "hand");
+  arm.connect(hand, arm.input("generator", "command"));
+  arm.start("generator");
+  arm.advance(std::chrono::milliseconds(10));
+  EXPECT_EQ(state("generator"), "waiting");
+  arm.run(0.05);
+  hand.write({.time = 0, .positions = {}, .velocities = std::vector<double>(7, 0.2)});
+  arm.run(0.15);
+  EXPECT_EQ(state("generator"), "moving");
+  arm.run(1);
+  EXPECT_EQ(state("generator"), "holding");
+  const auto rest = arm.state.positions;
+  EXPECT_GT(distance_from(test::bent()), 0.01);
+  hand.write({.time = 0, .positions = {1, 2}, .velocities = {}});
+  arm.run(1);
+  EXPECT_EQ(arm.state.positions, rest) << "what makes no sense is ignored";
+}
+
+TEST_F(Arm, PlaysAScriptLikeA3DMouse) {
+  arm.add_whole_body("body");
+  const std::vector<TimedTwist> script = {{{{0, 0, -0.1}, {0, 0, 0}}, 1.0}, {{{0.1, 0, 0}, {0, 0, 0}}, 0.5}};
+  arm.add("mouse", "manipulation::ScriptedTwist", Value::map({{"script", value_of(script)}}));
+  arm.connect(arm.output("mouse", "twist"), arm.input("body", "twist"));
+  arm.connect(arm.output("body", "command"), arm.input("generator", "command"));
+  for (const char* task : {"generator", "body"})
+    arm.start(task);
+  arm.run(0.1);
+  const Pose before = tip();
+  arm.start("mouse");
+  arm.run(0.9);
+  EXPECT_EQ(state("mouse"), "playing");
+  arm.run(2);
+  EXPECT_EQ(state("mouse"), "done");
+  EXPECT_EQ(state("generator"), "holding");
+  const Eigen::Vector3d moved = tip().position - before.position;
+  EXPECT_LT((moved - Eigen::Vector3d(0.05, 0, -0.1)).norm(), 0.015) << moved.transpose();
+}
+
+TEST_F(Arm, FollowsAMarkedObjectWithTheCameraOnItsHand) {
+  Pose camera;
+  camera.position = {0.05, 0, 0.02};
+  camera.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
+  Pose object;  // in the frame of the marker
+  object.position = {0, 0, 0.1};
+  arm.add("tracker", "manipulation::MarkerTracker",
+          Value::map({{"marker_id", 7}, {"camera", value_of(camera)}, {"object_pose", value_of(object)}}));
+  arm.connect(arm.output("kinematics", "pose"), arm.input("tracker", "tip"));
+  arm.connect(arm.driver.markers, arm.input("tracker", "markers"));
+  arm.connect(arm.output("tracker", "object"), arm.driver.object);
+  arm.start("tracker");
+  arm.run(0.1);
+  EXPECT_EQ(state("tracker"), "lost");
+
+  Pose truth;
+  truth.position = {0.6, 0.1, 0.1};
+  truth.orientation = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX());
+  const Pose seen = compose(inverse(compose(tip(), camera)), compose(truth, inverse(object)));
+  const auto look = [&](std::int32_t id, const Pose& pose) {
+    arm.driver.markers.write({arm.seconds(), {{3, {}}, {id, pose}}});
+    arm.run(0.05);
+  };
+  for (int i = 0; i < 20; ++i)
+    look(7, seen);
+  EXPECT_EQ(state("tracker"), "tracking");
+  Pose found;
+  ASSERT_EQ(arm.driver.object.read(found), segue::task::ReadStatus::NewData);
+  EXPECT_LT((found.position - truth.position).norm(), 1e-6);
+  EXPECT_LT(found.orientation.angularDistance(truth.orientation), 1e-6);
+  for (int i = 0; i < 20; ++i)
+    look(8, seen);
+  EXPECT_EQ(state("tracker"), "lost") << "that is another marker";
+  EXPECT_EQ(arm.driver.object.read(found), segue::task::ReadStatus::OldData);
+}
+
+}  // namespace
+}  // namespace manipulation

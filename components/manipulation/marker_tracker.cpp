@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pose_filter.hpp"
+
+#include "../messages/sensors.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+namespace manipulation {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Tells where an object with a marker is, from what a camera on the arm sees.
+class MarkerTracker final : public Component {
+ public:
+  MarkerTracker() {
+    doc("Finds the pose of a marked object in the frame of the arm's base, with a camera on the arm");
+    default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(20)});
+    declare_states({"tracking", "lost"});
+  }
+
+ private:
+  segue::Result<void> on_configure() override {
+    if (!usable(*camera_) || !usable(*object_)) {
+      return segue::fail(segue::ErrorCode::InvalidArgument,
+                         "camera and object must be poses of finite numbers");
+    }
+    return {};
+  }
+
+  segue::Result<void> on_start() override {
+    filter_.reset();
+    seen_.reset();
+    tip_known_ = false;
+    return {};
+  }
+
+  void on_update() override {
+    tip_known_ = tip_in_.read(tip_) != ReadStatus::NoData && usable(tip_);
+    while (const auto markers = markers_in_.take()) {
+      const auto marker = std::ranges::find(markers->markers, *marker_id_, &messages::Marker::id);
+      if (tip_known_ && marker != markers->markers.end() && usable(marker->pose)) take(*marker);
+    }
+    const bool tracking = seen_ && now() - *seen_ <= *lost_after_;
+    if (!tracking) filter_.reset();
+    set_state(tracking ? "tracking" : "lost");
+  }
+
+  void take(const messages::Marker& marker) {
+    const Pose measured = compose(compose(compose(tip_, *camera_), marker.pose), *object_);
+    const double elapsed = seen_ ? std::chrono::duration<double>(now() - *seen_).count() : 0;
+    if (!filter_.add(measured, elapsed, {*time_constant_, *largest_jump_, *confirmations_})) return;
+    seen_ = now();
+    object_out_.write(*filter_.estimate());
+  }
+
+  static bool usable(const Pose& pose) {
+    return pose.position.allFinite() && std::abs(pose.orientation.norm() - 1) < 0.01;
+  }
+
+  InputPort<messages::Markers> markers_in_{*this, "markers"};
+  InputPort<messages::Pose> tip_in_{
+      *this, "tip", {.doc = "pose of the tip, on which the camera is mounted, in the frame of the base"}};
+  OutputPort<messages::Pose> object_out_{
+      *this, "object", {.doc = "in the frame of the base; while it is seen"}};
+  Property<std::int32_t> marker_id_{*this, "marker_id", 0, {.live = true, .doc = "the marker to be tracked"}};
+  Property<messages::Pose> camera_{
+      *this, "camera", {}, {.doc = "pose of the camera in the frame of the tip"}};
+  Property<messages::Pose> object_{
+      *this, "object_pose", {}, {.doc = "of the object in the frame of the marker"}};
+  Property<double> time_constant_{
+      *this, "time_constant", 0.2, {.live = true, .doc = "s; how slowly the estimate follows"}};
+  Property<double> largest_jump_{
+      *this, "largest_jump", 0.1, {.live = true, .doc = "m; a pose that is farther away is doubted"}};
+  Property<std::int32_t> confirmations_{
+      *this, "confirmations", 5, {.live = true, .doc = "doubted poses in a row that are believed"}};
+  Property<std::chrono::milliseconds> lost_after_{
+      *this, "lost_after", std::chrono::milliseconds(500), {.live = true, .doc = "without the marker"}};
+
+  PoseFilter filter_;
+  Pose tip_;
+  bool tip_known_ = false;
+  std::optional<segue::TimePoint> seen_;
+};
+
+}  // namespace manipulation
+
+SEGUE_COMPONENT(manipulation::MarkerTracker)
