@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "../messages/sensors.hpp"
+#include "rover_model.hpp"
+#include "types.hpp"
+
+#include <memory>
+#include <string>
+
+namespace rover {
+
+/// Draws what a camera of the rover sees, on the processor (OSMesa), without a screen. Any thread, one at a
+/// time. Drawing allocates: not for threads with real-time demands.
+class Renderer {
+ public:
+  /// InvalidArgument for images without a size or larger than kLargestWidth x kLargestHeight, NotFound for
+  /// cameras that there are not, Unsupported without OpenGL.
+  static segue::Result<std::unique_ptr<Renderer>> create(const std::string& camera, int width, int height);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// False, and `image` is unchanged: the scene is not one of this model.
+  bool render(const SceneState& scene, messages::Image& image);
+
+ private:
+  struct Implementation;
+  explicit Renderer(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace rover

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/type/describe.hpp>
+
+#include <array>
+#include <vector>
+
+/// A simulated rover with six wheels, an arm and cameras. Units and frames: messages/geometry.hpp.
+namespace rover {
+
+/// Set points for the wheels: front left, front right, middle left, middle right, rear left, rear right.
+struct WheelCommand {
+  double time = 0;
+  std::array<double, 6> steering{};  ///< rad, counterclockwise from straight ahead
+  std::array<double, 6> speeds{};    ///< rad/s, positive: forward
+};
+
+struct GripperCommand {
+  double time = 0;
+  double opening = 0;  ///< m, between the fingers
+};
+
+/// Where everything is, robot and boxes: what a renderer in another process needs to draw the scene.
+struct SceneState {
+  double time = 0;
+  std::vector<double> positions;  ///< in the order of the model's joints (mjData::qpos)
+};
+
+}  // namespace rover
+
+SEGUE_TYPE(rover::WheelCommand, time, steering, speeds)
+SEGUE_TYPE(rover::GripperCommand, time, opening)
+SEGUE_TYPE(rover::SceneState, time, positions)
