@@ -51,7 +51,9 @@ struct Image {
 
 struct Marker {
   std::int32_t id = 0;
-  Pose pose;  ///< of the centre of the marker, in the frame of the camera
+  /// Of the centre of the marker, in the frame of the camera: x to the right and y downward for who reads the
+  /// marker upright, z into its surface.
+  Pose pose;
 };
 
 /// What was seen in one image; no markers where none was.

@@ -3,7 +3,6 @@
 
 #include "rover_model.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace rover {
@@ -15,12 +14,6 @@ std::array<double, 2> velocity_at(const WheelPlace& place, const messages::Twist
 }
 
 }  // namespace
-
-messages::Twist2D approached(const messages::Twist2D& twist, const messages::Twist2D& wanted,
-                             const messages::Twist2D& most) {
-  return {twist.linear + std::clamp(wanted.linear - twist.linear, -most.linear, most.linear),
-          twist.angular + std::clamp(wanted.angular - twist.angular, -most.angular, most.angular)};
-}
 
 PerWheel steering_for(const messages::Twist2D& twist, const PerWheel& steering) {
   constexpr double kStill = 1e-4;  // m/s

@@ -11,10 +11,6 @@ namespace rover {
 
 using PerWheel = std::array<double, 6>;
 
-/// `twist`, changed towards `wanted` by no more than `most`: wheels that are sped up too quickly slip.
-messages::Twist2D approached(const messages::Twist2D& twist, const messages::Twist2D& wanted,
-                             const messages::Twist2D& most);
-
 /// Steering angles with which no wheel slips sideways at this velocity; as they are where the wheel need not
 /// move. Of two angles (wheels roll both ways) the one that is nearer to where the wheel points now.
 PerWheel steering_for(const messages::Twist2D& twist, const PerWheel& steering);

@@ -51,7 +51,7 @@ inline constexpr std::array<ArmJoint, kArmJoints> kArm = {{{{0.25, 0, 0.33}, {0,
 /// The point between the finger tips, in the frame of the last joint; x points along the fingers, which open
 /// along y.
 inline constexpr std::array<double, 3> kTool = {0.14, 0, 0};
-/// Folded above the deck, out of the sight of the mast.
+/// Folded, the hand before the deck, where it does not hide the table from the mast.
 inline constexpr std::array<double, kArmJoints> kArmHome = {0, -1.9, 2.5, 0, 0.6, 0};
 
 inline constexpr double kDeckHeight = 0.31;      ///< of its upper side, which is flat behind the arm

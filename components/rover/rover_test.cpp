@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The simulated rover without tasks, in simulated time.
+#include "drive_control.hpp"
 #include "drive_kinematics.hpp"
 #include "marker_finder.hpp"
 #include "marker_pose.hpp"
@@ -44,8 +45,7 @@ class DrivenRover : public ::testing::Test {
         last_.at(wheel) = wheels_.positions[kWheels + wheel];
       }
       odometry_ = moved(odometry_, movement_of(angles, steering));
-      twist_ = approached(twist_, wanted, {0.02, 0.06});
-      rover_->command_wheels({0, steering_for(twist_, steering), speeds_for(twist_, steering)});
+      rover_->command_wheels(control_.advance(wanted, steering, kSteps * SimulatedRover::kStep));
       rover_->step(kSteps);
     }
   }
@@ -58,7 +58,7 @@ class DrivenRover : public ::testing::Test {
   std::unique_ptr<SimulatedRover> rover_ = make();
   messages::JointState wheels_;
   PerWheel last_{};
-  messages::Twist2D twist_;
+  DriveControl control_;
   messages::Pose2D odometry_;
 };
 

@@ -27,8 +27,16 @@ struct SceneState {
   std::vector<double> positions;  ///< in the order of the model's joints (mjData::qpos)
 };
 
+/// A velocity to be commanded for some time.
+struct Leg {
+  double duration = 0;  ///< s
+  double linear = 0;    ///< m/s
+  double angular = 0;   ///< rad/s
+};
+
 }  // namespace rover
 
 SEGUE_TYPE(rover::WheelCommand, time, steering, speeds)
 SEGUE_TYPE(rover::GripperCommand, time, opening)
 SEGUE_TYPE(rover::SceneState, time, positions)
+SEGUE_TYPE(rover::Leg, duration, linear, angular)

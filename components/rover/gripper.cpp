@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rover_model.hpp"
+#include "types.hpp"
+
+#include "../messages/sensors.hpp"
+
+#include <segue/task/component.hpp>
+
+#include <cmath>
+
+namespace rover {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// The driver of the gripper. What it was told last holds although the task is stopped: a box is not dropped
+/// by a switch.
+class Gripper final : public Component {
+ public:
+  Gripper() {
+    doc("Opens and closes the gripper, and tells whether it holds something");
+    trigger_on({"measured"});
+    declare_states({"opening", "closing", "open", "closed", "holding"});
+    claims({"gripper"});
+  }
+
+ protected:
+  segue::Result<void> on_start() override {
+    commanded_ = false;
+    return {};
+  }
+
+  void on_update() override {
+    const auto measured = measured_in_.take();
+    if (!measured) return;
+    if (measured->positions.empty() || measured->velocities.empty() || measured->efforts.empty()) {
+      exception("measured must tell the opening, its velocity and the force");
+      return;
+    }
+    set_state(state_of(measured->positions[0], measured->velocities[0], measured->efforts[0]));
+    command_.time = measured->time;
+    if (commanded_) command_out_.write(command_);
+  }
+
+ private:
+  static const char* state_of(double opening, double velocity, double force) {
+    constexpr double kStill = 0.01;    // m/s
+    constexpr double kClosed = 0.004;  // m
+    if (std::abs(velocity) > kStill) return velocity > 0 ? "opening" : "closing";
+    if (opening < kClosed) return "closed";
+    return force < -0.8 * kGripForce ? "holding" : "open";
+  }
+
+  void command(double opening, const char* state) {
+    command_.opening = opening;
+    commanded_ = true;
+    set_state(state);
+  }
+
+  InputPort<messages::JointState> measured_in_{
+      *this, "measured", {.doc = "opening, its velocity, and the force"}};
+  OutputPort<GripperCommand> command_out_{*this, "command", {.doc = "set point for the servo"}};
+  Operation<void()> open_{*this,
+                          "open",
+                          {},
+                          [this] { command(kLargestOpening, "opening"); },
+                          RunsIn::TaskThread,
+                          "opens the gripper; the state is open then"};
+  Operation<void()> close_{*this,
+                           "close",
+                           {},
+                           [this] { command(0, "closing"); },
+                           RunsIn::TaskThread,
+                           "closes the gripper; the state is closed or holding then"};
+  bool commanded_ = false;
+  GripperCommand command_;
+};
+
+}  // namespace rover
+
+SEGUE_COMPONENT(rover::Gripper)

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The components of the rover together: in virtual time, and as in the example.
+#include "../messages/geometry.hpp"
+#include "../messages/sensors.hpp"
+#include "rover_model.hpp"
+#include "test_support.hpp"
+#include "types.hpp"
+
+#include <segue/runtime/embedded_robot.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <thread>
+
+namespace rover {
+namespace {
+
+using segue::type::Value;
+using ::testing::HasSubstr;
+using testing::leg;
+using testing::soon;
+using testing::SteppedRover;
+using namespace std::chrono_literals;
+
+Value starting_at(double x, double y, double theta) {
+  return Value::map({{"start", Value::map({{"x", x}, {"y", y}, {"theta", theta}})}});
+}
+
+/// A rover that drives as a script says.
+void add_script(SteppedRover& rover, const Value& legs) {
+  rover.add("script", "rover::VelocityScript", Value::map({{"legs", legs}}));
+  rover.wire("rover", "time", "script", "time");
+  rover.wire("script", "command", "wheels", "command");
+}
+
+TEST(RoverDrive, follows_a_script_and_knows_where_it_is) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  add_script(rover, Value::list({leg(2, 0.4, 0), leg(2, 0.2, 0.5), leg(2, 0.0, -0.8)}));
+  rover.start();
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("wheels").state_name(), "driving");
+  EXPECT_EQ(rover.task("script").state_name(), "driving");
+  rover.advance(6s);
+  EXPECT_EQ(rover.task("script").state_name(), "finished");
+  EXPECT_EQ(rover.task("wheels").state_name(), "idle");
+  const auto odometry = rover.next<messages::Odometry>("wheels", "odometry");
+  const auto pose = rover.next<messages::Odometry>("rover", "pose");
+  EXPECT_GT(pose.pose.x, 0.9);
+  EXPECT_LT(pose.pose.theta, -0.2);
+  EXPECT_NEAR(odometry.pose.x, pose.pose.x, 0.03);
+  EXPECT_NEAR(odometry.pose.y, pose.pose.y, 0.03);
+  EXPECT_NEAR(odometry.pose.theta, pose.pose.theta, 0.1);
+}
+
+TEST(RoverDrive, stops_when_no_command_comes) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  add_script(rover, Value::list({leg(100, 0.2, 0)}));
+  rover.start();
+  rover.advance(1s);
+  ASSERT_TRUE(rover.task("script").stop(soon()));
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("wheels").state_name(), "idle");
+  EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0, 1e-3);
+}
+
+TEST(SimulatedWheels, stop_when_their_driver_is_gone) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  add_script(rover, Value::list({leg(100, 0.2, 0)}));
+  rover.start();
+  rover.advance(1s);
+  ASSERT_TRUE(rover.task("wheels").stop(soon()));
+  rover.advance(100ms);
+  EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0.2, 0.01) << "not at once";
+  rover.advance(1s);
+  EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0, 1e-3);
+}
+
+TEST(Components, give_the_same_result_each_time) {
+  const auto run = [] {
+    SteppedRover rover(starting_at(0, 0, 0));
+    add_script(rover, Value::list({leg(1, 0.4, 0.3)}));
+    rover.start();
+    rover.call("arm", "move_to", Value::list({Value::list({0.3, -1.2, 1.6, 0.1, 0.2, 0.3})}));
+    rover.advance(1500ms);
+    return rover.next<SceneState>("rover", "scene").positions;
+  };
+  EXPECT_EQ(run(), run()) << "to the last bit";
+}
+
+TEST(ArmDriver, refuses_what_its_arm_cannot_reach) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.start();
+  rover.advance(100ms);
+  const auto beyond =
+      rover.task("arm").call("move_to", Value::list({Value::list({5, 0, 0, 0, 0, 0})}), soon());
+  ASSERT_FALSE(beyond);
+  EXPECT_THAT(beyond.error().message, HasSubstr("joint 1"));
+  const auto few = rover.task("arm").call("move_to", Value::list({Value::list({0, 0})}), soon());
+  ASSERT_FALSE(few);
+  EXPECT_THAT(few.error().message, HasSubstr("6 joints, not 2"));
+}
+
+TEST(ArmDriver, moves_no_faster_than_it_may) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.start();
+  rover.advance(100ms);
+  rover.call("arm", "move_to", Value::list({Value::list({1.5, -1.9, 2.5, 0, 0.6, 0})}));
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("arm").state_name(), "moving");
+  const auto joints = rover.next<messages::JointState>("arm", "joints");
+  EXPECT_LT(joints.positions[0], 1.1);
+  EXPECT_NEAR(joints.velocities[0], 1.0, 0.1);
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("arm").state_name(), "holding");
+}
+
+/// Joint angles with which the fingers lie flat, their tips at this distance and height as seen from the
+/// shoulder.
+Value flat_hand_at(double distance, double height) {
+  const double upper = kArm[2].place[0];
+  const double lower = kArm[3].place[0] + kArm[4].place[0];
+  const double wrist = distance - kArm[5].place[0] - kTool[0];
+  const double squared = wrist * wrist + height * height;
+  const double elbow = M_PI - std::acos((upper * upper + lower * lower - squared) / (2 * upper * lower));
+  const double shoulder = std::atan2(-height, wrist) - std::acos((upper * upper + squared - lower * lower) /
+                                                                 (2 * upper * std::sqrt(squared)));
+  return Value::list({Value::list({0.0, shoulder, elbow, 0.0, -shoulder - elbow, 0.0})});
+}
+
+TEST(Gripper, takes_a_box_from_the_table) {
+  constexpr double kX = 0.85;
+  SteppedRover rover(starting_at(kX, 0, 0));
+  rover.start();
+  rover.advance(100ms);
+  EXPECT_EQ(rover.task("gripper").state_name(), "closed");
+  const auto boxes = rover.next<messages::Markers>("rover", "boxes");
+  const Eigen::Vector3d box = boxes.markers.at(1).pose.position;
+  const double distance = box.x() - kX - kArm[0].place[0];
+  const double height = box.z() - kArm[0].place[2] - kArm[1].place[2];
+  rover.call("gripper", "open");
+  rover.call("arm", "move_to", flat_hand_at(distance - 0.15, height + 0.15));
+  rover.advance(4s);
+  EXPECT_EQ(rover.task("gripper").state_name(), "open");
+  EXPECT_EQ(rover.task("arm").state_name(), "holding");
+  for (const double before : {0.08, 0.04, 0.0}) {
+    rover.call("arm", "move_to", flat_hand_at(distance - before, height));
+    rover.advance(1500ms);
+  }
+  rover.call("gripper", "close");
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("gripper").state_name(), "holding");
+  rover.call("arm", "stow");
+  rover.advance(4s);
+  EXPECT_EQ(rover.task("gripper").state_name(), "holding");
+  const auto after = rover.next<messages::Markers>("rover", "boxes").markers.at(1).pose.position;
+  EXPECT_GT(after.z(), box.z() + 0.03);
+  EXPECT_LT(after.x(), box.x() - 0.2) << "the box went along";
+  ASSERT_TRUE(rover.task("gripper").stop(soon()));
+  rover.advance(1s);
+  const auto still = rover.next<messages::Markers>("rover", "boxes").markers.at(1).pose.position;
+  EXPECT_LT((still - after).norm(), 0.005) << "the gripper holds although its driver is stopped";
+}
+
+TEST(Simulation, ends_when_a_set_point_is_no_number) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.start();
+  rover.advance(100ms);
+  segue::task::Component writer;
+  segue::task::OutputPort<GripperCommand> port(writer, "port");
+  ASSERT_TRUE(segue::link::connect(port, *rover.task("rover").component().find_input("gripper"), {}));
+  port.write({0, std::nan("")});
+  rover.advance(100ms);
+  EXPECT_EQ(rover.task("rover").state(), segue::TaskState::Exception);
+  EXPECT_THAT(rover.task("rover").error_message(), HasSubstr("set points"));
+}
+
+/// Reads a port until a sample satisfies `enough`; returns that sample, or null after two minutes.
+template <class Enough>
+Value wait_for(segue::runtime::EmbeddedRobot& robot, const char* task, const char* port, Enough enough) {
+  auto reader = robot.host().open_reader({segue::model::TaskId(task), port}, 100);
+  EXPECT_TRUE(reader);
+  const auto deadline = segue::RealClock::instance().now() + 2min;
+  while (reader && segue::RealClock::instance().now() < deadline) {
+    for (auto& sample : (*reader)->read(100)) {
+      if (enough(sample)) return std::move(sample);
+    }
+    std::this_thread::yield();
+  }
+  return {};
+}
+
+double number(const Value& value, const char* field) {
+  return value.find(field)->as_double();
+}
+
+TEST(RoverExample, drives_to_the_table_and_sees_the_boxes) {
+  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
+  segue::Diagnostics diagnostics;
+  const auto file = segue::paths::in_sources("/examples/08_rover/robot.yaml");
+  const auto robot = segue::runtime::EmbeddedRobot::open(file, diagnostics);
+  ASSERT_TRUE(robot) << to_string(diagnostics);
+  ASSERT_EQ(robot->switch_to("drive").outcome, segue::runtime::Outcome::Done);
+  const auto odometry = wait_for(*robot, "wheels", "odometry",
+                                 [](const Value& sample) { return number(*sample.find("pose"), "x") > 0.7; });
+  ASSERT_TRUE(odometry.is_map()) << "it drives to the table";
+  ASSERT_EQ(robot->switch_to("look").outcome, segue::runtime::Outcome::Done);
+  const auto seen = wait_for(*robot, "detector", "markers", [](const Value& sample) {
+    return sample.find("markers")->as_list().size() == kBoxes;
+  });
+  ASSERT_TRUE(seen.is_map()) << "it sees all boxes";
+  for (const Value& marker : seen.find("markers")->as_list()) {
+    const auto& position = marker.find("pose")->find("position")->as_list();
+    EXPECT_NEAR(position.at(2).as_double(), 0.97, 0.1) << "m in front of the camera";
+  }
+  EXPECT_EQ(robot->shut_down().outcome, segue::runtime::Outcome::Done);
+}
+
+}  // namespace
+}  // namespace rover
