@@ -63,6 +63,7 @@ void add_top(Verb& app, Context& context);
 void add_task(Verb& app, Context& context);
 void add_read(Verb& app, Context& context);
 void add_set(Verb& app, Context& context);
+void add_write(Verb& app, Context& context);
 void add_call(Verb& app, Context& context);
 void add_events(Verb& app, Context& context);
 void add_history(Verb& app, Context& context);

@@ -12,6 +12,7 @@
 
 #include "checked_missions.hpp"
 #include "mission_convert.hpp"
+#include "mission_remote.hpp"
 #include "mission_run.hpp"
 #include "models.hpp"
 #include "output.hpp"
@@ -104,6 +105,9 @@ void add_runner(Verb& verb, Context& context) {
               "simulate every action with its expected duration and outcome");
   runner.option("--input NAME=VALUE", options->inputs, "an input of the mission");
   runner.option("--fact FACT", options->facts, "a fact that initially holds, or with '!' does not hold");
+  runner.option(
+      "--look-ahead N", options->look_ahead,
+      "on a robot, keep at most so many controllers prepared that are likely to be needed next (default 3)");
   runner.option("--start-at PATH", options->start_at, "begin at this state, such as fetch/grasp");
   const Option journal =
       runner.option("--journal FILE", options->journal, "record the run, so that it can be resumed");
@@ -213,6 +217,7 @@ void add_mission(Verb& app, Context& context) {
   importer.option("-o,--output FILE", source->output, "write to a file instead of standard output");
   add_gantt(verb, context);
   add_convert(verb, context);
+  add_mission_remote(verb, context);
 }
 
 }  // namespace segue::cli

@@ -17,6 +17,7 @@
 
 #include "connection.hpp"
 #include "mission_progress.hpp"
+#include "mission_remote.hpp"
 #include "models.hpp"
 #include "output.hpp"
 #include "stop_signal.hpp"
@@ -113,20 +114,18 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
   const auto style = style_of(options, context);
   MissionProgress progress(plan.name(), style, options.clock == "real", known_plan(plan, request, style));
   request.note = [&](const std::string& text) { progress.note(text); };
-  if (style != MissionProgress::Style::None)
-    request.on_action = [&](const mission::ActionEvent& event) { progress.observe(event); };
+  if (style != MissionProgress::Style::None) {
+    request.on_action = [&, further = request.on_action](const mission::ActionEvent& event) {
+      progress.observe(event);
+      if (further) further(event);
+    };
+  }
   return plan.run(request, std::move(stop));
 }
 
 bool needs_robot(const session::Session& plan, const MissionOptions& options) {
   return plan.program() != nullptr && !options.simulate &&
          mission::uses_controllers(plan.program()->mission());
-}
-
-/// The robot carries out what is a controller.
-void give_robot(RunRequest& request, control::RobotService& robot) {
-  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(
-      std::make_shared<robot::ServedRobot>(robot, sender("mission run"))));
 }
 
 void show_executions(const FinishedRun& run) {
@@ -223,10 +222,10 @@ void add_library_option(Verb& verb, MissionOptions& options) {
 
 namespace {
 
+/// Until `stop` is requested.
 int run_and_show(const session::Session& plan, const RunRequest& request, const MissionOptions& options,
-                 const Context& context) {
-  StopSignal stop;  // until the run has been shown
-  auto run = run_with_progress(plan, request, options, stop.token(), context);
+                 std::stop_token stop, const Context& context) {
+  auto run = run_with_progress(plan, request, options, std::move(stop), context);
   if (!run) return failed(context, run.error());
   if (options.show) show_run(**run, plan.is_network(), options.follow, context);
   if (options.files.any()) {
@@ -238,6 +237,29 @@ int run_and_show(const session::Session& plan, const RunRequest& request, const 
   if (overview.succeeded) return kDone;
   const bool has_told = !plan.is_network() || (options.show && context.json());
   return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
+}
+
+/// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
+int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
+                 const Context& context) {
+  StopSignal signal;  // until the run has been shown
+  std::stop_source stop;
+  const std::stop_callback stopping(signal.token(), [&] { stop.request_stop(); });
+  const auto robot = std::make_shared<robot::ServedRobot>(service, sender("mission run"));
+  if (auto taken = robot->take(); !taken) return failed(context, taken.error());
+  const auto conflicts = robot->conflicts();
+  if (!conflicts) return failed(context, conflicts.error());
+  Diagnostics diagnostics;
+  const auto plan = session::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
+  if (!plan) return report_failure(context, diagnostics);
+  mission::ControllerOptions how;
+  how.look_ahead = options.look_ahead;
+  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
+  session::PauseControl pause;
+  request.pause = &pause;
+  MissionRemote remote(*robot, plan->name(), pause, stop);
+  request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
+  return run_and_show(*plan, request, options, stop.get_token(), context);
 }
 
 }  // namespace
@@ -254,14 +276,16 @@ int run_plan(const MissionOptions& options, const NetworkOptions& network, Conte
   print_diagnostics(diagnostics);
   auto request = request_of(options, network, plan->is_network());
   if (!request) return failed(context, request.error());
-  if (!needs_robot(*plan, options)) return run_and_show(*plan, *request, options, context);
+  if (!needs_robot(*plan, options)) {
+    StopSignal stop;  // until the run has been shown
+    return run_and_show(*plan, *request, options, stop.token(), context);
+  }
   if (options.clock == "virtual") {
     return failed(context, fail(ErrorCode::InvalidArgument,
                                 "a robot cannot run in virtual time; simulate the mission with --simulate"));
   }
   return with_robot(context, [&](control::RobotService& robot) {
-    give_robot(*request, robot);
-    return run_and_show(*plan, *request, options, context);
+    return run_on_robot(std::move(*request), options, robot, context);
   });
 }
 

@@ -40,6 +40,7 @@ struct MissionOptions {
   bool progress = true;  ///< show what goes on, in real time
   bool show = true;      ///< what was executed, on standard output
   std::string python = "python3";
+  std::size_t look_ahead = 3;  ///< controllers of a robot that are kept prepared
 };
 
 /// The options for what is in NetworkOptions.

@@ -26,6 +26,12 @@ std::string status_heading(const Value& status) {
                      text_at(status, "state"));
 }
 
+/// Who holds the lease.
+std::string commander_text(const Value& status) {
+  const std::string who = text_at(status, "commanded_by");
+  return who.empty() ? who : fmt::format("commanded by: {}\n", printable(who));
+}
+
 /// What the files of the robot have to do with what runs: nothing to say if they are what was loaded.
 std::string files_text(const Value& status) {
   const std::string controller = text_at(status, "controller");
@@ -109,7 +115,8 @@ int show_status(control::RobotService& robot, const Context& context) {
     print_json(*status);
     return kDone;
   }
-  print(status_heading(*status) + other_controllers(*status) + files_text(*status) + hosts_text(*status));
+  print(status_heading(*status) + commander_text(*status) + other_controllers(*status) + files_text(*status) +
+        hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
 
@@ -26,6 +27,8 @@ struct SwitchVerbOptions {
   std::string order;
   bool dry_run = false;
   bool force = false;
+  bool take_over = false;
+  std::vector<std::string> properties;  ///< TASK.PROPERTY=VALUE
   bool wait = true;
   Duration timeout = std::chrono::seconds(60);
 };
@@ -99,15 +102,39 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
   const auto status = robot.status();
   if (!status) return;
   const auto names = controller_names(*status);
-  const bool known = controller.empty() || std::find(names.begin(), names.end(), controller) != names.end();
-  if (!known)
+  bool all_known = true;
+  for (std::size_t at = 0; at < controller.size();) {  // "arm+drive"
+    const std::size_t end = std::min(controller.find('+', at), controller.size());
+    all_known = all_known && std::ranges::find(names, controller.substr(at, end - at)) != names.end();
+    at = end + 1;
+  }
+  if (!all_known)
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
+}
+
+/// "TASK.PROPERTY=VALUE"
+Result<control::PropertyOf> parse_property(const std::string& text) {
+  const auto equals = text.find('=');
+  const auto dot = text.substr(0, equals).find('.');
+  if (equals == std::string::npos || dot == std::string::npos)
+    return fail(ErrorCode::InvalidArgument, "--set must be TASK.PROPERTY=VALUE, got " + quote(text));
+  auto value = type::parse_yaml(text.substr(equals + 1));
+  if (!value) return value.error();
+  return control::PropertyOf{text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), std::move(*value)};
 }
 
 Result<Value> request_switch(control::RobotService& robot, const SwitchVerbOptions& options) {
   const TimePoint deadline = deadline_in(options.wait ? options.timeout : Duration(0));
-  const control::SwitchOptions asked{
-      .dry_run = options.dry_run, .force = options.force, .order = options.order, .who = sender("switch")};
+  control::SwitchOptions asked{.dry_run = options.dry_run,
+                               .force = options.force,
+                               .order = options.order,
+                               .who = sender("switch"),
+                               .take_over = options.take_over};
+  for (const std::string& text : options.properties) {
+    auto property = parse_property(text);
+    if (!property) return property.error();
+    asked.properties.push_back(std::move(*property));
+  }
   const bool by_name = options.transition.empty() && options.network.empty();
   if (by_name) return robot.switch_to(options.controller, asked, deadline);
   const std::string& file = options.network.empty() ? options.transition : options.network;
@@ -140,13 +167,17 @@ void add_switch(Verb& app, Context& context) {
   Verb& verb = add_verb(
       app, context, "switch", "request a controller of a running robot",
       "  segue switch explore\n  segue switch explore --dry-run    # only show the transition\n"
+      "  segue switch drive+arm            # two controllers at once\n"
+      "  segue switch drive --set planner.speed=0.4   # a variant of it\n"
       "  segue switch --network try.yaml   # a network that is none of the robot's controllers\n"
       "  segue switch --transition t.yaml  # execute a transition file",
       [options, &context] {
         return with_robot(
             context, [&](control::RobotService& robot) { return switch_robot(robot, *options, context); });
       });
-  const Option name = verb.option("NAME", options->controller, "the controller; \"\" is the empty network");
+  const Option name =
+      verb.option("NAME", options->controller,
+                  "the controller, or several at once (drive+arm); \"\" is the empty network");
   const Option file = verb.option("--transition FILE", options->transition,
                                   "execute this transition file instead of a switch to NAME")
                           .excludes(name);
@@ -158,6 +189,12 @@ void add_switch(Verb& app, Context& context) {
   verb.flag("--dry-run", options->dry_run, "only show the transition").excludes(file);
   verb.flag("--force", options->force,
             "kill the processes to be removed instead of stopping their tasks; for tasks that hang")
+      .excludes(file);
+  verb.option("--set TASK.PROPERTY=VALUE", options->properties,
+              "a property in place of the network's, until the next switch; may be repeated")
+      .excludes(file);
+  verb.flag("--take-over", options->take_over,
+            "also where somebody else, such as a mission, commands the robot; ends what that does")
       .excludes(file);
   add_order_option(verb, options->order).excludes(file);
   verb.require_any({name, file, network}, "NAME, --network FILE or --transition FILE");

@@ -26,20 +26,34 @@ TEST_F(ControlTest, QuestionsAndAnswersTravel) {
 TEST_F(ControlTest, RequestsTravelWithAllTheirArguments) {
   serve();
   const auto robot = client();
-  const auto switched =
-      robot->switch_to("explore", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon())
-          .value();
+  const auto switched = robot
+                            ->switch_to("explore",
+                                        {.dry_run = true,
+                                         .force = true,
+                                         .order = "paper",
+                                         .who = "a test",
+                                         .properties = {{"planner", "speed.max", 0.5}},
+                                         .lease = 7,
+                                         .take_over = true},
+                                        soon())
+                            .value();
   EXPECT_EQ(*switched.find("to"), Value("explore"));
   EXPECT_EQ(*switched.find("dry_run"), Value(true));
   EXPECT_EQ(*switched.find("force"), Value(true));
   EXPECT_EQ(*switched.find("order"), Value("paper"));
   EXPECT_EQ(*switched.find("who"), Value("a test"));
+  EXPECT_EQ(*switched.find("lease"), Value(7));
+  EXPECT_EQ(*switched.find("take_over"), Value(true));
+  EXPECT_EQ(*switched.find("properties"), Value::list({Value::list({"planner", "speed.max", 0.5})}));
   const double left = switched.find("left_s")->as_double();
   EXPECT_GT(left, 1.0);
   EXPECT_LE(left, std::chrono::duration<double>(kLong).count());
   EXPECT_EQ(robot->apply_transition("transition: {}", "a.yaml", soon()).value(),
             Value::map({{"text", "transition: {}"}, {"file", "a.yaml"}}));
   EXPECT_EQ(robot->prepare({"drive", "dock"}, soon()).value(), Value::list({"drive", "dock"}));
+  EXPECT_EQ(robot->conflicts({"drive", "dock"}).value(), Value::list({"drive", "dock"}));
+  EXPECT_TRUE(robot->write("planner", "goal", 7, soon()));
+  EXPECT_EQ(robot_.last_set(), Value::map({{"task", "planner"}, {"property", "port goal"}, {"value", 7}}));
 }
 
 TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
@@ -47,8 +61,11 @@ TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
   const auto robot = client();
   EXPECT_EQ(robot->plan("explore", {.force = true, .order = "paper"}, soon()).value(),
             Value::map({{"to", "explore"}, {"force", true}, {"order", "paper"}}));
-  EXPECT_EQ(robot->apply({.force = true, .order = "paper", .who = "a test"}, soon()).value(),
-            Value::map({{"force", true}, {"order", "paper"}, {"who", "a test"}}));
+  EXPECT_EQ(
+      robot->apply({.force = true, .order = "paper", .who = "a test", .lease = 7, .take_over = true}, soon())
+          .value(),
+      Value::map(
+          {{"force", true}, {"order", "paper"}, {"who", "a test"}, {"lease", 7}, {"take_over", true}}));
   const auto sent = robot->switch_to_network(
       "tasks: {}", "n.yaml", {.dry_run = true, .force = true, .order = "paper", .who = "a test"}, soon());
   EXPECT_EQ(sent.value(), Value::map({{"text", "tasks: {}"},
@@ -56,7 +73,10 @@ TEST_F(ControlTest, RequestsForFilesAndNetworksTravelWithAllTheirArguments) {
                                       {"dry_run", true},
                                       {"force", true},
                                       {"order", "paper"},
-                                      {"who", "a test"}}));
+                                      {"who", "a test"},
+                                      {"lease", 0},
+                                      {"take_over", false},
+                                      {"properties", Value::List{}}}));
   const std::string large(std::size_t{20} << 20, '#');
   const auto refused = robot->switch_to_network(large, "n.yaml", {}, soon());
   ASSERT_FALSE(refused);
@@ -156,6 +176,38 @@ TEST_F(ControlTest, SamplesOfAPortAreReadUntilTheReaderLeaves) {
   ASSERT_TRUE(robot->open_port("source", "out", 10));
   server_.reset();
   EXPECT_EQ(robot_.open_streams, 0);
+}
+
+TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
+  serve();
+  const auto robot = client();
+  auto lease = robot->lease("a test").value();
+  EXPECT_EQ(lease->number(), 7U);
+  EXPECT_EQ(lease->lost_to().value(), std::nullopt);
+  robot_.is_taken_over = true;
+  EXPECT_EQ(lease->lost_to().value(), "somebody");
+  EXPECT_TRUE(robot->ask_holder("pause"));
+  EXPECT_TRUE(robot->ask_holder("stop"));
+  EXPECT_EQ(lease->lost_to().value(), "somebody") << "which keeps what is asked";
+  EXPECT_EQ(lease->asked().value(), (std::vector<std::string>{"pause", "stop"}));
+  EXPECT_EQ(lease->asked().value(), std::vector<std::string>());
+  EXPECT_TRUE(robot->report(lease->number(), "driving"));
+  EXPECT_EQ(robot_.last_set(),
+            Value::map({{"task", "lease 7"}, {"property", "doing"}, {"value", "driving"}}));
+  EXPECT_EQ(robot->lease("another").error().message, "another is late");
+  lease.reset();
+  ASSERT_TRUE(robot->lease("a third"));
+}
+
+TEST_F(ControlTest, ALeaseEndsWithTheConnectionOfItsHolder) {
+  serve();
+  auto robot = client();
+  auto lease = robot->lease("a test").value();
+  EXPECT_EQ(robot_.leases, 1);
+  lease.reset();
+  robot.reset();
+  server_.reset();
+  EXPECT_EQ(robot_.leases, 0);
 }
 
 TEST_F(ControlTest, AStreamMayOutliveItsClient) {

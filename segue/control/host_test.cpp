@@ -155,6 +155,9 @@ class FakeHostedRobot final : public hosts::HostedRobot {
                            TimePoint deadline) override {
     return tasks.call(task, operation, arguments, deadline);
   }
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    return tasks.write(port, value, deadline);
+  }
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
     return tasks.open_reader(port, buffer);
@@ -473,6 +476,8 @@ TEST_F(HostTest, TasksOfARobotAreAskedThroughItsHost) {
   EXPECT_FALSE(robot->save_state(TaskId("a"), soon()).value());
   ASSERT_TRUE(robot->restore_state(TaskId("a"), state, soon()));
   EXPECT_EQ(robot->save_state(TaskId("a"), soon()).value(), state);
+  ASSERT_TRUE(robot->write({TaskId("a"), "in"}, type::Value(7), soon()));
+  EXPECT_EQ(daemon_.robot->tasks.seen()->wrote, type::Value::map({{"port", "a.in"}, {"value", 7}}));
   const auto reader = robot->open_reader({TaskId("a"), "out"}, 5);
   ASSERT_TRUE(reader) << to_string(reader.error());
   EXPECT_EQ((*reader)->read(2).size(), 2U);

@@ -11,7 +11,8 @@ using Wire = import "wire.capnp";
 interface Robot {
   status @0 () -> (answer :Wire.Answer);
   task @1 (id :Text) -> (answer :Wire.Answer);
-  switchTo @2 (controller :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64) -> (answer :Wire.Answer);
+  switchTo @2 (controller :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64,
+            properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
   applyTransition @3 (text :Data, file :Text, timeout :Int64) -> (answer :Wire.Answer);
   resetBelief @4 () -> (answer :Wire.Answer);
   setProperty @5 (task :Text, property :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
@@ -23,7 +24,16 @@ interface Robot {
   shutDown @10 () -> (answer :Wire.Answer);
   prepare @11 (controllers :List(Text), timeout :Int64) -> (answer :Wire.Answer);
   plan @12 (controller :Text, force :Bool, order :Text, timeout :Int64) -> (answer :Wire.Answer);
-  applyFiles @13 (force :Bool, order :Text, who :Text, timeout :Int64) -> (answer :Wire.Answer);
-  switchToNetwork @14 (text :Data, file :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64)
+  applyFiles @13 (force :Bool, order :Text, who :Text, timeout :Int64, lease :UInt64, takeOver :Bool)
       -> (answer :Wire.Answer);
+  switchToNetwork @14 (text :Data, file :Text, dryRun :Bool, force :Bool, order :Text, who :Text, timeout :Int64,
+                     properties :Wire.Value, lease :UInt64, takeOver :Bool) -> (answer :Wire.Answer);
+  conflicts @15 (controllers :List(Text)) -> (answer :Wire.Answer);
+  # `stream` only where the answer is not an error; the answer's value is the number of the lease. Reading from it waits for
+  # nothing: it gives {"lost_to": NAME} once somebody has taken the robot over, and {"asked": WHAT} for each request of
+  # askHolder.
+  lease @16 (holder :Text) -> (answer :Wire.Answer, stream :Wire.SampleStream);
+  write @17 (task :Text, port :Text, value :Wire.Value, timeout :Int64) -> (answer :Wire.Answer);
+  report @18 (lease :UInt64, doing :Wire.Value) -> (answer :Wire.Answer);
+  askHolder @19 (what :Text) -> (answer :Wire.Answer);
 }

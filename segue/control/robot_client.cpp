@@ -7,6 +7,8 @@
 #include <segue/control/server.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -26,14 +28,66 @@ Result<void> without_value(const Result<Value>& answer) {
   return {};
 }
 
+/// A list of {"task", "property", "value"}.
+Value listed(const std::vector<PropertyOf>& properties) {
+  Value::List list;
+  for (const PropertyOf& one : properties)
+    list.push_back(Value::map({{"task", one.task}, {"property", one.property}, {"value", one.value}}));
+  return list;
+}
+
 /// Of requests that may be dry runs.
 template <class Request>
-void set_options(Request& request, const SwitchOptions& options) {
+Result<void> set_options(Request& request, const SwitchOptions& options) {
   request.setDryRun(options.dry_run);
   request.setForce(options.force);
   request.setOrder(as_text(options.order));
   request.setWho(as_text(options.who));
+  request.setLease(options.lease);
+  request.setTakeOver(options.take_over);
+  const Value properties = listed(options.properties);
+  if (auto fits = detail::check_size(properties, detail::kServerMessageWords); !fits) return fits;
+  return detail::encode(properties, request.initProperties());
 }
+
+/// A lease is a stream of news; the name of its type is its number.
+class ClientLease final : public RobotLease {
+ public:
+  ClientLease(std::unique_ptr<SampleStream> stream, std::uint64_t number)
+      : stream_(std::move(stream)), number_(number) {}
+
+  [[nodiscard]] std::uint64_t number() const override { return number_; }
+  Result<std::optional<std::string>> lost_to() override {
+    const std::lock_guard lock(mutex_);
+    if (auto read = read_news(); !read) return read.error();
+    return lost_to_;
+  }
+  Result<std::vector<std::string>> asked() override {
+    const std::lock_guard lock(mutex_);
+    if (auto read = read_news(); !read) return read.error();
+    return std::exchange(asked_, {});
+  }
+
+ private:
+  Result<void> read_news() {
+    const auto news = stream_->read(kMostNews);
+    if (!news) return news.error();
+    for (const Value& one : *news) {
+      const Value* who = one.find("lost_to");
+      const Value* what = one.find("asked");
+      if (who != nullptr && who->is_string()) lost_to_ = who->as_string();
+      if (what != nullptr && what->is_string()) asked_.push_back(what->as_string());
+    }
+    return {};
+  }
+
+  static constexpr std::size_t kMostNews = 100;
+  const std::unique_ptr<SampleStream> stream_;
+  const std::uint64_t number_;
+  std::mutex mutex_;  ///< protects both; one reader at a time
+  std::optional<std::string> lost_to_;
+  std::vector<std::string> asked_;
+};
 
 /// Whether the text of a file fits into a message.
 Result<void> check_text(std::string_view text) {
@@ -62,28 +116,32 @@ class Client final : public RobotService {
   Result<Value> switch_to(std::string_view controller, const SwitchOptions& options,
                           TimePoint deadline) override {
     const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [left, options, controller = std::string(controller)](
-                                            RpcChannel::Connection& connection) {
-      auto request = connection.as<wire::Robot>().switchToRequest();
-      request.setController(as_text(controller));
-      set_options(request, options);
-      request.setTimeout(left.count());
-      return RpcChannel::send(request);
-    });
+    return channel_->ask(left + kGrace,
+                         [left, options, controller = std::string(controller)](
+                             RpcChannel::Connection& connection) -> RpcChannel::Answer {
+                           auto request = connection.as<wire::Robot>().switchToRequest();
+                           request.setController(as_text(controller));
+                           if (auto set = set_options(request, options); !set)
+                             return Result<Value>(set.error());
+                           request.setTimeout(left.count());
+                           return RpcChannel::send(request);
+                         });
   }
 
   Result<Value> switch_to_network(std::string_view network, std::string_view file,
                                   const SwitchOptions& options, TimePoint deadline) override {
     if (auto fits = check_text(network); !fits) return fits.error();
     const Duration left = time_left(deadline);
-    return channel_->ask(left + kGrace, [&, file = std::string(file)](RpcChannel::Connection& connection) {
-      auto request = connection.as<wire::Robot>().switchToNetworkRequest();
-      request.setText(detail::as_data(network));
-      request.setFile(as_text(file));
-      set_options(request, options);
-      request.setTimeout(left.count());
-      return RpcChannel::send(request);
-    });
+    return channel_->ask(
+        left + kGrace,
+        [&, file = std::string(file)](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+          auto request = connection.as<wire::Robot>().switchToNetworkRequest();
+          request.setText(detail::as_data(network));
+          request.setFile(as_text(file));
+          if (auto set = set_options(request, options); !set) return Result<Value>(set.error());
+          request.setTimeout(left.count());
+          return RpcChannel::send(request);
+        });
   }
 
   Result<Value> plan(std::string_view controller, const SwitchOptions& options, TimePoint deadline) override {
@@ -106,9 +164,59 @@ class Client final : public RobotService {
       request.setForce(options.force);
       request.setOrder(as_text(options.order));
       request.setWho(as_text(options.who));
+      request.setLease(options.lease);
+      request.setTakeOver(options.take_over);
       request.setTimeout(left.count());
       return RpcChannel::send(request);
     });
+  }
+
+  Result<Value> conflicts(const std::vector<std::string>& controllers) override {
+    return channel_->ask(kLookTimeout, [controllers](RpcChannel::Connection& connection) {
+      auto request = connection.as<wire::Robot>().conflictsRequest();
+      auto names = request.initControllers(static_cast<unsigned>(controllers.size()));
+      for (unsigned i = 0; i < names.size(); ++i)
+        names.set(i, as_text(controllers[i]));
+      return RpcChannel::send(request);
+    });
+  }
+
+  Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) override {
+    const RpcChannel::StreamId id = channel_->new_stream_id();
+    const auto answer =
+        channel_->ask(kLookTimeout, [holder = std::string(holder), id](RpcChannel::Connection& connection) {
+          auto request = connection.as<wire::Robot>().leaseRequest();
+          request.setHolder(as_text(holder));
+          return connection.open(id, request);
+        });
+    auto stream = detail::opened_stream(channel_, id, answer);
+    if (!stream) return stream.error();
+    const std::string text = (*stream)->type_name();
+    std::uint64_t number = 0;
+    std::from_chars(text.data(), text.data() + text.size(), number);
+    if (number == 0) return fail(ErrorCode::Internal, channel_->who() + " sent a lease without a number");
+    return std::make_unique<ClientLease>(std::move(*stream), number);
+  }
+
+  Result<void> report(std::uint64_t lease, const Value& doing) override {
+    if (auto fits = detail::check_size(doing, detail::kServerMessageWords); !fits) return fits;
+    return without_value(
+        channel_->ask(kLookTimeout, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+          auto request = connection.as<wire::Robot>().reportRequest();
+          request.setLease(lease);
+          if (auto done = detail::encode(doing, request.initDoing()); !done)
+            return Result<Value>(done.error());
+          return RpcChannel::send(request);
+        }));
+  }
+
+  Result<void> ask_holder(std::string_view what) override {
+    return without_value(
+        channel_->ask(kLookTimeout, [what = std::string(what)](RpcChannel::Connection& connection) {
+          auto request = connection.as<wire::Robot>().askHolderRequest();
+          request.setWhat(as_text(what));
+          return RpcChannel::send(request);
+        }));
   }
 
   Result<Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
@@ -152,6 +260,22 @@ class Client final : public RobotService {
           auto request = connection.as<wire::Robot>().setPropertyRequest();
           request.setTask(as_text(std::string(task)));
           request.setProperty(as_text(std::string(property)));
+          request.setTimeout(left.count());
+          if (auto done = detail::encode(value, request.initValue()); !done)
+            return Result<Value>(done.error());
+          return RpcChannel::send(request);
+        }));
+  }
+
+  Result<void> write(std::string_view task, std::string_view port, const Value& value,
+                     TimePoint deadline) override {
+    if (auto fits = detail::check_size(value, detail::kServerMessageWords); !fits) return fits;
+    const Duration left = time_left(deadline);
+    return without_value(
+        channel_->ask(left + kGrace, [&](RpcChannel::Connection& connection) -> RpcChannel::Answer {
+          auto request = connection.as<wire::Robot>().writeRequest();
+          request.setTask(as_text(std::string(task)));
+          request.setPort(as_text(std::string(port)));
           request.setTimeout(left.count());
           if (auto done = detail::encode(value, request.initValue()); !done)
             return Result<Value>(done.error());

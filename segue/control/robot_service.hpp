@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,12 +23,35 @@ class SampleStream {
   [[nodiscard]] virtual std::string type_name() const = 0;
 };
 
+/// The right of one holder to request controllers and to apply files: while it is held, requests of others
+/// are refused, unless they take the robot over. Ends when it is destroyed, or with the holder's connection.
+class RobotLease {
+ public:
+  virtual ~RobotLease() = default;
+  [[nodiscard]] virtual std::uint64_t number() const = 0;
+  /// Who took the robot over; nothing: the lease is still held.
+  virtual Result<std::optional<std::string>> lost_to() = 0;
+  /// What its holder has been asked to do since the last call (RobotService::ask_holder), oldest first.
+  virtual Result<std::vector<std::string>> asked() = 0;
+};
+
+/// "speed", or "speed.max" for a member of it.
+struct PropertyOf {
+  std::string task;
+  std::string property;
+  type::Value value;
+};
+
 /// Options of a request for a controller.
 struct SwitchOptions {
   bool dry_run = false;  ///< only return the transition
   bool force = false;    ///< removed processes are killed, without any action in them before
   std::string order{};   ///< "seamless" or "paper"; empty: the robot's default
   std::string who{};     ///< who requests it, for the journal
+  /// In place of those of the network, as part of the transition; not for files that are applied.
+  std::vector<PropertyOf> properties{};
+  std::uint64_t lease = 0;  ///< RobotLease::number() of who requests it
+  bool take_over = false;   ///< from who holds the lease, if somebody else does
 };
 
 /// What a running robot offers. The same interface on both sides: the runtime implements it, the server
@@ -38,11 +62,13 @@ class RobotService {
   virtual ~RobotService() = default;
 
   /// {"robot", "controller", "version", "loaded_version", "changed_files", "state", "controllers", "pid",
-  /// "uptime_s", "tasks", "connections", "differences"}
+  /// "uptime_s", "tasks", "connections", "differences",
+  /// "commanded_by", "doing"}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;
-  /// Requests a controller; answers the JSON of `switch` when it is done. dry_run: the JSON of `diff`.
+  /// Requests a controller ("arm+drive": several at once); answers the JSON of `switch` when it is done.
+  /// dry_run: the JSON of `diff`.
   virtual Result<type::Value> switch_to(std::string_view controller, const SwitchOptions& options,
                                         TimePoint deadline) = 0;
   /// Requests a network that is none of the robot's controllers: the text of a network file, of 4 MiB at
@@ -63,6 +89,16 @@ class RobotService {
   /// Sets which controllers are kept ready, the likeliest first, in place of those set before. Returns when
   /// it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
+  /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
+  /// of {"a", "b", "what", "reason"}.
+  virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers) = 0;
+  /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
+  virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;
+  /// What the holder of that lease is doing, for status(). InvalidState where it is not held any more.
+  virtual Result<void> report(std::uint64_t lease, const type::Value& doing) = 0;
+  /// Asks whoever holds the lease to "pause", "resume" or "stop" what it does; it may take its time. NotFound
+  /// where nobody does.
+  virtual Result<void> ask_holder(std::string_view what) = 0;
   /// Applies a given transition (the text of a transition file, `file` for messages).
   virtual Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                                TimePoint deadline) = 0;
@@ -71,6 +107,9 @@ class RobotService {
                                     const type::Value& value, TimePoint deadline) = 0;
   virtual Result<type::Value> call(std::string_view task, std::string_view operation,
                                    const type::Value& arguments, TimePoint deadline) = 0;
+  /// Writes a sample to an input port of a task that runs, and waits until that has taken it.
+  virtual Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
+                             TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<SampleStream>> open_port(std::string_view task, std::string_view port,
                                                           std::size_t buffer) = 0;
   /// A list of {"number", "time", "kind", "subject", "message"}.

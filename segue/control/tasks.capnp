@@ -27,6 +27,7 @@ interface TaskAccess {
   # No state: the task remembers nothing.
   saveState @7 (task :Text, timeout :Int64) -> (error :Wire.Error, state :State);
   restoreState @8 (task :Text, state :State, timeout :Int64) -> (error :Wire.Error);
+  write @9 (port :Model.PortRef, value :Wire.Value, timeout :Int64) -> (error :Wire.Error);
 }
 
 interface BatchFollower {

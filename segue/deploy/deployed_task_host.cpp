@@ -232,6 +232,13 @@ Result<type::Value> DeployedTaskHost::call(const model::TaskId& task, std::strin
   });
 }
 
+Result<void> DeployedTaskHost::write(const model::PortRef& port, const type::Value& value,
+                                     TimePoint deadline) {
+  return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {
+    return service.write({id, port.port}, value, deadline);
+  });
+}
+
 Result<std::unique_ptr<host::PortReader>> DeployedTaskHost::open_reader(const model::PortRef& port,
                                                                         std::size_t buffer) {
   return implementation_->at(port.task, [&](DeploymentService& service, const model::TaskId& id) {

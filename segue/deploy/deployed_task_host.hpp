@@ -76,6 +76,7 @@ class DeployedTaskHost final : public host::TaskHost {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
   /// observe(), tasks() and connections() of one moment.

@@ -226,6 +226,15 @@ Result<type::Value> LocalDeployment::call(const model::TaskId& task, std::string
   return implementation_->host.call(task, operation, arguments, deadline);
 }
 
+Result<void> LocalDeployment::write(const model::PortRef& port, const type::Value& value,
+                                    TimePoint deadline) {
+  const detail::InFlightGuard::Pass pass(implementation_->in_flight);
+  if (!pass) {
+    return implementation_->going(port.task.str());
+  }
+  return implementation_->host.write(port, value, deadline);
+}
+
 Result<std::unique_ptr<host::PortReader>> LocalDeployment::open_reader(const model::PortRef& port,
                                                                        std::size_t buffer) {
   return implementation_->host.open_reader(port, buffer);

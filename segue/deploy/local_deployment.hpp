@@ -40,6 +40,7 @@ class LocalDeployment final : public DeploymentService {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   Result<link::MemoryOffer> memory(TimePoint deadline) override;
   Result<void> admit(const link::MemoryOffer& peer, TimePoint deadline) override;
   Result<void> forget(link::Incarnation peer) override;

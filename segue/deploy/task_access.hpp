@@ -50,6 +50,7 @@ class TaskAccess {
                                    const type::Value& arguments, TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                                 std::size_t buffer) = 0;
+  virtual Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) = 0;
 };
 
 }  // namespace segue::deploy

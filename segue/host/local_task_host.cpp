@@ -7,6 +7,7 @@
 #include <segue/host/task_actions.hpp>
 #include <segue/host/task_maker.hpp>
 #include <segue/host/task_table.hpp>
+#include <segue/host/written_samples.hpp>
 #include <segue/task/held_ports.hpp>
 
 #include <unistd.h>
@@ -41,12 +42,23 @@ std::vector<model::Connection> ending_connections(const model::Transition& trans
   return ending;
 }
 
-std::vector<std::string> names_of(const std::vector<task::OutputPortBase*>& outputs) {
+template <class Ports>
+std::vector<std::string> names_of(const Ports& ports) {
   std::vector<std::string> names;
-  for (const auto* port : outputs) {
+  for (const auto* port : ports) {
     names.push_back(port->name());
   }
   return names;
+}
+
+Error no_port(std::string_view direction, const model::PortRef& port, const std::vector<std::string>& names) {
+  const std::string hint = did_you_mean(port.port, names);
+  return fail(ErrorCode::NotFound,
+              "no " + std::string(direction) + " port " + quote(port.port) +
+                  (!hint.empty()   ? hint
+                   : names.empty() ? "; there are none"
+                                   : "; there are " + listed(names)),
+              port.task.str());
 }
 
 /// Keeps the entry's ports from changing; DeadlineExceeded while a hook changes them.
@@ -70,6 +82,7 @@ struct LocalTaskHost::Implementation {
   detail::TaskTable table;
   detail::TaskConnections connections{table, maker};
   detail::TaskActions actions{table, maker, connections, events};
+  detail::WrittenSamples written;
   /// Of the transitions that this host commits itself.
   const std::shared_ptr<task::CommitWord> word = std::make_shared<task::CommitWord>(0);
   std::atomic<std::uint64_t> transitions{0};
@@ -139,6 +152,10 @@ void LocalTaskHost::let_reader_finish(const link::PortConnection& connection, co
 
 void LocalTaskHost::conclude(const model::Transition& transition) {
   implementation_->actions.conclude(transition);
+  implementation_->written.forget([this](const model::TaskId& task) {
+    const auto entry = implementation_->table.find(task);
+    return entry && entry->task->state() == TaskState::Running;
+  });
 }
 
 Result<void> LocalTaskHost::perform(const model::Action& action, TimePoint deadline) {
@@ -243,6 +260,36 @@ Result<type::Value> LocalTaskHost::call(const model::TaskId& task, std::string_v
   return implementation_->actions.call(task, operation, arguments, deadline);
 }
 
+Result<void> LocalTaskHost::write(const model::PortRef& port, const type::Value& value, TimePoint deadline) {
+  const auto entry = implementation_->table.find(port.task);
+  if (!entry) {
+    return entry.error();
+  }
+  if (entry->task->state() != TaskState::Running) {
+    return fail(ErrorCode::InvalidState,
+                "is " + std::string(to_string(entry->task->state())) + ", so it reads no samples",
+                port.task.str());
+  }
+  Result<std::shared_ptr<link::PortConnection>> connection(nullptr);
+  {
+    const auto ports = hold_ports(*entry);
+    if (!ports) {
+      return ports.error();
+    }
+    task::Component& component = entry->task->component();
+    const task::HeldPorts held(component);
+    task::InputPortBase* input = held.find_input(component, port.port);
+    if (input == nullptr) {
+      return no_port("input", port, names_of(held.inputs(component)));
+    }
+    connection = implementation_->written.write(*input, port, value);
+  }
+  if (!connection) {
+    return std::move(connection.error());
+  }
+  return implementation_->written.wait_until_taken(port, **connection, deadline);
+}
+
 Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::PortRef& port,
                                                                std::size_t buffer) {
   const auto entry = implementation_->table.find(port.task);
@@ -257,11 +304,7 @@ Result<std::unique_ptr<PortReader>> LocalTaskHost::open_reader(const model::Port
   const task::HeldPorts held(component);
   task::OutputPortBase* output = held.find_output(component, port.port);
   if (output == nullptr) {
-    const auto names = names_of(held.outputs(component));
-    const std::string hint = did_you_mean(port.port, names);
-    return fail(ErrorCode::NotFound,
-                "no output port " + quote(port.port) + (hint.empty() ? "; there are " + listed(names) : hint),
-                port.task.str());
+    return no_port("output", port, names_of(held.outputs(component)));
   }
   return detail::tap(*output, buffer);
 }

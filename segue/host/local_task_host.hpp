@@ -63,6 +63,7 @@ class LocalTaskHost final : public TaskHost {
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
   /// Calls `use` with a port that is to be connected with another process, and returns its result. The port

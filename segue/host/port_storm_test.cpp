@@ -114,6 +114,8 @@ class PortStorm : public ::testing::Test {
     const auto described = host_.describe(kFragile);
     if (described) most_ports_ = std::max(most_ports_, described->ports.size());
     if (auto reader = host_.open_reader({kFragile, "out_2"}, 4)) static_cast<void>((*reader)->read(10));
+    const TimePoint presently = RealClock::instance().now() + std::chrono::milliseconds(2);
+    static_cast<void>(host_.write({kFragile, "in_2"}, type::Value(1.0), presently));
     static_cast<void>(host_.connections());
     static_cast<void>(host_.observe());
   }

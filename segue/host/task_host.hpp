@@ -143,6 +143,10 @@ class TaskHost {
   virtual Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                                    const type::Value& arguments, TimePoint deadline) = 0;
   virtual Result<std::unique_ptr<PortReader>> open_reader(const model::PortRef& port, std::size_t buffer) = 0;
+  /// Writes a sample to an input port, as a connection of its own would, and waits until the task has taken
+  /// it. NotFound, with the task's input ports; TypeMismatch; InvalidState where the task does not run;
+  /// DeadlineExceeded where it has not taken the sample, which is then withdrawn.
+  virtual Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) = 0;
 
   /// Called from any thread when a task changes its state or a process ends other than by an action; must not
   /// block. When set_listener returns, no call of the previous listener is in progress.

@@ -420,6 +420,12 @@ Result<type::Value> DistributedTaskHost::call(const model::TaskId& task, std::st
       task, [&](HostedRobot& robot) { return robot.call(task, operation, arguments, deadline); });
 }
 
+Result<void> DistributedTaskHost::write(const model::PortRef& port, const type::Value& value,
+                                        TimePoint deadline) {
+  return implementation_->at(port.task,
+                             [&](HostedRobot& robot) { return robot.write(port, value, deadline); });
+}
+
 Result<std::unique_ptr<host::PortReader>> DistributedTaskHost::open_reader(const model::PortRef& port,
                                                                            std::size_t buffer) {
   return implementation_->at(port.task, [&](HostedRobot& robot) { return robot.open_reader(port, buffer); });

@@ -87,6 +87,7 @@ class DistributedTaskHost final : public host::TaskHost {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   void set_listener(Listener listener) override;
 
  private:

@@ -106,6 +106,9 @@ class Session final : public HostedRobot {
                            const type::Value& arguments, TimePoint deadline) override {
     return work([&](TaskHostPart& part) { return part.call(task, operation, arguments, deadline); });
   }
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    return work([&](TaskHostPart& part) { return part.write(port, value, deadline); });
+  }
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
     return work([&](TaskHostPart& part) { return part.open_reader(port, buffer); });

@@ -193,6 +193,10 @@ Result<type::Value> TaskHostPart::call(const model::TaskId& task, std::string_vi
   return tasks_.call(task, operation, arguments, deadline);
 }
 
+Result<void> TaskHostPart::write(const model::PortRef& port, const type::Value& value, TimePoint deadline) {
+  return tasks_.write(port, value, deadline);
+}
+
 Result<std::unique_ptr<host::PortReader>> TaskHostPart::open_reader(const model::PortRef& port,
                                                                     std::size_t buffer) {
   return tasks_.open_reader(port, buffer);

@@ -58,6 +58,7 @@ class TaskHostPart final : public HostedRobot {
                            const type::Value& arguments, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
 
  private:
   deploy::DeployedTaskHost& tasks_;

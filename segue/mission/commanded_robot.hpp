@@ -29,6 +29,31 @@ class PortSamples {
   virtual Result<std::vector<type::Value>> take() = 0;
 };
 
+/// What the robot is to run: the union of these controllers, with these properties in place of theirs.
+struct ControllerRequest {
+  std::vector<std::string> controllers;  ///< none: the empty network
+  std::vector<MemberValue> properties;
+};
+
+/// Which of a robot's controllers cannot run at once, and what both need.
+struct ControllerConflicts {
+  struct Pair {
+    std::string a;
+    std::string b;
+    std::string what;  ///< "task arm", "device wheels"
+    friend bool operator==(const Pair&, const Pair&) = default;
+  };
+  std::vector<std::string> controllers;  ///< all that the robot has
+  std::vector<Pair> pairs;
+  [[nodiscard]] bool conflict(std::string_view a, std::string_view b) const;
+};
+
+/// Why the robot does not run a controller as it should; `why` is empty: it does.
+struct ControllerTrouble {
+  std::string why;
+  bool taken_over = false;  ///< somebody else commands the robot now
+};
+
 /// The robot as missions command it: it runs in this process or in another one, or is simulated. Functions
 /// may be called from any thread; they block until the robot has answered, until their deadline at most where
 /// they have one.
@@ -36,15 +61,22 @@ class CommandedRobot {
  public:
   virtual ~CommandedRobot() = default;
 
-  /// Has the robot run that controller; "": none. Returns once it runs; the error says why it does not, and
-  /// what the robot runs then is as before.
-  virtual Result<void> request(std::string_view controller, TimePoint deadline) = 0;
-  /// Why the robot does not run that controller as it should: another one runs, or what failed of it could
-  /// not be repaired. Empty: it does.
-  virtual Result<std::string> trouble(std::string_view controller) = 0;
-  virtual Result<void> set(const Member& property, const type::Value& value, TimePoint deadline) = 0;
+  /// Has the robot run that by one transition. Returns once it runs; the error says why it does not, and
+  /// what the robot runs then is as before. The first request takes the robot's lease, which ends with this:
+  /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good.
+  virtual Result<void> request(const ControllerRequest& what, TimePoint deadline) = 0;
+  /// Whether the robot runs that controller, alone or beside others, without faults that could not be
+  /// repaired.
+  virtual Result<ControllerTrouble> trouble(std::string_view controller) = 0;
+  /// Of all controllers of the robot.
+  virtual Result<ControllerConflicts> conflicts() = 0;
+  /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
+  /// the robot's budget permits. Returns when that is done; a request comes first.
+  virtual Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
   virtual Result<type::Value> call(const Member& operation, const type::Value& arguments,
                                    TimePoint deadline) = 0;
+  /// Writes a sample to an input port of a task that runs; returns once that has taken it.
+  virtual Result<void> write(const Member& port, const type::Value& value, TimePoint deadline) = 0;
   virtual Result<TaskView> task(std::string_view id) = 0;
   /// The latest samples of an output port from now on.
   virtual Result<std::unique_ptr<PortSamples>> open(const Member& port) = 0;

@@ -137,6 +137,7 @@ ControllerUse read_controller(Fields& fields, const Source& source) {
   use.controller = fields.text("controller");
   use.set = read_member_values(fields, "set", "planner.speed", source);
   use.call = read_member_values(fields, "call", "planner.set_goal", source);
+  use.write = read_member_values(fields, "write", "planner.goal", source);
   use.until = read_until(fields, source);
   use.outputs = read_sources(fields, source);
   constexpr std::array<std::string_view, 2> kAfterwards = {"keep", "stop"};
@@ -149,6 +150,7 @@ Value write_controller(const ControllerUse& use) {
   map.append("controller", use.controller);
   write_member_values(map, "set", use.set);
   write_member_values(map, "call", use.call);
+  write_member_values(map, "write", use.write);
   Value::List until;
   for (const EndCondition& condition : use.until) {
     Value entry = std::visit([](const auto& when) { return write_when(when); }, condition.when);

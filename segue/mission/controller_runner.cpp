@@ -2,7 +2,10 @@
 #include <segue/mission/controller_runner.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/mission/controller_union.hpp>
 #include <segue/mission/index.hpp>
+#include <segue/mission/prepared_controllers.hpp>
+#include <segue/mission/upcoming_controllers.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>
@@ -52,7 +55,7 @@ Result<std::string> filled_name(std::string name, const ActionCall& call) {
 }
 
 ControllerUse filled(ControllerUse use, const ActionCall& call) {
-  for (auto* values : {&use.set, &use.call}) {
+  for (auto* values : {&use.set, &use.call, &use.write}) {
     for (MemberValue& one : *values)
       one.value = filled(one.value, call);
   }
@@ -71,6 +74,20 @@ struct Feed {
   std::optional<Value> last{};
 };
 
+/// What all executions of a runner have to do with.
+struct Shared {
+  Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given)
+      : robot(std::move(commanded)),
+        options(given),
+        controllers(robot, {.deadline = options.request_deadline}),
+        prepared(robot, options.look_ahead, options.request_deadline) {}
+
+  const std::shared_ptr<CommandedRobot> robot;
+  const ControllerOptions options;
+  ControllerUnion controllers;
+  PreparedControllers prepared;
+};
+
 /// One execution of an action, in a thread of its own.
 class ControlledRun {
  public:
@@ -79,26 +96,32 @@ class ControlledRun {
     std::vector<Outcome> outcomes;  ///< of each of `use.until`
     std::vector<Value> outputs;     ///< as declared; in place of those of `use.outputs` comes what is read
     std::vector<std::size_t> output_places;  ///< of each of `use.outputs`
+    std::uint64_t number = 0;                ///< of the execution
+    std::vector<UpcomingController> ahead{};
   };
 
-  ControlledRun(CommandedRobot& robot, const ControllerOptions& options, Task task)
-      : robot_(robot), options_(options), task_(std::move(task)), use_(task_.use) {}
+  ControlledRun(Shared& shared, Task task)
+      : shared_(shared),
+        robot_(*shared.robot),
+        options_(shared.options),
+        task_(std::move(task)),
+        use_(task_.use) {}
 
   /// Blocks until the action has ended.
   Ending run(const std::stop_token& stop) {
+    if (stop.stop_requested()) return {kPreempted, {}};
+    if (auto runs = shared_.controllers.begin(use_.controller, use_.set); !runs) return aborted(runs.error());
+    shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
     Ending ending = carry_out(stop);
-    if (!use_.stop) return ending;
-    const auto stopped = robot_.request("", now() + options_.request_deadline);
-    if (!stopped && ending.outcome >= 0) return aborted(stopped.error());
+    shared_.prepared.ended(task_.number);
+    const auto ended = shared_.controllers.end(use_.controller, !use_.stop);
+    if (!ended && ending.outcome >= 0) return aborted(ended.error());
     return ending;
   }
   std::vector<Value> take_outputs() { return std::move(task_.outputs); }
 
  private:
   Ending carry_out(const std::stop_token& stop) {
-    if (stop.stop_requested()) return {kPreempted, {}};
-    if (auto runs = robot_.request(use_.controller, now() + options_.request_deadline); !runs)
-      return aborted(runs.error());
     if (auto told = tell(); !told) return aborted_by(told.error());
     begin_ = now();
     Ending ending = watch(stop);
@@ -108,18 +131,15 @@ class ControlledRun {
   }
 
   /// Where the controller is gone, that is why.
-  Ending aborted_by(const Error& error) {
-    const auto runs = still_runs();
-    return aborted(runs ? error : runs.error());
-  }
+  Ending aborted_by(const Error& error) { return loss().value_or(aborted(error)); }
 
   /// Says what to do, and from when on tasks and ports count.
   Result<void> tell() {
-    for (const MemberValue& one : use_.set) {
-      if (auto set = robot_.set(one.member, one.value, answer_by()); !set) return set;
-    }
     for (const MemberValue& one : use_.call) {
       if (auto called = robot_.call(one.member, one.value, answer_by()); !called) return called.error();
+    }
+    for (const MemberValue& one : use_.write) {
+      if (auto written = robot_.write(one.member, one.value, answer_by()); !written) return written;
     }
     for (const EndCondition& condition : use_.until) {
       if (const auto* reaches = std::get_if<TaskReaches>(&condition.when)) {
@@ -155,7 +175,7 @@ class ControlledRun {
     TimePoint look_at_controller = begin_;
     while (!stop.stop_requested()) {
       if (now() >= look_at_controller) {
-        if (auto runs = still_runs(); !runs) return aborted(runs.error());
+        if (auto lost = loss()) return *lost;
         look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds();
@@ -178,17 +198,19 @@ class ControlledRun {
   }
 
   Ending ended_by(std::size_t condition) {
-    if (auto runs = still_runs(); !runs) return aborted(runs.error());
+    if (auto lost = loss()) return *lost;
     const Outcome outcome = task_.outcomes[condition];
     if (outcome >= 0) return {outcome, {}};
     return {outcome, std::visit([](const auto& when) { return sentence(when); }, use_.until[condition].when)};
   }
 
-  Result<void> still_runs() {
+  /// The ending where the controller does not run as it should.
+  std::optional<Ending> loss() {
     const auto trouble = robot_.trouble(use_.controller);
-    if (!trouble) return trouble.error();
-    if (trouble->empty()) return {};
-    return fail(ErrorCode::InvalidState, "controller " + quote(use_.controller) + " was lost: " + *trouble);
+    if (!trouble) return aborted(trouble.error());
+    if (trouble->why.empty()) return std::nullopt;
+    return Ending{trouble->taken_over ? kPreempted : kAborted,
+                  "controller " + quote(use_.controller) + " was lost: " + trouble->why};
   }
 
   Result<bool> is_met(const TimeIsUp& when) const { return now() - begin_ >= when.after; }
@@ -257,6 +279,7 @@ class ControlledRun {
 
   [[nodiscard]] TimePoint answer_by() const { return now() + options_.answer_deadline; }
 
+  Shared& shared_;
   CommandedRobot& robot_;
   const ControllerOptions& options_;
   Task task_;
@@ -271,7 +294,7 @@ class ControlledRun {
 class ControllerRunner::Implementation {
  public:
   Implementation(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
-      : robot_(std::move(robot)), options_(options) {}
+      : shared_(std::move(robot), options) {}
   ~Implementation() {
     for (Job& job : jobs_)
       job.stop.request_stop();
@@ -288,12 +311,14 @@ class ControllerRunner::Implementation {
                                                         : call.outcome(condition.outcome).value_or(kAborted));
     for (const OutputSource& one : use.outputs)
       task.output_places.push_back(position(call.action().outputs, one.output).value_or(0));
+    if (shared_.options.look_ahead > 0) task.ahead = upcoming_controllers(call.program(), call.state());
     const std::lock_guard lock(mutex_);
+    task.number = ++executions_;
     std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
     Job& job = jobs_.emplace_back();
     const auto completed = call.defer([stop = job.stop]() mutable { stop.request_stop(); });
     job.thread = std::jthread([this, &job, completed, task = std::move(task)]() mutable {
-      ControlledRun execution(*robot_, options_, std::move(task));
+      ControlledRun execution(shared_, std::move(task));
       Ending ending = execution.run(job.stop.get_token());
       completed(std::move(ending), execution.take_outputs());
       job.ended = true;
@@ -308,9 +333,9 @@ class ControllerRunner::Implementation {
     std::jthread thread;
   };
 
-  const std::shared_ptr<CommandedRobot> robot_;
-  const ControllerOptions options_;
-  std::mutex mutex_;  ///< protects the member below
+  Shared shared_;
+  std::mutex mutex_;  ///< protects the members below
+  std::uint64_t executions_ = 0;
   std::list<Job> jobs_;
 };
 

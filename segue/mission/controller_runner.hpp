@@ -15,6 +15,9 @@ struct ControllerOptions {
   Duration period = std::chrono::milliseconds(20);
   /// How often it is checked that the controller still runs as it should.
   Duration watch = std::chrono::milliseconds(250);
+  /// How many controllers are kept prepared for what the mission does next, at most; 0: none. The robot's
+  /// budget limits them, too.
+  std::size_t look_ahead = 3;
   /// For a request, and for everything else that the robot is asked.
   Duration request_deadline = std::chrono::seconds(60);
   Duration answer_deadline = std::chrono::seconds(10);
@@ -24,6 +27,9 @@ struct ControllerOptions {
 /// where the robot refuses what it is asked, and where its controller is replaced or fails: no action
 /// succeeds without its controller. Conditions on a task and on its ports count from its first update after
 /// it was told what to do, so what it said of an earlier goal does not end the action.
+///
+/// Actions whose controllers can run at once do (ControllerUnion). While they run, what the mission is likely
+/// to need next is prepared (upcoming_controllers).
 class ControllerRunner final : public ActionRunner {
  public:
   explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {});

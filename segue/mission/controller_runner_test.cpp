@@ -23,19 +23,25 @@ using type::Value;
 /// Notes what it is asked, and is as the test says.
 class FakeRobot final : public CommandedRobot {
  public:
-  Result<void> request(std::string_view controller, TimePoint /*deadline*/) override {
-    note("request " + std::string(controller));
+  Result<void> request(const ControllerRequest& what, TimePoint /*deadline*/) override {
+    std::string text = "request";
+    for (const std::string& controller : what.controllers)
+      text += " " + controller;
+    for (const MemberValue& one : what.properties)
+      text += " " + to_string(one.member) + "=" + std::to_string(one.value.as_double());
+    note(text);
     const std::lock_guard lock(mutex_);
     if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
-    runs_ = controller;
+    runs_ = what.controllers.empty() ? "" : what.controllers.front();
     return {};
   }
-  Result<std::string> trouble(std::string_view controller) override {
+  Result<ControllerTrouble> trouble(std::string_view controller) override {
     const std::lock_guard lock(mutex_);
-    return runs_ == controller ? trouble_ : "the robot runs " + runs_;
+    if (taken_over_) return ControllerTrouble{"somebody took the robot over", true};
+    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_};
   }
-  Result<void> set(const Member& property, const Value& value, TimePoint /*deadline*/) override {
-    note("set " + to_string(property) + " " + std::to_string(value.as_double()));
+  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
+  Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
     return {};
   }
   Result<Value> call(const Member& operation, const Value& arguments, TimePoint /*deadline*/) override {
@@ -46,6 +52,10 @@ class FakeRobot final : public CommandedRobot {
     const Value* goal = arguments.find("goal");
     note("call " + to_string(operation) + (goal == nullptr ? "" : " " + goal->as_string()));
     return Value();
+  }
+  Result<void> write(const Member& port, const Value& value, TimePoint /*deadline*/) override {
+    note("write " + to_string(port) + " " + value.as_string());
+    return {};
   }
   /// Each look is another update.
   Result<TaskView> task(std::string_view id) override {
@@ -76,6 +86,9 @@ class FakeRobot final : public CommandedRobot {
   }
   void switch_away() {
     change([&] { runs_ = "explore"; });
+  }
+  void take_over() {
+    change([&] { taken_over_ = true; });
   }
   void refuse() {
     change([&] { refuses_ = true; });
@@ -125,6 +138,7 @@ class FakeRobot final : public CommandedRobot {
   bool updates_ = true;
   bool failed_ = false;
   bool refuses_ = false;
+  bool taken_over_ = false;
   std::vector<Value> samples_;
 };
 
@@ -182,7 +196,17 @@ TEST_F(ControllerActions, TellTheRobotWhatToDoAndWaitForTheEnd) {
   robot_->become("arrived");
   EXPECT_EQ(ended().outcome_name, "arrived");
   EXPECT_THAT(robot_->asked(),
-              ElementsAre("request go_home", "set planner.speed 0.500000", "call planner.set_goal home"));
+              ElementsAre("request go_home planner.speed=0.500000", "call planner.set_goal home"));
+}
+
+TEST_F(ControllerActions, WriteSamplesAfterTheyCalledOperations) {
+  begin(std::string("controller: go_home, call: {planner.reset: {}}, write: {planner.goal: '{where}'}, ") +
+        kArrived);
+  robot_->wait_until_asked("write planner.goal home");
+  robot_->become("arrived");
+  EXPECT_EQ(ended().outcome_name, "arrived");
+  EXPECT_THAT(robot_->asked(),
+              ElementsAre("request go_home", "call planner.reset", "write planner.goal home"));
 }
 
 TEST_F(ControllerActions, EndAtOnceWithoutAnEndToWaitFor) {
@@ -246,12 +270,19 @@ TEST_F(ControllerActions, DoNotSucceedWhereAnotherControllerTookOver) {
   EXPECT_THAT(engine_->result().error, HasSubstr("was lost: the robot runs explore"));
 }
 
+TEST_F(ControllerActions, ArePreemptedWhereSomebodyTookTheRobotOver) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_asked("request go_home");
+  robot_->take_over();
+  EXPECT_EQ(ended().outcome_name, "preempted");
+}
+
 TEST_F(ControllerActions, ArePreemptedAndStopTheRobotIfTheySaySo) {
   begin("controller: go_home, until: [{task: planner, state: arrived}], afterwards: stop");
   robot_->wait_until_asked("request go_home");
   engine_->stop();
   EXPECT_EQ(ended().outcome_name, "preempted");
-  EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "request "));
+  EXPECT_THAT(robot_->asked(), ElementsAre("request go_home", "request"));
 }
 
 TEST_F(ControllerActions, NameAController) {

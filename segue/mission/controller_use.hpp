@@ -75,8 +75,9 @@ struct EndCondition {
 /// the first of `until` holds.
 struct ControllerUse {
   std::string controller;           ///< "{input}" in it stands for the value of that input
-  std::vector<MemberValue> set;     ///< properties, in this order, once the controller runs
-  std::vector<MemberValue> call;    ///< operations with their arguments by name, after the properties
+  std::vector<MemberValue> set;     ///< properties in place of those of its network
+  std::vector<MemberValue> call;    ///< operations with their arguments by name, once the controller runs
+  std::vector<MemberValue> write;   ///< samples to input ports, after the operations
   std::vector<EndCondition> until;  ///< the first that holds; empty: the action ends once the controller runs
   std::vector<OutputSource> outputs;
   bool stop =

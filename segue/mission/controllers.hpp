@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/diagnostic.hpp>
+#include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/mission.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
@@ -12,11 +13,14 @@
 /// Actions that controllers of the robot carry out.
 namespace segue::mission {
 
-/// The robot runs one controller at a time: an action that uses one holds this resource, of which there is
-/// one unit, from its begin to its end.
+/// Where it is not known which controllers can run at once, each action that uses one holds this resource, of
+/// which there is one unit, from its begin to its end.
 inline constexpr std::string_view kControllerResource = "the robot's controller";
 
 [[nodiscard]] bool uses_controllers(const Mission& mission);
+
+/// Whether ControllerUse::controller, with inputs in it, can be that controller.
+[[nodiscard]] bool can_mean(std::string pattern, std::string_view controller);
 
 /// Whether a robot with these controllers has what actions ask of them: tasks, ports, properties, operations
 /// with their arguments, and states, in every controller that the name of an action can mean. Tasks of
@@ -24,7 +28,10 @@ inline constexpr std::string_view kControllerResource = "the robot's controller"
 void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
                        const model::ComponentCatalog& catalog, Diagnostics& diagnostics);
 
-/// Adds that resource to the actions that need it, and to the mission.
-void claim_controllers(Mission& mission);
+/// Adds resources of one unit, which actions hold from their begin to their end, so that no two run whose
+/// controllers cannot run at once: "controller drive" of actions that use the same one, and what controllers
+/// need each in its own way, such as "task arm". Without `conflicts`: kControllerResource. An action whose
+/// controller's name depends on an input holds what any of them needs.
+void claim_controllers(Mission& mission, const ControllerConflicts* conflicts = nullptr);
 
 }  // namespace segue::mission

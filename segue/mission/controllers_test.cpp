@@ -5,11 +5,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
 
 namespace segue::mission {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 /// A mission of one action with that 'run'.
 std::string with_run(const std::string& run) {
@@ -86,6 +91,94 @@ TEST(Controllers, AreUsedByOneActionAtATime) {
   ASSERT_EQ(needs.size(), 1U);
   EXPECT_EQ(needs[0].resource, kControllerResource);
   EXPECT_EQ(needs[0].operation, ResourceOperation::Block);
+}
+
+/// The resources that actions hold, which are controllers of these names.
+std::vector<std::vector<std::string>> held_by(const std::vector<std::string>& controllers,
+                                              const ControllerConflicts& conflicts) {
+  Mission mission;
+  for (const std::string& controller : controllers) {
+    Action action;
+    action.inputs.push_back({});
+    action.inputs.back().name = "where";
+    ControllerUse use;
+    use.controller = controller;
+    action.run = use;
+    mission.actions.push_back(std::move(action));
+  }
+  claim_controllers(mission, &conflicts);
+  std::vector<std::vector<std::string>> held;
+  for (const Action& action : mission.actions) {
+    held.emplace_back();
+    for (const ResourceUse& use : action.resources) {
+      EXPECT_EQ(std::ranges::count(mission.resources, use.resource, &Resource::name), 1);
+      held.back().push_back(use.resource);
+    }
+  }
+  return held;
+}
+
+TEST(Controllers, ThatCanRunAtOnceAreHeldByDifferentActionsAtOnce) {
+  const auto held = held_by({"drive", "arm", "drive"}, {{"arm", "drive"}, {}});
+  EXPECT_THAT(held[0], ElementsAre("controller drive"));
+  EXPECT_THAT(held[1], ElementsAre("controller arm"));
+  EXPECT_EQ(held[2], held[0]);
+}
+
+TEST(Controllers, ThatConflictAreKeptApartByWhatBothNeed) {
+  const auto held = held_by({"drive", "stick", "arm"},
+                            {{"arm", "drive", "stick"}, {{"drive", "stick", "input base.command"}}});
+  EXPECT_THAT(held[0], ElementsAre("input base.command", "controller drive"));
+  EXPECT_THAT(held[1], ElementsAre("input base.command", "controller stick"));
+  EXPECT_THAT(held[2], ElementsAre("controller arm"));
+}
+
+TEST(Controllers, AreKeptApartByAsFewResourcesAsNeeded) {
+  const auto held = held_by(
+      {"a", "b", "c"},
+      {{"a", "b", "c"},
+       {{"a", "b", "task x"}, {"a", "b", "task arm"}, {"a", "c", "task arm"}, {"b", "c", "task arm"}}});
+  for (const auto& resources : held) {
+    EXPECT_THAT(resources, SizeIs(2));
+    EXPECT_EQ(resources.front(), "task arm");
+  }
+}
+
+TEST(Controllers, ThatConflictInPairsOnlyDoNotKeepOthersApart) {
+  const auto held =
+      held_by({"a", "b", "c"}, {{"a", "b", "c"}, {{"a", "b", "task arm"}, {"b", "c", "task arm"}}});
+  EXPECT_THAT(held[0], ElementsAre("task arm of a and b", "controller a"));
+  EXPECT_THAT(held[1], ElementsAre("task arm of a and b", "task arm of b and c", "controller b"));
+  EXPECT_THAT(held[2], ElementsAre("task arm of b and c", "controller c"));
+}
+
+TEST(Controllers, WhoseNameAnInputDecidesHoldWhatAnyOfThemNeeds) {
+  const auto held =
+      held_by({"go_{where}", "stick"}, {{"go_away", "go_home", "stick", "unused"},
+                                        {{"go_home", "stick", "task base"}, {"stick", "unused", "task x"}}});
+  EXPECT_THAT(held[0], ElementsAre("task base", "controller go_away", "controller go_home"));
+  EXPECT_THAT(held[1], ElementsAre("task base", "controller stick"));
+}
+
+/// No two actions that conflict lack a common resource, and no two that do not conflict have one.
+RC_GTEST_PROP(Controllers, AreKeptApartExactlyWhereTheyConflict, ()) {
+  const std::vector<std::string> names = {"a", "b", "c", "d", "e"};
+  ControllerConflicts conflicts{names, {}};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t j = i + 1; j < names.size(); ++j) {
+      for (const char* what : {"task x", "task y", "device z"}) {
+        if (*rc::gen::inRange(0, 3) == 0) conflicts.pairs.push_back({names[i], names[j], what});
+      }
+    }
+  }
+  const auto held = held_by(names, conflicts);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t j = i + 1; j < names.size(); ++j) {
+      const bool apart = std::ranges::any_of(
+          held[i], [&](const auto& resource) { return std::ranges::count(held[j], resource) > 0; });
+      RC_ASSERT(apart == conflicts.conflict(names[i], names[j]));
+    }
+  }
 }
 
 class RobotWithControllers : public ::testing::Test {

@@ -161,13 +161,14 @@ class Compiler {
 
 }  // namespace
 
-Result<std::shared_ptr<const Program>> Program::compile(Mission mission) {
+Result<std::shared_ptr<const Program>> Program::compile(Mission mission,
+                                                        const ControllerConflicts* conflicts) {
   auto program = std::make_shared<Program>(std::move(mission));
   const MissionIndex index(program->mission_);
   const Diagnostics problems = detail::validate(index);
   if (problems.has_errors()) return problems.to_error();
   Compiler(index, program->nodes_).run();
-  claim_controllers(program->mission_);
+  claim_controllers(program->mission_, conflicts);
   move_kept_units(program->mission_);
   return std::shared_ptr<const Program>(std::move(program));
 }

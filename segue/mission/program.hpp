@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/mission.hpp>
 
 #include <cstdint>
@@ -67,10 +68,12 @@ struct CompiledState {
 /// A mission that is ready to run: names are resolved to positions. Immutable; engines may share it.
 class Program {
  public:
-  /// InvalidArgument with the first problem that validate() finds.
-  static Result<std::shared_ptr<const Program>> compile(Mission mission);
+  /// InvalidArgument with the first problem that validate() finds. `conflicts`: of the robot that the mission
+  /// commands; see claim_controllers.
+  static Result<std::shared_ptr<const Program>> compile(Mission mission,
+                                                        const ControllerConflicts* conflicts = nullptr);
 
-  /// As it was written, but for units that are kept (move_kept_units) and for the robot's controller
+  /// As it was written, but for units that are kept (move_kept_units) and for what controllers need
   /// (claim_controllers).
   [[nodiscard]] const Mission& mission() const { return mission_; }
   /// By StateIndex.

@@ -20,7 +20,7 @@ class ControllerCheck {
   void run() {
     for (const std::string& name : placeholders(use_.controller))
       check_input(name, action_.where);
-    for (const auto* values : {&use_.set, &use_.call}) {
+    for (const auto* values : {&use_.set, &use_.call, &use_.write}) {
       for (const MemberValue& one : *values)
         check_inputs(one.value, one.where);
     }

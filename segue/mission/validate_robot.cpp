@@ -38,10 +38,12 @@ class UseCheck {
     for (const MemberValue& one : use_.call) {
       if (const auto* operation = find_operation(one.member, one.where)) check_arguments(*operation, one);
     }
+    for (const MemberValue& one : use_.write)
+      check_port(one.member, model::Direction::Input, one.where);
     for (const EndCondition& condition : use_.until)
       std::visit([&](const auto& when) { check(when, condition.where); }, condition.when);
     for (const OutputSource& one : use_.outputs)
-      check_port(one.port, one.where);
+      check_port(one.port, model::Direction::Output, one.where);
   }
 
  private:
@@ -103,19 +105,21 @@ class UseCheck {
     }
   }
 
-  void check_port(const Member& port, const SourcePlace& where) {
+  void check_port(const Member& port, model::Direction direction, const SourcePlace& where) {
     const auto* component = component_of(port.task, where);
-    if (component == nullptr || component->find_port(port.name, model::Direction::Output) != nullptr) return;
+    if (component == nullptr || component->find_port(port.name, direction) != nullptr) return;
     if (component->incomplete) return;
     std::vector<std::string> names;
     for (const auto& one : component->ports) {
-      if (one.direction == model::Direction::Output) names.push_back(one.name);
+      if (one.direction == direction) names.push_back(one.name);
     }
-    no_member("output port", port, names, where);
+    no_member(direction == model::Direction::Output ? "output port" : "input port", port, names, where);
   }
 
   void check(const TimeIsUp& /*when*/, const SourcePlace& /*where*/) {}
-  void check(const SampleShows& when, const SourcePlace& where) { check_port(when.port, where); }
+  void check(const SampleShows& when, const SourcePlace& where) {
+    check_port(when.port, model::Direction::Output, where);
+  }
   void check(const OperationAnswers& when, const SourcePlace& where) {
     const auto* operation = find_operation(when.operation, where);
     if (operation == nullptr || operation->arguments.empty()) return;
@@ -140,14 +144,13 @@ class UseCheck {
   Diagnostics& diagnostics_;
 };
 
-/// With '*' in place of what inputs say.
-std::string pattern_of(std::string name) {
-  for (const std::string& input : placeholders(name))
-    name.replace(name.find("{" + input + "}"), input.size() + 2, "*");
-  return name;
-}
-
 }  // namespace
+
+bool can_mean(std::string pattern, std::string_view controller) {
+  for (const std::string& input : placeholders(pattern))
+    pattern.replace(pattern.find("{" + input + "}"), input.size() + 2, "*");
+  return matches_glob(pattern, controller);
+}
 
 void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
                        const model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
@@ -157,10 +160,9 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
   for (const Action& action : mission.actions) {
     const auto* use = std::get_if<ControllerUse>(&action.run);
     if (use == nullptr) continue;
-    const std::string pattern = pattern_of(use->controller);
     bool found = false;
     for (const auto& controller : controllers) {
-      if (!matches_glob(pattern, controller.name.str())) continue;
+      if (!can_mean(use->controller, controller.name.str())) continue;
       found = true;
       UseCheck(action.name.str(), *use, controller, catalog, diagnostics).run();
     }

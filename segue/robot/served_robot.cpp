@@ -3,6 +3,8 @@
 
 #include <segue/base/text.hpp>
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace segue::robot {
@@ -23,6 +25,16 @@ std::string name_of(std::string_view controller) {
   return controller.empty() ? "the empty network" : "controller " + quote(controller);
 }
 
+/// Whether "arm+drive" contains the controller.
+bool is_part(std::string_view controller, std::string_view running) {
+  while (!running.empty()) {
+    const std::size_t end = std::min(running.find('+'), running.size());
+    if (running.substr(0, end) == controller) return true;
+    running.remove_prefix(std::min(end + 1, running.size()));
+  }
+  return controller.empty();
+}
+
 class StreamSamples final : public mission::PortSamples {
  public:
   explicit StreamSamples(std::unique_ptr<control::SampleStream> stream) : stream_(std::move(stream)) {}
@@ -34,9 +46,43 @@ class StreamSamples final : public mission::PortSamples {
 
 }  // namespace
 
-Result<void> ServedRobot::request(std::string_view controller, TimePoint deadline) {
+Result<std::uint64_t> ServedRobot::lease() {
+  const std::lock_guard lock(mutex_);
+  if (!lease_) {
+    auto lease = service_.lease(who_);
+    if (!lease) return lease.error();
+    lease_ = std::move(*lease);
+  }
+  return lease_->number();
+}
+
+Result<void> ServedRobot::take() {
+  const auto number = lease();
+  return number ? Result<void>() : number.error();
+}
+
+Result<std::vector<std::string>> ServedRobot::asked() {
+  if (auto taken = take(); !taken) return taken.error();
+  const std::lock_guard lock(mutex_);
+  return lease_->asked();
+}
+
+Result<void> ServedRobot::report(const Value& doing) {
+  const auto number = lease();
+  return number ? service_.report(*number, doing) : number.error();
+}
+
+Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
+  const auto lease = this->lease();
+  if (!lease) return lease.error();
   control::SwitchOptions options;
   options.who = who_;
+  options.lease = *lease;
+  for (const auto& one : what.properties)
+    options.properties.push_back({one.member.task, one.member.name, one.value});
+  std::string controller;
+  for (const std::string& one : what.controllers)
+    controller += (controller.empty() ? "" : "+") + one;
   const auto answer = service_.switch_to(controller, options, deadline);
   if (!answer) return answer.error();
   const std::string outcome = text_at(*answer, "outcome");
@@ -47,24 +93,55 @@ Result<void> ServedRobot::request(std::string_view controller, TimePoint deadlin
                         (error.empty() ? std::string() : ": " + error));
 }
 
-Result<std::string> ServedRobot::trouble(std::string_view controller) {
+Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto lost_to = lease_ ? lease_->lost_to() : Result<std::optional<std::string>>(std::nullopt);
+    if (!lost_to) return lost_to.error();
+    if (*lost_to) {
+      const std::string who = (*lost_to)->empty() ? std::string("somebody") : **lost_to;
+      return mission::ControllerTrouble{"the robot was taken over by " + who, true};
+    }
+  }
   const auto status = service_.status();
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");
-  if (running != controller) return "the robot runs " + name_of(running);
+  if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
   const Value* unresolved = status->find("unresolved");
-  if (unresolved == nullptr || !unresolved->is_list() || unresolved->as_list().empty()) return std::string();
+  if (unresolved == nullptr || !unresolved->is_list() || unresolved->as_list().empty())
+    return mission::ControllerTrouble{};
   const Value& first = unresolved->as_list().front();
-  return first.is_string() ? first.as_string() : std::string("it has failed");
+  return mission::ControllerTrouble{first.is_string() ? first.as_string() : std::string("it has failed")};
 }
 
-Result<void> ServedRobot::set(const mission::Member& property, const Value& value, TimePoint deadline) {
-  return service_.set_property(property.task, property.name, value, deadline);
+Result<mission::ControllerConflicts> ServedRobot::conflicts() {
+  const auto status = service_.status();
+  if (!status) return status.error();
+  const auto pairs = service_.conflicts({});
+  if (!pairs) return pairs.error();
+  const Value* names = status->find("controllers");
+  if (names == nullptr || !names->is_list() || !pairs->is_list())
+    return fail(ErrorCode::Internal, "the robot does not say which controllers it has");
+  mission::ControllerConflicts conflicts;
+  for (const Value& name : names->as_list())
+    conflicts.controllers.push_back(name.is_string() ? name.as_string() : std::string());
+  for (const Value& pair : pairs->as_list())
+    conflicts.pairs.push_back({text_at(pair, "a"), text_at(pair, "b"), text_at(pair, "what")});
+  return conflicts;
+}
+
+Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {
+  const auto prepared = service_.prepare(controllers, deadline);
+  return prepared ? Result<void>() : prepared.error();
 }
 
 Result<Value> ServedRobot::call(const mission::Member& operation, const Value& arguments,
                                 TimePoint deadline) {
   return service_.call(operation.task, operation.name, arguments, deadline);
+}
+
+Result<void> ServedRobot::write(const mission::Member& port, const Value& value, TimePoint deadline) {
+  return service_.write(port.task, port.name, value, deadline);
 }
 
 Result<mission::TaskView> ServedRobot::task(std::string_view id) {

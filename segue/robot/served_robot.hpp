@@ -4,7 +4,11 @@
 #include <segue/control/robot_service.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
+#include <cstdint>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 /// Robots as missions command them.
 namespace segue::robot {
@@ -16,17 +20,29 @@ class ServedRobot final : public mission::CommandedRobot {
   /// `service` must outlive this; `who` requests controllers, for the robot's journal.
   ServedRobot(control::RobotService& service, std::string who) : service_(service), who_(std::move(who)) {}
 
-  Result<void> request(std::string_view controller, TimePoint deadline) override;
-  Result<std::string> trouble(std::string_view controller) override;
-  Result<void> set(const mission::Member& property, const type::Value& value, TimePoint deadline) override;
+  /// Takes the lease now, rather than with the first request.
+  Result<void> take();
+  /// What whoever holds the lease has been asked to do (control::RobotLease::asked), and says that it does.
+  Result<std::vector<std::string>> asked();
+  Result<void> report(const type::Value& doing);
+
+  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
+  Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
+  Result<mission::ControllerConflicts> conflicts() override;
+  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            TimePoint deadline) override;
+  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override;
   Result<mission::TaskView> task(std::string_view id) override;
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override;
 
  private:
+  Result<std::uint64_t> lease();
+
   control::RobotService& service_;
   const std::string who_;
+  std::mutex mutex_;  ///< protects the lease, which is taken by the first request
+  std::unique_ptr<control::RobotLease> lease_;
 };
 
 }  // namespace segue::robot

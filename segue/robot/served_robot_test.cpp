@@ -8,21 +8,37 @@ namespace {
 
 using type::Value;
 
+class FakeLease final : public control::RobotLease {
+ public:
+  explicit FakeLease(const std::optional<std::string>& lost_to) : lost_to_(lost_to) {}
+  [[nodiscard]] std::uint64_t number() const override { return 7; }
+  Result<std::optional<std::string>> lost_to() override { return lost_to_; }
+  Result<std::vector<std::string>> asked() override { return std::vector<std::string>{"pause"}; }
+
+ private:
+  const std::optional<std::string>& lost_to_;
+};
+
 /// Answers what it is told to.
 class FakeService final : public control::RobotService {
  public:
   Value status_answer = Value::map({{"controller", "explore"}, {"unresolved", Value::List{}}});
   Value switch_answer = Value::map({{"outcome", "done"}});
   Value task_answer;
+  Value conflicts_answer = Value::list({});
+  std::optional<std::string> lost_to;
   std::string requested;
-  std::string who;
+  control::SwitchOptions options;
+  std::string lease_holder;
+  Value written;
+  Value reported;
 
   Result<Value> status() override { return status_answer; }
   Result<Value> task(std::string_view /*id*/) override { return task_answer; }
-  Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& options,
+  Result<Value> switch_to(std::string_view controller, const control::SwitchOptions& asked,
                           TimePoint /*deadline*/) override {
     requested = controller;
-    who = options.who;
+    options = asked;
     return switch_answer;
   }
   Result<Value> switch_to_network(std::string_view /*text*/, std::string_view /*file*/,
@@ -40,6 +56,18 @@ class FakeService final : public control::RobotService {
   Result<Value> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
     return no();
   }
+  Result<Value> conflicts(const std::vector<std::string>& /*controllers*/) override {
+    return conflicts_answer;
+  }
+  Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override {
+    lease_holder = holder;
+    return std::make_unique<FakeLease>(lost_to);
+  }
+  Result<void> report(std::uint64_t lease, const Value& doing) override {
+    reported = Value::list({lease, doing});
+    return {};
+  }
+  Result<void> ask_holder(std::string_view /*what*/) override { return no(); }
   Result<Value> apply_transition(std::string_view /*text*/, std::string_view /*file*/,
                                  TimePoint /*deadline*/) override {
     return no();
@@ -48,6 +76,11 @@ class FakeService final : public control::RobotService {
   Result<void> set_property(std::string_view /*task*/, std::string_view /*property*/, const Value& /*value*/,
                             TimePoint /*deadline*/) override {
     return no();
+  }
+  Result<void> write(std::string_view task, std::string_view port, const Value& value,
+                     TimePoint /*deadline*/) override {
+    written = Value::list({task, port, value});
+    return {};
   }
   Result<Value> call(std::string_view /*task*/, std::string_view /*operation*/, const Value& /*arguments*/,
                      TimePoint /*deadline*/) override {
@@ -72,29 +105,70 @@ class ServedRobotTest : public ::testing::Test {
   ServedRobot robot_{service_, "a test"};
 };
 
-TEST_F(ServedRobotTest, RequestsInTheNameOfItsUser) {
-  EXPECT_TRUE(robot_.request("explore", {}));
-  EXPECT_EQ(service_.requested, "explore");
-  EXPECT_EQ(service_.who, "a test");
+TEST_F(ServedRobotTest, RequestsInTheNameOfItsUserAndWithTheLease) {
+  EXPECT_TRUE(robot_.request({{"explore", "arm"}, {{{"planner", "speed.max"}, 0.5, {}}}}, {}));
+  EXPECT_EQ(service_.requested, "explore+arm");
+  EXPECT_EQ(service_.options.who, "a test");
+  EXPECT_EQ(service_.options.lease, 7U);
+  EXPECT_EQ(service_.lease_holder, "a test");
+  ASSERT_EQ(service_.options.properties.size(), 1U);
+  EXPECT_EQ(service_.options.properties[0].task, "planner");
+  EXPECT_EQ(service_.options.properties[0].property, "speed.max");
 }
 
 TEST_F(ServedRobotTest, ReportsWhyAControllerDoesNotRun) {
   service_.switch_answer = Value::map({{"outcome", "refused"}, {"error", "no such controller"}});
-  const auto refused = robot_.request("explore", {});
+  const auto refused = robot_.request({{"explore"}, {}}, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message, "the request for controller 'explore' was refused: no such controller");
   service_.switch_answer = Value::map({{"outcome", "superseded"}});
-  EXPECT_EQ(robot_.request("", {}).error().code, ErrorCode::Superseded);
+  EXPECT_EQ(robot_.request({}, {}).error().code, ErrorCode::Superseded);
 }
 
 TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
-  EXPECT_EQ(*robot_.trouble("explore"), "");
-  EXPECT_EQ(*robot_.trouble("drive"), "the robot runs controller 'explore'");
+  EXPECT_EQ(robot_.trouble("explore")->why, "");
+  EXPECT_EQ(robot_.trouble("drive")->why, "the robot runs controller 'explore'");
+  service_.status_answer = Value::map({{"controller", "arm+drive"}});
+  EXPECT_EQ(robot_.trouble("drive")->why, "");
+  EXPECT_EQ(robot_.trouble("driv")->why, "the robot runs controller 'arm+drive'");
   service_.status_answer = Value::map({{"controller", ""}});
-  EXPECT_EQ(*robot_.trouble("drive"), "the robot runs the empty network");
+  EXPECT_EQ(robot_.trouble("drive")->why, "the robot runs the empty network");
   service_.status_answer =
       Value::map({{"controller", "drive"}, {"unresolved", Value::list({"task 'a' failed still"})}});
-  EXPECT_EQ(*robot_.trouble("drive"), "task 'a' failed still");
+  EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
+}
+
+TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
+  EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
+  EXPECT_FALSE(robot_.trouble("explore")->taken_over);
+  service_.lost_to = "segue switch";
+  const auto trouble = robot_.trouble("explore");
+  EXPECT_TRUE(trouble->taken_over);
+  EXPECT_EQ(trouble->why, "the robot was taken over by segue switch");
+}
+
+TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {
+  service_.status_answer = Value::map({{"controllers", Value::list({"a", "b"})}});
+  service_.conflicts_answer =
+      Value::list({Value::map({{"a", "a"}, {"b", "b"}, {"what", "task arm"}, {"reason", "it differs"}})});
+  const auto conflicts = robot_.conflicts();
+  ASSERT_TRUE(conflicts);
+  EXPECT_EQ(conflicts->controllers, (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(conflicts->conflict("b", "a"));
+  EXPECT_FALSE(conflicts->conflict("a", "a"));
+}
+
+TEST_F(ServedRobotTest, SaysWhatItsUserDoesAndHearsWhatThatIsAsked) {
+  EXPECT_TRUE(robot_.take());
+  EXPECT_EQ(service_.lease_holder, "a test");
+  EXPECT_EQ(*robot_.asked(), std::vector<std::string>{"pause"});
+  EXPECT_TRUE(robot_.report("driving"));
+  EXPECT_EQ(service_.reported, Value::list({std::uint64_t{7}, "driving"}));
+}
+
+TEST_F(ServedRobotTest, WritesToPorts) {
+  EXPECT_TRUE(robot_.write({"planner", "goal"}, 7, {}));
+  EXPECT_EQ(service_.written, Value::list({"planner", "goal", 7}));
 }
 
 TEST_F(ServedRobotTest, SeesTasks) {

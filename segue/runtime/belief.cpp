@@ -2,7 +2,7 @@
 #include <segue/runtime/belief.hpp>
 
 #include <segue/base/clock.hpp>
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 
 #include <algorithm>
 

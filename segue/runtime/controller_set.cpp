@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/runtime/controller_set.hpp>
+#include <segue/solve/combine.hpp>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 namespace segue::runtime {
 
@@ -11,7 +15,53 @@ bool is_same(const model::Network& before, const model::Network& after) {
   return before.version == after.version && (!before.version.empty() || before == after);
 }
 
+Error no_controller(const Controllers& controllers, const model::NetworkName& wanted) {
+  std::vector<std::string> names;
+  for (const auto& [known, network] : controllers) {
+    names.push_back(known.str());
+  }
+  return fail(ErrorCode::NotFound,
+              "no controller " + quote(wanted.str()) + did_you_mean(wanted.str(), names));
+}
+
 }  // namespace
+
+std::vector<model::NetworkName> parts_of(const model::NetworkName& name) {
+  std::vector<model::NetworkName> parts;
+  std::string_view rest = name.str();
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find('+'), rest.size());
+    parts.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  std::ranges::sort(parts);
+  parts.erase(std::ranges::unique(parts).begin(), parts.end());
+  return parts;
+}
+
+model::NetworkName sorted_name(const model::NetworkName& name) {
+  std::string text;
+  for (const auto& part : parts_of(name)) {
+    text += (text.empty() ? "" : "+") + part.str();
+  }
+  return model::NetworkName(text);
+}
+
+Result<model::Network> find_controller(const Controllers& controllers, const model::NetworkName& name,
+                                       const model::ComponentCatalog& catalog) {
+  std::vector<model::Network> networks;
+  for (const auto& part : parts_of(name)) {
+    const auto found = controllers.find(part);
+    if (found == controllers.end()) {
+      return no_controller(controllers, part);
+    }
+    networks.push_back(found->second);
+  }
+  if (networks.empty()) {
+    return model::Network{};
+  }
+  return networks.size() == 1 ? std::move(networks.front()) : solve::combine(networks, catalog);
+}
 
 std::string_view to_string(ControllerChange::Kind kind) {
   static constexpr std::array<std::string_view, 3> kNames = {"added", "changed", "removed"};
@@ -34,9 +84,10 @@ std::vector<ControllerChange> compare(const Controllers& before, const Controlle
   for (const auto& [name, now] : after) {
     if (!before.contains(name)) changes[name] = {name, Kind::Added, false, now.file, "", now.version, {}};
   }
+  const auto running = parts_of(runs);
   std::vector<ControllerChange> list;
   for (auto& [name, change] : changes) {
-    change.runs = name == runs;
+    change.runs = std::ranges::find(running, name) != running.end();
     list.push_back(std::move(change));
   }
   return list;

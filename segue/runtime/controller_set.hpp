@@ -3,6 +3,8 @@
 
 #include <segue/base/diagnostic.hpp>
 #include <segue/base/file_stamp.hpp>
+#include <segue/base/result.hpp>
+#include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 
 #include <chrono>
@@ -33,12 +35,21 @@ struct ControllerSet {
 
 using Controllers = std::map<model::NetworkName, model::Network>;
 
+/// Several controllers at once are named "arm+drive": these are "arm" and "drive", sorted, each once.
+std::vector<model::NetworkName> parts_of(const model::NetworkName& name);
+/// The name of the controllers that `name` means, sorted: "arm+drive" for "drive+arm".
+model::NetworkName sorted_name(const model::NetworkName& name);
+/// The controller of that name, or the union of several (solve::combine); the empty name is the empty
+/// network. NotFound; InvalidState where they cannot run at once.
+Result<model::Network> find_controller(const Controllers& controllers, const model::NetworkName& name,
+                                       const model::ComponentCatalog& catalog);
+
 /// How a controller of one set differs from that of another one.
 struct ControllerChange {
   enum class Kind { Added, Changed, Removed };
   model::NetworkName controller;
   Kind kind = Kind::Changed;
-  bool runs = false;         ///< it is the controller that runs
+  bool runs = false;         ///< it runs
   std::string file;          ///< of the new version; Removed: of the old one
   std::string from_version;  ///< model::Network::version; Added: empty
   std::string to_version;    ///< Removed: empty
@@ -47,8 +58,8 @@ struct ControllerChange {
 };
 std::string_view to_string(ControllerChange::Kind kind);
 
-/// By name. Controllers of one version are equal; where both have none, they are compared. `runs` names the
-/// controller that runs.
+/// By name. Controllers of one version are equal; where both have none, they are compared. `runs` names what
+/// runs.
 std::vector<ControllerChange> compare(const Controllers& before, const Controllers& after,
                                       const model::NetworkName& runs);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/look_ahead.hpp>
 
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 #include <segue/solve/look_ahead.hpp>
 
 #include <algorithm>

@@ -2,10 +2,10 @@
 #include <segue/runtime/planning.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/model/network_sets.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/look_ahead.hpp>
-#include <segue/runtime/network_sets.hpp>
 
 #include <algorithm>
 #include <array>
@@ -33,6 +33,43 @@ std::optional<Refusal> refusal_for(const model::Network& network, const host::Ta
   Error error = findings.to_error();
   error.subject = network.name.str();
   return Refusal{std::move(error), std::move(findings)};
+}
+
+/// The property as the task would have it without the setting: of its network, or its component's default.
+const type::Value* property_before(const model::Task& task, const std::string& name,
+                                   const model::ComponentCatalog& catalog) {
+  if (const auto* found = task.properties.find(name)) {
+    return found;
+  }
+  const model::ComponentModel* component = catalog.find(task.component);
+  const auto* property = component == nullptr ? nullptr : component->find_property(name);
+  return property == nullptr || !task.config_names.empty() ? nullptr : &property->default_value;
+}
+
+Result<void> set_member(model::Task& task, const PropertySetting& setting,
+                        const model::ComponentCatalog& catalog) {
+  const std::string name = setting.property.substr(0, setting.property.find('.'));
+  if (name == setting.property) {
+    task.properties.as_map().set(name, setting.value);
+    return {};
+  }
+  const auto* before = property_before(task, name, catalog);
+  type::Value all = before == nullptr ? type::Value() : *before;
+  type::Value* member = &all;
+  for (std::size_t at = name.size(); at < setting.property.size();) {
+    const std::size_t end = std::min(setting.property.find('.', at + 1), setting.property.size());
+    member =
+        member->is_map() ? member->as_map().find(setting.property.substr(at + 1, end - at - 1)) : nullptr;
+    if (member == nullptr) {
+      return fail(ErrorCode::InvalidArgument, "property " + quote(name) + " of task " + quote(task.id.str()) +
+                                                  " is not known to have " + quote(setting.property) +
+                                                  "; give the whole property");
+    }
+    at = end;
+  }
+  *member = setting.value;
+  task.properties.as_map().set(name, std::move(all));
+  return {};
 }
 
 /// Phases are executed in sequence, so no action may wait for one of a later phase.
@@ -114,6 +151,25 @@ Result<model::Transition> solve_from_observed(const model::Network& current, con
                                               solve::Options options) {
   options.prepared = prepared_incarnations(current, target);
   return solve::diff(current, target, catalog, options);
+}
+
+Result<model::Network> variant_of(model::Network network, const std::vector<PropertySetting>& properties,
+                                  const model::ComponentCatalog& catalog) {
+  for (const auto& setting : properties) {
+    model::Task* task = network.find_task(setting.task);
+    if (task == nullptr) {
+      std::vector<std::string> ids;
+      for (const auto& known : network.tasks) {
+        ids.push_back(known.id.str());
+      }
+      return fail(ErrorCode::NotFound, quoted_name(network.name) + " has no task " +
+                                           quote(setting.task.str()) + did_you_mean(setting.task.str(), ids));
+    }
+    if (auto set = set_member(*task, setting, catalog); !set) {
+      return std::move(set.error());
+    }
+  }
+  return network;
 }
 
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,

@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace segue::runtime::detail {
 
@@ -47,6 +48,11 @@ solve::Options solve_options(const host::TaskHost& host, model::Order order, boo
 /// their tasks are used.
 Result<model::Transition> solve_from_observed(const model::Network& current, const model::Network& target,
                                               const model::ComponentCatalog& catalog, solve::Options options);
+
+/// The network with these properties in place of its own. NotFound where it has no such task; InvalidArgument
+/// for a member ("speed.max") of a property whose other members are not known here.
+Result<model::Network> variant_of(model::Network network, const std::vector<PropertySetting>& properties,
+                                  const model::ComponentCatalog& catalog);
 
 /// Validates `controller` to the depth that the host requires and solves from `current`. Parts of `keep` that
 /// exist in `current` stay.

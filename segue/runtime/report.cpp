@@ -252,12 +252,15 @@ Value to_value(const host::ConnectionReport& report) {
 Value status_of(Runtime& runtime) {
   const auto controller = runtime.belief().name;
   const auto loaded = runtime.controller(controller);
+  const auto holder = runtime.lease_holder();
   return Value::map(
       {{"robot", runtime.name()},
        {"controller", controller.str()},
        {"version", runtime.version()},
        {"loaded_version", loaded ? Value(loaded->version) : Value()},
        {"state", to_string(runtime.state())},
+       {"commanded_by", holder ? Value(*holder) : Value()},
+       {"doing", runtime.reported()},
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},

@@ -24,10 +24,32 @@ class ReaderStream final : public control::SampleStream {
   std::unique_ptr<host::PortReader> reader_;
 };
 
+/// Ends with its holder.
+class Lease final : public control::RobotLease {
+ public:
+  Lease(Runtime& runtime, std::uint64_t number) : runtime_(runtime), number_(number) {}
+  ~Lease() override { runtime_.end_lease(number_); }
+  Lease(const Lease&) = delete;
+  Lease& operator=(const Lease&) = delete;
+
+  [[nodiscard]] std::uint64_t number() const override { return number_; }
+  Result<std::optional<std::string>> lost_to() override { return runtime_.lease_lost_to(number_); }
+  Result<std::vector<std::string>> asked() override { return runtime_.take_asked(number_); }
+
+ private:
+  Runtime& runtime_;
+  const std::uint64_t number_;
+};
+
 Result<RequestOptions> options_for(const control::SwitchOptions& asked) {
   RequestOptions options;
   options.force = asked.force;
   options.who = asked.who;
+  options.lease = asked.lease;
+  options.take_over = asked.take_over;
+  for (const auto& one : asked.properties) {
+    options.properties.push_back({model::TaskId(one.task), one.property, one.value});
+  }
   if (asked.order.empty()) {
     return options;
   }
@@ -175,18 +197,27 @@ Result<type::Value> RuntimeService::plan_for(const ControllerSet& set,
                                          {"to_version", ""},
                                          {"changes", std::move(list)},
                                          {"diagnostics", to_value(diagnostics)}});
-  const auto found = std::ranges::find(set.controllers, wanted, &model::Network::name);
-  const auto own = found == set.controllers.end() ? runtime_.controller(wanted) : std::nullopt;
-  const bool is_kept = own && own->version.empty();  // added by the program, which no file changes
-  if (found == set.controllers.end() && !is_kept) {
-    return controller.empty() ? answer : Result<type::Value>(unknown(wanted, set));
+  Controllers controllers;
+  for (const auto& network : set.controllers) {
+    controllers.emplace(network.name, network);
   }
-  const model::Network& target = is_kept ? *own : *found;
-  auto transition = runtime_.plan(target, options);
+  auto target = find_controller(controllers, wanted, runtime_.components());
+  const auto own = target ? std::nullopt : runtime_.controller(wanted);
+  if (own && own->version.empty()) {  // added by the program, which no file changes
+    target = *own;
+  }
+  if (!target || wanted.empty()) {
+    const bool is_unknown = !target && target.error().code == ErrorCode::NotFound;
+    if (controller.empty() && (target || is_unknown)) {
+      return answer;
+    }
+    return is_unknown ? unknown(wanted, set) : std::move(target.error());
+  }
+  auto transition = runtime_.plan(*target, options);
   if (!transition) {
     return std::move(transition.error());
   }
-  answer.as_map().set("to_version", target.version);
+  answer.as_map().set("to_version", target->version);
   answer.as_map().set("transition", model::to_value(*transition));
   return answer;
 }
@@ -231,6 +262,38 @@ Result<type::Value> RuntimeService::prepare(const std::vector<std::string>& cont
   return type::Value(std::move(list));
 }
 
+Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& controllers) {
+  std::vector<model::NetworkName> names(controllers.begin(), controllers.end());
+  const auto found = runtime_.conflicts(controllers.empty() ? runtime_.controllers() : names);
+  if (!found) {
+    return found.error();
+  }
+  type::Value::List list;
+  for (const auto& one : *found) {
+    list.push_back(type::Value::map({{"a", one.a.str()},
+                                     {"b", one.b.str()},
+                                     {"what", one.conflict.what},
+                                     {"reason", one.conflict.reason}}));
+  }
+  return type::Value(std::move(list));
+}
+
+Result<std::unique_ptr<control::RobotLease>> RuntimeService::lease(std::string_view holder) {
+  const auto number = runtime_.take_lease(std::string(holder));
+  if (!number) {
+    return number.error();
+  }
+  return std::unique_ptr<control::RobotLease>(std::make_unique<Lease>(runtime_, *number));
+}
+
+Result<void> RuntimeService::report(std::uint64_t lease, const type::Value& doing) {
+  return runtime_.report(lease, doing);
+}
+
+Result<void> RuntimeService::ask_holder(std::string_view what) {
+  return runtime_.ask_holder(what);
+}
+
 Result<type::Value> RuntimeService::apply_transition(std::string_view text, std::string_view file,
                                                      TimePoint deadline) {
   Diagnostics diagnostics;
@@ -255,6 +318,11 @@ Result<void> RuntimeService::set_property(std::string_view task, std::string_vie
 Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,
                                          const type::Value& arguments, TimePoint deadline) {
   return runtime_.host().call(model::TaskId(task), operation, arguments, deadline);
+}
+
+Result<void> RuntimeService::write(std::string_view task, std::string_view port, const type::Value& value,
+                                   TimePoint deadline) {
+  return runtime_.host().write({model::TaskId(task), std::string(port)}, value, deadline);
 }
 
 Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::string_view task,

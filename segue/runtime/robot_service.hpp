@@ -27,6 +27,10 @@ class RuntimeService final : public control::RobotService {
                            TimePoint deadline) override;
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint deadline) override;
   Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
+  Result<type::Value> conflicts(const std::vector<std::string>& controllers) override;
+  Result<std::unique_ptr<control::RobotLease>> lease(std::string_view holder) override;
+  Result<void> report(std::uint64_t lease, const type::Value& doing) override;
+  Result<void> ask_holder(std::string_view what) override;
   Result<type::Value> apply_transition(std::string_view text, std::string_view file,
                                        TimePoint deadline) override;
   Result<void> reset_belief() override;
@@ -34,6 +38,8 @@ class RuntimeService final : public control::RobotService {
                             TimePoint deadline) override;
   Result<type::Value> call(std::string_view task, std::string_view operation, const type::Value& arguments,
                            TimePoint deadline) override;
+  Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
+                     TimePoint deadline) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer) override;
   Result<type::Value> events(std::uint64_t after, Duration wait) override;

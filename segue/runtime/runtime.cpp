@@ -18,7 +18,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 21> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 22> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -38,7 +38,8 @@ std::string_view to_string(EventKind kind) {
                                                               "journal",
                                                               "host_lost",
                                                               "host_found",
-                                                              "files"};
+                                                              "files",
+                                                              "lease"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -94,10 +95,28 @@ std::vector<model::NetworkName> Runtime::controllers() const {
 }
 
 std::optional<model::Network> Runtime::controller(const model::NetworkName& name) const {
-  const std::lock_guard lock(implementation_->mutex);
-  const auto& controllers = implementation_->definitions.controllers;
-  const auto found = controllers.find(name);
-  return found == controllers.end() ? std::nullopt : std::optional(found->second);
+  return implementation_->known(name);
+}
+
+Result<std::vector<ControllerConflict>> Runtime::conflicts(
+    const std::vector<model::NetworkName>& controllers) const {
+  return implementation_->conflicts(controllers);
+}
+
+Result<std::uint64_t> Runtime::take_lease(std::string holder) {
+  return implementation_->leases.take(std::move(holder));
+}
+
+void Runtime::end_lease(std::uint64_t lease) {
+  implementation_->leases.end(lease);
+}
+
+std::optional<std::string> Runtime::lease_lost_to(std::uint64_t lease) const {
+  return implementation_->leases.lost_to(lease);
+}
+
+std::optional<std::string> Runtime::lease_holder() const {
+  return implementation_->leases.holder();
 }
 
 std::future<SwitchResult> Runtime::request(Request request, RequestOptions options) {
@@ -164,6 +183,26 @@ std::vector<SwitchResult> Runtime::history() const {
 
 std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
   return implementation_->log.after(after, wait);
+}
+
+Result<void> Runtime::report(std::uint64_t lease, type::Value doing) {
+  return implementation_->leases.report(lease, std::move(doing));
+}
+
+type::Value Runtime::reported() const {
+  return implementation_->leases.doing();
+}
+
+Result<void> Runtime::ask_holder(std::string_view what) {
+  return implementation_->leases.ask(what);
+}
+
+std::vector<std::string> Runtime::take_asked(std::uint64_t lease) {
+  return implementation_->leases.take_asked(lease);
+}
+
+const model::ComponentCatalog& Runtime::components() const {
+  return implementation_->catalog;
 }
 
 host::TaskHost& Runtime::host() {

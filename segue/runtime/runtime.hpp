@@ -12,7 +12,9 @@
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/switch_result.hpp>
+#include <segue/solve/combine.hpp>
 #include <segue/solve/solve.hpp>
+#include <segue/type/value.hpp>
 
 #include <cstdint>
 #include <filesystem>
@@ -31,9 +33,23 @@ namespace segue::runtime {
 enum class RuntimeState { Idle, Executing, Failed };
 std::string_view to_string(RuntimeState state);
 
-/// A controller by name, a network, or a transition to be applied as it is (the paper's transition request
-/// interface).
+/// A controller by name ("drive"; several at once: "arm+drive", solve::combine), a network, or a transition
+/// to be applied as it is (the paper's transition request interface).
 using Request = std::variant<model::NetworkName, model::Network, model::Transition>;
+
+/// "speed", or "speed.max" for a member of it.
+struct PropertySetting {
+  model::TaskId task;
+  std::string property;
+  type::Value value;
+};
+
+/// Why two controllers cannot run at once.
+struct ControllerConflict {
+  model::NetworkName a;
+  model::NetworkName b;
+  solve::Conflict conflict;
+};
 
 struct RequestOptions {
   model::Order order = model::Order::Seamless;
@@ -41,6 +57,13 @@ struct RequestOptions {
   /// Removed processes are killed without stopping their tasks first (solve::Options::force).
   bool force = false;
   std::string who;  ///< the sender, for the journal
+  /// Properties in place of those of the network, so that it runs as a variant: these are part of the
+  /// transition, and hold until the next request.
+  std::vector<PropertySetting> properties{};
+  /// The lease of the sender (Runtime::take_lease), 0: none. While another one is held, requests are refused,
+  /// unless they take the robot over.
+  std::uint64_t lease = 0;
+  bool take_over = false;
 };
 
 struct RuntimeOptions {
@@ -96,6 +119,25 @@ class Runtime {
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
 
+  /// For each two of these controllers what keeps them from running at once. NotFound.
+  [[nodiscard]] Result<std::vector<ControllerConflict>> conflicts(
+      const std::vector<model::NetworkName>& controllers) const;
+
+  /// The right to request controllers and to apply files, for one holder at a time, until end_lease(), or
+  /// until somebody takes the robot over. InvalidState while another one holds it. What the runtime does by
+  /// itself (repair, fallback) needs none.
+  Result<std::uint64_t> take_lease(std::string holder);
+  void end_lease(std::uint64_t lease);
+  /// Who took the robot over from that lease; nothing: it is still held.
+  [[nodiscard]] std::optional<std::string> lease_lost_to(std::uint64_t lease) const;
+  [[nodiscard]] std::optional<std::string> lease_holder() const;
+  /// What the holder of that lease says that it is doing, for status; InvalidState where it lost it.
+  Result<void> report(std::uint64_t lease, type::Value doing);
+  [[nodiscard]] type::Value reported() const;  ///< null: nothing
+  /// Asks the holder to "pause", "resume" or "stop", which it learns by take_asked(). NotFound without one.
+  Result<void> ask_holder(std::string_view what);
+  [[nodiscard]] std::vector<std::string> take_asked(std::uint64_t lease);
+
   /// Requests a network; the future gets the result. Validation and solving precede any action.
   std::future<SwitchResult> request(Request request, RequestOptions options = {});
   /// Calls request() and waits for the result. Blocks.
@@ -135,6 +177,7 @@ class Runtime {
   [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
 
   [[nodiscard]] host::TaskHost& host();
+  [[nodiscard]] const model::ComponentCatalog& components() const;
 
  private:
   struct Implementation;

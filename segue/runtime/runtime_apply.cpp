@@ -43,6 +43,10 @@ Diagnostics Runtime::Implementation::add(model::Network network) {
   if (network.name.empty() && !network.empty()) {
     findings.error("missing-name", "a controller needs a name to be requested by", {network.file, 0, 0});
   }
+  if (network.name.str().find('+') != std::string::npos) {
+    findings.error("invalid-name", "the name of a controller must not contain '+', which joins controllers",
+                   {network.file, 0, 0});
+  }
   if (!findings.has_errors()) {
     journal.loaded(network);
     const std::lock_guard lock(mutex);
@@ -94,6 +98,11 @@ std::future<ApplyResult> Runtime::Implementation::apply(ControllerSet set, Reque
   job.options = std::move(request_options);
   job.options.action_deadline = std::min(job.options.action_deadline, detail::kLongestDeadline);
   auto future = job.promise.get_future();
+  if (auto refusal = leases.refusal_of(job.options)) {
+    log.add(EventKind::RequestRefused, "", "the files are not applied: " + refusal->message);
+    job.promise.set_value({Outcome::Refused, compare(set), {}, std::move(*refusal), {}});
+    return future;
+  }
   if (Diagnostics findings = check(set); findings.has_errors()) {
     ApplyResult refused{Outcome::Refused, compare(set), {}, findings.to_error(), std::move(findings)};
     log.add(EventKind::RequestRefused, "", "the files are not applied: " + to_string(*refused.error));

@@ -4,6 +4,7 @@
 #include <segue/runtime/belief.hpp>
 #include <segue/runtime/event_log.hpp>
 #include <segue/runtime/journaling.hpp>
+#include <segue/runtime/leases.hpp>
 #include <segue/runtime/look_ahead.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
@@ -73,6 +74,7 @@ struct Runtime::Implementation {
   /// A snapshot and a plan that starts from it; both leave out the same computers.
   std::pair<detail::Observation, tl::expected<detail::SwitchPlan, detail::Refusal>> plan_from_now(
       const Request& request, const RequestOptions& options) const;
+  Result<std::vector<ControllerConflict>> conflicts(const std::vector<model::NetworkName>& names) const;
   SwitchResult serve(const detail::PendingRequest& job);
   void answer(detail::PendingRequest& job, SwitchResult result);
   SwitchResult superseded(const detail::PendingRequest& job) const;
@@ -154,6 +156,7 @@ struct Runtime::Implementation {
   const model::ComponentCatalog& catalog;
   const RuntimeOptions options;
   detail::EventLog log;
+  detail::Leases leases{log};
   detail::JournalKeeper journal{options.journal, log};
   detail::Belief belief{host};
   const detail::TransitionContext context{host, catalog, log};

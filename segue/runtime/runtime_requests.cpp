@@ -37,23 +37,37 @@ SwitchResult new_result(const PendingRequest& job) {
 }  // namespace
 
 std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
-  if (const auto* network = std::get_if<model::Network>(&request)) {
+  if (auto* controller = std::get_if<model::NetworkName>(&request)) {
+    *controller = sorted_name(*controller);
+  } else if (const auto* network = std::get_if<model::Network>(&request)) {
     journal.loaded(*network);
   }
   request_options.action_deadline = std::min(request_options.action_deadline, detail::kLongestDeadline);
+  PendingRequest job{0, std::move(request), std::move(request_options), {}};
+  std::future<SwitchResult> future = job.promise.get_future();
   std::optional<PendingRequest> older;
-  std::future<SwitchResult> future;
+  std::optional<Error> refusal;
   {
     const std::lock_guard lock(mutex);
-    older.swap(waiting);
-    waiting.emplace(PendingRequest{++requests, std::move(request), std::move(request_options), {}});
-    future = waiting->promise.get_future();
-    log.add(EventKind::RequestAccepted, name_of(waiting->request).str(),
-            "request " + std::to_string(requests));
-    journal.accepted(requests, waiting->options.who, name_of(waiting->request));
-    if (transaction) {
+    job.number = ++requests;
+    journal.accepted(job.number, job.options.who, name_of(job.request));
+    refusal = leases.refusal_of(job.options);
+    if (!refusal) {
+      log.add(EventKind::RequestAccepted, name_of(job.request).str(),
+              "request " + std::to_string(job.number));
+      older.swap(waiting);
+      waiting = std::move(job);
+    }
+    if (!refusal && transaction) {
       transaction->supersede();
     }
+  }
+  if (refusal) {
+    SwitchResult result = new_result(job);
+    result.from = result.runs = belief.controller().name;
+    result.from_version = result.runs_version = belief.version();
+    answer(job, refused(std::move(result), {std::move(*refusal), {}}));
+    return future;
   }
   wake.notify_all();
   if (older) {
@@ -120,11 +134,12 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
   }
   auto how = detail::solve_options(host, request_options.order, request_options.force);
   how.idle = detail::idle_tasks(current, belief.controller());
-  if (const auto* network = std::get_if<model::Network>(&request)) {
-    return detail::plan_network(current, *network, plan_ahead(host.expanded(*network)).standby, host, catalog,
-                                std::move(how));
+  const auto* given = std::get_if<model::Network>(&request);
+  auto network =
+      given != nullptr ? Result<model::Network>(*given) : resolve(std::get<model::NetworkName>(request));
+  if (network) {
+    network = detail::variant_of(std::move(*network), request_options.properties, catalog);
   }
-  auto network = resolve(std::get<model::NetworkName>(request));
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
   }
@@ -133,20 +148,29 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
 }
 
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {
-  if (wanted.empty()) {
-    return model::Network{};
-  }
   const std::lock_guard lock(mutex);
-  const auto found = definitions.controllers.find(wanted);
-  if (found != definitions.controllers.end()) {
-    return found->second;
+  return find_controller(definitions.controllers, wanted, catalog);
+}
+
+Result<std::vector<ControllerConflict>> Runtime::Implementation::conflicts(
+    const std::vector<model::NetworkName>& names) const {
+  std::vector<model::Network> networks;
+  for (const auto& wanted : names) {
+    auto network = resolve(wanted);
+    if (!network) {
+      return std::move(network.error());
+    }
+    networks.push_back(std::move(*network));
   }
-  std::vector<std::string> names;
-  for (const auto& [known, network] : definitions.controllers) {
-    names.push_back(known.str());
+  std::vector<ControllerConflict> all;
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    for (std::size_t j = i + 1; j < networks.size(); ++j) {
+      for (auto& conflict : solve::conflicts(networks[i], networks[j], catalog)) {
+        all.push_back({networks[i].name, networks[j].name, std::move(conflict)});
+      }
+    }
   }
-  return fail(ErrorCode::NotFound,
-              "no controller " + quote(wanted.str()) + did_you_mean(wanted.str(), names));
+  return all;
 }
 
 void Runtime::Implementation::answer(PendingRequest& job, SwitchResult result) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
-#include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <unistd.h>
@@ -244,7 +244,7 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
 
 /// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
 std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observation& seen) {
-  const model::Network left = detail::subtract(belief.held().extra, standby);
+  const model::Network left = model::subtract(belief.held().extra, standby);
   std::vector<DetectedFault> faults;
   for (const auto& task : left.tasks) {
     faults.push_back({task.id, model::FailurePolicy::Restart, "was left over", false});
@@ -269,7 +269,7 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
   plan.lost = detail::unreachable_hosts(host);
-  plan.target = detail::without_hosts(detail::unite(plan.controller, standby), plan.lost);
+  plan.target = model::without_hosts(model::unite(plan.controller, standby), plan.lost);
   auto transition = solve::repair(seen.network, plan.target, catalog,
                                   detail::solve_options(host, model::Order::Seamless, false), scope);
   if (!transition) {
@@ -289,13 +289,14 @@ void Runtime::Implementation::repair(Cause cause, const Observation& seen, const
 }
 
 std::vector<detail::PrepareRequest> Runtime::Implementation::known_prepare_requests() const {
-  const std::lock_guard lock(mutex);
+  std::vector<model::NetworkName> names;
+  {
+    const std::lock_guard lock(mutex);
+    names = requests_to_prepare;
+  }
   std::vector<detail::PrepareRequest> all;
-  for (const auto& wanted : requests_to_prepare) {
-    const auto found = definitions.controllers.find(wanted);
-    all.push_back({wanted, found == definitions.controllers.end()
-                               ? std::nullopt
-                               : std::optional(host.expanded(found->second))});
+  for (auto& wanted : names) {
+    all.push_back({wanted, expanded(known(wanted))});
   }
   return all;
 }
@@ -315,8 +316,8 @@ void Runtime::Implementation::look_ahead() {
   auto ahead = plan_ahead(plan.controller);
   const Observation seen = belief.starting_point();
   plan.lost = detail::unreachable_hosts(host);
-  plan.target = detail::without_hosts(
-      detail::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), plan.lost);
+  plan.target = model::without_hosts(
+      model::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), plan.lost);
   auto how = detail::solve_options(host, model::Order::Seamless, false);
   how.idle = detail::idle_tasks(seen.network, held.controller);
   auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
+#include <segue/solve/combine.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -167,7 +168,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
       leftover_repairs.reset();
       unseen_hosts.clear();
     }
-    standby = detail::subtract(plan.target, plan.controller);
+    standby = model::subtract(plan.target, plan.controller);
     note_differences(seen.network);
     log.add(EventKind::TransitionDone, result.to.str(),
             "now runs " + quoted_name(result.to) + " after " + std::to_string(result.actions.size()) +
@@ -213,9 +214,11 @@ void Runtime::Implementation::adopt(const Observation& seen, const model::Networ
 }
 
 std::optional<model::Network> Runtime::Implementation::known(const model::NetworkName& wanted) const {
-  const std::lock_guard lock(mutex);
-  const auto found = definitions.controllers.find(wanted);
-  return found == definitions.controllers.end() ? std::nullopt : std::optional(found->second);
+  if (wanted.empty()) {
+    return std::nullopt;
+  }
+  auto found = resolve(wanted);
+  return found ? std::optional(std::move(*found)) : std::nullopt;
 }
 
 std::optional<model::Network> Runtime::Implementation::expanded(std::optional<model::Network> network) const {
@@ -223,12 +226,12 @@ std::optional<model::Network> Runtime::Implementation::expanded(std::optional<mo
 }
 
 std::optional<model::Network> Runtime::Implementation::fallback() const {
-  const std::lock_guard lock(mutex);
-  if (!definitions.fallback) {
-    return std::nullopt;
+  std::optional<model::NetworkName> wanted;
+  {
+    const std::lock_guard lock(mutex);
+    wanted = definitions.fallback;
   }
-  const auto found = definitions.controllers.find(*definitions.fallback);
-  return found == definitions.controllers.end() ? std::nullopt : std::optional(found->second);
+  return wanted ? known(*wanted) : std::nullopt;
 }
 
 model::NetworkName Runtime::Implementation::name_of_running(const model::Network& observed,
@@ -242,12 +245,17 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
   }
   const model::Network condensed = host.condensed(observed);
   const std::lock_guard lock(mutex);
+  std::vector<model::Network> parts;  // of a union
   for (const auto& [candidate, network] : definitions.controllers) {
     if (equivalent(condensed, network)) {
       return candidate;
     }
+    if (!network.empty() && model::includes(condensed, network)) {
+      parts.push_back(network);
+    }
   }
-  return {};
+  const auto all = solve::combine(parts, catalog);
+  return all && equivalent(condensed, *all) ? all->name : model::NetworkName{};
 }
 
 void Runtime::Implementation::note_differences(const model::Network& observed) {

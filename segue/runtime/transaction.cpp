@@ -2,8 +2,8 @@
 #include <segue/runtime/transaction.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
-#include <segue/runtime/network_sets.hpp>
 
 #include <algorithm>
 #include <iterator>

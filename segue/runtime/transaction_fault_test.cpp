@@ -2,8 +2,8 @@
 //
 // Injects faults at every action of many transitions. Afterwards the robot runs the old network or the new
 // one, or the runtime reports correctly what runs.
+#include <segue/model/network_sets.hpp>
 #include <segue/runtime/embedded_robot.hpp>
-#include <segue/runtime/network_sets.hpp>
 #include <segue/runtime/test_support.hpp>
 
 #include <support/faulty_host.hpp>
@@ -109,17 +109,17 @@ void expect_others_untouched(const Case& what, const FaultyHost& host) {
 /// The old network runs exactly as before, and nothing else runs.
 void expect_restored(const Case& what, const Runtime& runtime, const model::Network& observed) {
   EXPECT_EQ(runtime.belief().name, what.before.name);
-  EXPECT_TRUE(detail::includes(observed, what.before))
+  EXPECT_TRUE(model::includes(observed, what.before))
       << ::testing::PrintToString(differences(what.before, observed));
   for (const auto& task : what.before.tasks) {
     const auto* now = observed.find_task(task.id);
     ASSERT_NE(now, nullptr) << task.id.str();
     EXPECT_EQ(*now, task) << task.id.str();
   }
-  for (const auto& task : detail::subtract(observed, what.before).tasks) {
+  for (const auto& task : model::subtract(observed, what.before).tasks) {
     EXPECT_NE(task.state, TaskState::Running) << task.id.str() << " runs beside the restored network";
   }
-  for (const auto& connection : detail::subtract(observed, what.before).connections) {
+  for (const auto& connection : model::subtract(observed, what.before).connections) {
     const bool among_them = what.before.find_task(connection.from.task) != nullptr &&
                             what.before.find_task(connection.to.task) != nullptr;
     EXPECT_FALSE(among_them) << to_string(connection) << " in the restored network";
@@ -141,7 +141,7 @@ void check_outcome(const Case& what, const Runtime& runtime, const FaultyHost& h
     EXPECT_EQ(runtime.belief().name, what.target.name);
     if (!result.leftover) {
       EXPECT_THAT(differences(what.target, observed), ::testing::IsEmpty());
-    } else if (!detail::includes(observed, what.target)) {
+    } else if (!model::includes(observed, what.target)) {
       EXPECT_FALSE(reported_differences(runtime, since).empty()) << "missing parts are reported";
     }
   } else if (result.undo && result.undo->restored) {

@@ -121,11 +121,13 @@ class ConcurrentMissionRun final : public NetworkRun {
     return {};
   }
 
-  void execute(std::stop_token stop) {
+  void execute(const RunRequest& request, const std::stop_token& stop) {
     const ProcessorTime time;
     const mission::MissionResult* ended = nullptr;
     {
-      const std::stop_callback end(std::move(stop), [this] { run_->stop(); });
+      const std::stop_callback end(stop, [this] { run_->stop(); });
+      const PauseControl::Attachment pausing(
+          request.pause, [this](bool paused) { paused ? run_->pause() : run_->resume(); });
       ended = &run_->run();
     }
     compare(time_of_all(result()), time.microseconds());
@@ -280,7 +282,7 @@ class FlatNetworkRun final : public NetworkRun {
 RunResult run_concurrently(SharedProgram program, const RunRequest& request, std::stop_token stop) {
   auto run = std::make_unique<ConcurrentMissionRun>();
   if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
-  run->execute(std::move(stop));
+  run->execute(request, stop);
   return std::unique_ptr<FinishedRun>(std::move(run));
 }
 

@@ -41,12 +41,18 @@ class SequentialRun final : public FinishedRun {
     return start->start_at.empty() ? Result<void>{} : engine_->start_at(start->start_at);
   }
 
-  void execute(std::stop_token stop) {
+  void execute(const RunRequest& request, const std::stop_token& stop) {
     begin_ = clock_.now();
     const ProcessorTime time;
     {
-      const std::stop_callback end(std::move(stop), [this] { engine_->stop(); });
-      engine_->run();
+      const std::stop_callback end(stop, [this] { engine_->stop(); });
+      const PauseControl::Attachment pausing(request.pause, [this](bool paused) {
+        if (paused) engine_->pause();
+      });
+      while (engine_->run() == mission::Engine::Progress::Held) {
+        request.pause->wait_until_resumed(stop);
+        engine_->resume();
+      }
     }
     if (engine_->executions() > 0)
       engine_us_ = time.microseconds() / static_cast<double>(engine_->executions());
@@ -166,7 +172,7 @@ class SequentialRun final : public FinishedRun {
 RunResult run_as_written(SharedProgram program, const RunRequest& request, std::stop_token stop) {
   auto run = std::make_unique<SequentialRun>(request.clock);
   if (auto prepared = run->prepare(std::move(program), request); !prepared) return prepared.error();
-  run->execute(std::move(stop));
+  run->execute(request, stop);
   return std::unique_ptr<FinishedRun>(std::move(run));
 }
 

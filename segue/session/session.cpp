@@ -45,7 +45,8 @@ const draw::Gantt& FinishedRun::gantt() {
 }
 
 std::optional<Session> Session::load(const std::filesystem::path& file,
-                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics) {
+                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics,
+                                     const mission::ControllerConflicts* conflicts) {
   if (is_task_network(file)) {
     auto network = cdtn::load_flat_network(file, diagnostics);
     if (!network) return std::nullopt;
@@ -53,14 +54,14 @@ std::optional<Session> Session::load(const std::filesystem::path& file,
   }
   auto mission = load_mission(file, libraries, diagnostics);
   if (!mission) return std::nullopt;
-  auto session = create(std::move(*mission));
+  auto session = create(std::move(*mission), conflicts);
   if (session) return std::move(*session);
   diagnostics.error("invalid-mission", session.error().message, session.error().where);
   return std::nullopt;
 }
 
-Result<Session> Session::create(mission::Mission mission) {
-  auto program = mission::Program::compile(std::move(mission));
+Result<Session> Session::create(mission::Mission mission, const mission::ControllerConflicts* conflicts) {
+  auto program = mission::Program::compile(std::move(mission), conflicts);
   if (!program) return program.error();
   Session session;
   session.program_ = std::move(*program);
@@ -87,9 +88,10 @@ constexpr std::string_view kNoGoal =
 /// What a request has and the plan could not heed, or "".
 std::string problem_of(const RunRequest& request, bool is_network) {
   const bool of_missions = !request.inputs.empty() || !request.facts.empty() || !request.start_at.empty() ||
-                           !request.world_data.empty() || request.journal.has_value();
+                           !request.world_data.empty() || request.journal.has_value() ||
+                           request.pause != nullptr;
   if (is_network && of_missions)
-    return "inputs, facts, a state to start at and a journal are for missions, not for task networks";
+    return "inputs, facts, a state to start at, a journal and pauses are for missions, not for task networks";
   if (!is_network && request.order != cdtn::OrderRule::Epoch) return std::string(kNoGoal);
   if (request.mode == RunMode::Sequential &&
       (request.strict || request.workers != 0 || request.world_copies != 0))

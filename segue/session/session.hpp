@@ -11,6 +11,7 @@
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/mission/run_journal.hpp>
+#include <segue/session/pause_control.hpp>
 #include <segue/session/run.hpp>
 
 #include <cstddef>
@@ -64,6 +65,8 @@ struct RunRequest {
   std::uint32_t world_copies = 0;  ///< concurrent: projected worlds at the same time; 0: any number
   cdtn::OrderRule order = cdtn::OrderRule::Epoch;  ///< of a task network only
 
+  /// Pauses the run of a mission; must outlive it. Null: it cannot be paused.
+  PauseControl* pause = nullptr;
   /// Receives warnings, which are no failures. Called on the thread of run(), or on that of an opaque
   /// subtree.
   std::function<void(const std::string&)> note;
@@ -92,10 +95,13 @@ class Session {
   /// it, and compiles it. `libraries`: folders in which libraries are looked for; for RAFCON's machines
   /// NAME=FOLDER. Every problem becomes a diagnostic with its place; nothing is returned where there are
   /// errors. Blocks while it reads.
+  /// `conflicts`: of the robot that a mission commands (mission::claim_controllers).
   static std::optional<Session> load(const std::filesystem::path& file,
-                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics);
+                                     const std::vector<std::string>& libraries, Diagnostics& diagnostics,
+                                     const mission::ControllerConflicts* conflicts = nullptr);
   /// A mission that the program has made. InvalidArgument with the first problem.
-  static Result<Session> create(mission::Mission mission);
+  static Result<Session> create(mission::Mission mission,
+                                const mission::ControllerConflicts* conflicts = nullptr);
   static Session create(cdtn::FlatNetwork network);
 
   [[nodiscard]] bool is_network() const { return network_ != nullptr; }

@@ -7,7 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -85,6 +87,73 @@ std::vector<std::string> outputs_of(const FinishedRun& run) {
   for (const auto& [name, value] : run.overview().outputs)
     texts.push_back(name + ": " + type::to_json(value));
   return texts;
+}
+
+/// Ends what it is told to, and tells when it begins.
+class Waiting final : public mission::ActionRunner {
+ public:
+  std::optional<mission::Ending> start(mission::ActionCall& call) override {
+    const std::lock_guard lock(mutex_);
+    end_ = call.defer([] {});
+    ++begun_;
+    changed_.notify_all();
+    return std::nullopt;
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    end_({}, {});
+  }
+  bool wait_until_begun(int count) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(60), [&] { return begun_ >= count; });
+  }
+  int begun() {
+    const std::lock_guard lock(mutex_);
+    return begun_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  mission::Completer end_;
+  int begun_ = 0;
+};
+
+TEST_F(Sessions, BeginNothingWhileTheyArePaused) {
+  Diagnostics diagnostics;
+  const auto file = write("m.yaml",
+                          "mission: m\nactions: {a: {run: {callback: wait}}}\nstart: first\n"
+                          "states: {first: {action: a, on: {success: second}}, second: {action: a, "
+                          "on: {success: return success}}}\n");
+  const auto plan = Session::load(file, {}, diagnostics);
+  ASSERT_TRUE(plan) << to_string(diagnostics);
+  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+    for (const bool stops : {false, true}) {
+      const auto waiting = std::make_shared<Waiting>();
+      PauseControl pause;
+      std::stop_source stop;
+      RunRequest request;
+      request.mode = mode;
+      request.runners.add("wait", waiting);
+      request.pause = &pause;
+      std::string outcome;
+      std::jthread thread(
+          [&] { outcome = plan->run(request, stop.get_token()).value()->overview().outcome; });
+      ASSERT_TRUE(waiting->wait_until_begun(1));
+      pause.pause();
+      waiting->end();
+      EXPECT_EQ(waiting->begun(), 1);
+      if (stops) {
+        stop.request_stop();
+      } else {
+        pause.resume();
+        ASSERT_TRUE(waiting->wait_until_begun(2));
+        waiting->end();
+      }
+      thread.join();
+      EXPECT_EQ(outcome, stops ? "preempted" : "success");
+    }
+  }
 }
 
 TEST_F(Sessions, AMissionEndsTheSameInEitherMode) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "disturbed_transition.hpp"
 
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 
 #include <atomic>
 
@@ -39,8 +39,7 @@ void DisturbedTransition::expect_no_secret_mixture(const runtime::SwitchResult& 
   const auto& claimed = done ? two_ : one_;
   // Parts that could not be retired and leftovers of an attempt are additional.
   const bool may_have_more = result.leftover || restored;
-  const bool runs =
-      may_have_more ? runtime::detail::includes(observed, claimed) : equivalent(observed, claimed);
+  const bool runs = may_have_more ? model::includes(observed, claimed) : equivalent(observed, claimed);
   if ((done || restored) && runs) return;
   const bool reported =
       !runtime().observed_differences().empty() || runtime().state() == runtime::RuntimeState::Failed;

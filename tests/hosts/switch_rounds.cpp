@@ -2,7 +2,7 @@
 #include "switch_rounds.hpp"
 
 #include <segue/base/text.hpp>
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 
 #include <support/random_networks.hpp>
 
@@ -174,7 +174,7 @@ class Player {
   /// What a host runs that lacks nothing and has nothing more.
   std::string wrong_with(const model::Network& shall) const {
     for (const auto& place : reachable_places()) {
-      const auto part = robot_.part(runtime::detail::without_hosts(shall, lost_hosts()), place);
+      const auto part = robot_.part(model::without_hosts(shall, lost_hosts()), place);
       if (const auto wrong = differences(part, robot_.truth(place)); !wrong.empty()) {
         return called(place) + ": " + listed(wrong);
       }

@@ -83,6 +83,7 @@ class FakeDeployment final : public deploy::DeploymentService {
   model::Transition concluded{};
   deploy::ArmCommit armed{};
   int settled = 0;
+  type::Value wrote{};
   std::vector<model::Action> performed{};
   model::ComponentModel component{};
   type::Value value{};
@@ -171,6 +172,11 @@ class FakeDeployment final : public deploy::DeploymentService {
     // A hook that never returns ignores deadlines.
     if (auto done = wait(operation == "hang" ? deadline + kLong : deadline); !done) return done.error();
     return type::Value("released");
+  }
+  Result<void> write(const model::PortRef& port, const type::Value& sample, TimePoint /*deadline*/) override {
+    const std::lock_guard lock(fields_);
+    wrote = type::Value::map({{"port", to_string(port)}, {"value", sample}});
+    return {};
   }
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {

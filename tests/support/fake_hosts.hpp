@@ -259,6 +259,9 @@ class WiredRobot final : public HostedRobot {
                            const type::Value& arguments, TimePoint deadline) override {
     return wire_.pass("call", [&] { return robot_->call(task, operation, arguments, deadline); });
   }
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    return wire_.pass("write", [&] { return robot_->write(port, value, deadline); });
+  }
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
     return wire_.pass("open_reader", [&] { return robot_->open_reader(port, buffer); });

@@ -49,6 +49,8 @@ class FakeRobot final : public RobotService {
   Gate release;  ///< releases blocking calls
   std::atomic<int> open_streams{0};
   std::atomic<bool> asked_to_end{false};
+  std::atomic<int> leases{0};              ///< that are held
+  std::atomic<bool> is_taken_over{false};  ///< by "somebody"
 
   Result<type::Value> status() override { return type::Value::map({{"robot", "fake"}}); }
   Result<type::Value> task(std::string_view id) override {
@@ -63,6 +65,9 @@ class FakeRobot final : public RobotService {
                              {"force", options.force},
                              {"order", options.order},
                              {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over},
+                             {"properties", properties_of(options)},
                              {"left_s", std::chrono::duration<double>(deadline - now()).count()}});
   }
   Result<type::Value> switch_to_network(std::string_view text, std::string_view file,
@@ -72,20 +77,42 @@ class FakeRobot final : public RobotService {
                              {"dry_run", options.dry_run},
                              {"force", options.force},
                              {"order", options.order},
-                             {"who", options.who}});
+                             {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over},
+                             {"properties", properties_of(options)}});
   }
   Result<type::Value> plan(std::string_view controller, const control::SwitchOptions& options,
                            TimePoint) override {
     return type::Value::map({{"to", controller}, {"force", options.force}, {"order", options.order}});
   }
   Result<type::Value> apply(const control::SwitchOptions& options, TimePoint) override {
-    return type::Value::map({{"force", options.force}, {"order", options.order}, {"who", options.who}});
+    return type::Value::map({{"force", options.force},
+                             {"order", options.order},
+                             {"who", options.who},
+                             {"lease", options.lease},
+                             {"take_over", options.take_over}});
   }
   Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint) override {
     type::Value::List list;
     for (const auto& name : controllers)
       list.emplace_back(name);
     return type::Value(std::move(list));
+  }
+  Result<type::Value> conflicts(const std::vector<std::string>& controllers) override {
+    return prepare(controllers, {});
+  }
+  Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) override {
+    if (leases > 0) return fail(ErrorCode::InvalidState, std::string(holder) + " is late");
+    return std::make_unique<Lease>(*this);
+  }
+  Result<void> report(std::uint64_t lease, const type::Value& doing) override {
+    return set_property("lease " + std::to_string(lease), "doing", doing, {});
+  }
+  Result<void> ask_holder(std::string_view what) override {
+    const std::lock_guard lock(mutex_);
+    asked_.emplace_back(what);
+    return {};
   }
   Result<type::Value> apply_transition(std::string_view text, std::string_view file, TimePoint) override {
     return type::Value::map({{"text", text}, {"file", file}});
@@ -102,6 +129,10 @@ class FakeRobot final : public RobotService {
     set_ = type::Value::map({{"task", task}, {"property", property}, {"value", value}});
     set_text_ = value.source_text();
     return {};
+  }
+  Result<void> write(std::string_view task, std::string_view port, const type::Value& value,
+                     TimePoint deadline) override {
+    return set_property(task, "port " + std::string(port), value, deadline);
   }
   Result<type::Value> call(std::string_view, std::string_view operation, const type::Value& arguments,
                            TimePoint deadline) override {
@@ -139,6 +170,13 @@ class FakeRobot final : public RobotService {
  private:
   static TimePoint now() { return RealClock::instance().now(); }
 
+  static type::Value properties_of(const control::SwitchOptions& options) {
+    type::Value::List list;
+    for (const auto& one : options.properties)
+      list.push_back(type::Value::list({one.task, one.property, one.value}));
+    return list;
+  }
+
   class Numbers final : public SampleStream {
    public:
     explicit Numbers(std::atomic<int>& open) : open_(open) { ++open_; }
@@ -156,7 +194,26 @@ class FakeRobot final : public RobotService {
     int last_ = 0;
   };
 
+  class Lease final : public RobotLease {
+   public:
+    explicit Lease(FakeRobot& robot) : robot_(robot) { ++robot_.leases; }
+    ~Lease() override { --robot_.leases; }
+    [[nodiscard]] std::uint64_t number() const override { return 7; }
+    Result<std::optional<std::string>> lost_to() override {
+      return robot_.is_taken_over ? std::optional<std::string>("somebody") : std::nullopt;
+    }
+
+    Result<std::vector<std::string>> asked() override {
+      const std::lock_guard lock(robot_.mutex_);
+      return std::exchange(robot_.asked_, {});
+    }
+
+   private:
+    FakeRobot& robot_;
+  };
+
   std::mutex mutex_;
+  std::vector<std::string> asked_;
   type::Value set_;
   std::string set_text_;
 };

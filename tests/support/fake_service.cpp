@@ -286,6 +286,11 @@ Result<type::Value> FakeService::call(const model::TaskId& /*task*/, std::string
   });
 }
 
+Result<void> FakeService::write(const model::PortRef& /*port*/, const type::Value& /*value*/,
+                                TimePoint /*deadline*/) {
+  return fail(ErrorCode::Unsupported, "fakes have no samples");
+}
+
 Result<std::unique_ptr<host::PortReader>> FakeService::open_reader(const model::PortRef& /*port*/,
                                                                    std::size_t /*buffer*/) {
   return fail(ErrorCode::Unsupported, "fakes have no samples");

@@ -155,6 +155,7 @@ class FakeService final : public DeploymentService {
                             TimePoint deadline) override;
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
                            const type::Value& arguments, TimePoint deadline) override;
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override;
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override;
   Result<link::MemoryOffer> memory(TimePoint deadline) override;

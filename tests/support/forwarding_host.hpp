@@ -59,6 +59,9 @@ class ForwardingHost : public host::TaskHost {
                            const type::Value& arguments, TimePoint deadline) override {
     return inner_.call(task, operation, arguments, deadline);
   }
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    return inner_.write(port, value, deadline);
+  }
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
     return inner_.open_reader(port, buffer);

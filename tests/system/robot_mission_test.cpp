@@ -48,6 +48,38 @@ actions:
 action: drive_to
 )";
 
+/// Drives by hand: a command that a task keeps until another one comes.
+constexpr const char* kByHand = R"(mission: by_hand
+actions:
+  push:
+    inputs: {command: map}
+    outputs: {velocity: map}
+    outcomes: [moving]
+    run:
+      controller: drive_only
+      write: {drive.command: "{command}"}
+      until: [{port: drive.velocity, where: 'forward > 0.1', outcome: moving}, {after: 5min}]
+      outputs: {velocity: drive.velocity}
+outcomes: [done]
+start: push
+states: {push: {inputs: {command: {forward: 0.3, turn: 0.0}}, on: {moving: return done}}}
+)";
+
+/// Drives to and fro for ever.
+constexpr const char* kPatrol = R"(mission: patrol
+actions:
+  drive_to:
+    inputs: {goal: map}
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: "{goal}"}}
+      until: [{task: seeker, state: arrived}]
+start: drive_to
+states:
+  drive_to: {inputs: {goal: {x: 0.3, y: 0.0}}, on: {success: drive_back}}
+  drive_back: {action: drive_to, inputs: {goal: {x: 0.0, y: 0.0}}, on: {success: drive_to}}
+)";
+
 class RobotMission : public SystemTest {
  protected:
   [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
@@ -77,16 +109,104 @@ TEST_F(RobotMission, DrivesToItsGoalsInBothModes) {
   }
 }
 
+TEST_F(RobotMission, WritesSamplesToPorts) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  write("rover/controllers/drive_only.yaml",
+        "network: drive_only\ntasks: {drive: {component: demo::Drive, properties: {timeout: 300s}}}\n");
+  start();
+  write("by_hand.yaml", kByHand);
+  EXPECT_EQ(json({"mission", "run", "by_hand.yaml"}).find("outcome")->as_string(), "done");
+  const auto written = segue({"write", "drive.command={forward: 0.0, turn: 0.5}"});
+  EXPECT_EQ(written.status, 0) << written.errors;
+  EXPECT_THAT(written.output, HasSubstr("drive has read"));
+  EXPECT_THAT(segue({"write", "drive.comand=1"}).errors,
+              HasSubstr("no input port 'comand', did you mean 'command'?"));
+  const auto wrong = segue({"write", "drive.command=fast"});
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.errors, HasSubstr("error:"));
+  EXPECT_EQ(segue({"switch", ""}).status, 0);
+  EXPECT_EQ(segue({"write", "drive.command={forward: 0.0, turn: 0.5}"}).status, 1);
+}
+
 TEST_F(RobotMission, DoesNotSucceedWithItsControllerTakenAway) {
   start();
   write("endless.yaml", kEndless);
   Process mission(command({"mission", "run", "endless.yaml"}), folder_);
   wait_for_controller("go_to");
-  EXPECT_EQ(segue({"switch", "explore"}).status, 0);
+  EXPECT_THAT(segue({"status"}).output, HasSubstr("commanded by: segue mission run"));
+  const auto refused = segue({"switch", "explore"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output + refused.errors, HasSubstr("the robot is commanded by segue mission run"));
+  EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
-  EXPECT_THAT(finished.errors + finished.output,
-              HasSubstr("controller 'go_to' was lost: the robot runs controller 'explore'"));
+  EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: preempted"));
+  EXPECT_EQ(controller(), "explore");
+  EXPECT_EQ(segue({"switch", "go_to"}).status, 0) << "nobody commands the robot now";
+}
+
+TEST_F(RobotMission, GivesTheRobotBackWhenItIsKilled) {
+  start();
+  write("endless.yaml", kEndless);
+  Process mission(command({"mission", "run", "endless.yaml"}), folder_);
+  wait_for_controller("go_to");
+  mission.signal(SIGKILL);
+  mission.wait();
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (segue({"switch", "explore"}).status != 0)
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"status"}).output;
+}
+
+/// A task of its own beside the robot's controllers.
+constexpr const char* kBeside = R"(network: beside
+tasks: {second_odometry: {component: demo::Odometry}}
+)";
+constexpr const char* kBoth = R"(mission: both
+actions:
+  drive_to:
+    outcomes: [arrived]
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: {x: 0.3, y: 0.0}}}
+      until: [{task: seeker, state: arrived}, {after: 5min}]
+  look: {run: {controller: beside, until: [{task: second_odometry, state: running, outcome: success}]}}
+  explore: {run: {controller: explore, until: [{after: 10ms, outcome: success}]}}
+  join: {run: {decide: [{outcome: success}]}}
+kind: barrier
+states:
+  drive_to: {}
+  look: {}
+  explore: {}
+  join: {kind: decider, on: {success: return success}}
+)";
+
+TEST_F(RobotMission, RunsControllersAtOnceThatCanAndOthersInTurn) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  write("rover/controllers/beside.yaml", kBeside);
+  start();
+  write("both.yaml", kBoth);
+  EXPECT_EQ(segue({"mission", "run", "both.yaml"}).status, 0);
+  const auto history = json({"history"});
+  std::vector<std::string> runs;
+  for (const auto& one : history.as_list())
+    runs.push_back(one.find("to")->as_string());
+  EXPECT_THAT(runs, ::testing::Contains("beside+go_to")) << type::to_json(history);
+  EXPECT_THAT(runs, ::testing::Contains("beside+explore"));
+}
+
+TEST_F(RobotMission, ControllersAreCombinedAndVariedByHandToo) {
+  ASSERT_EQ(segue({"init", "rover"}).status, 0);
+  write("rover/controllers/beside.yaml", kBeside);
+  start();
+  EXPECT_EQ(segue({"switch", "go_to+beside", "--set", "seeker.speed=0.1"}).status, 0);
+  EXPECT_EQ(controller(), "beside+go_to");
+  EXPECT_THAT(segue({"task", "seeker"}).output, HasSubstr("0.1"));
+  const auto refused = segue({"switch", "go_to+explore"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("these controllers cannot run at once"));
+  EXPECT_THAT(segue({"switch", "go_to+besides"}).errors, HasSubstr("did you mean 'beside'?"));
+  EXPECT_THAT(segue({"switch", "go_to", "--set", "speed=1"}).errors,
+              HasSubstr("--set must be TASK.PROPERTY=VALUE, got 'speed=1'"));
 }
 
 TEST_F(RobotMission, IsInterruptedAndStopsTheRobot) {
@@ -99,6 +219,30 @@ TEST_F(RobotMission, IsInterruptedAndStopsTheRobot) {
   EXPECT_EQ(finished.status, 1);
   EXPECT_THAT(finished.output, HasSubstr("endless: preempted"));
   EXPECT_EQ(controller(), "");
+}
+
+TEST_F(RobotMission, IsSeenPausedResumedAndStoppedFromElsewhere) {
+  start();
+  EXPECT_THAT(segue({"mission", "status"}).errors, HasSubstr("no mission commands the robot"));
+  EXPECT_EQ(segue({"mission", "stop"}).status, 1);
+  write("patrol.yaml", kPatrol);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    Process mission(command({"mission", "run", "patrol.yaml", "--mode", mode}), folder_);
+    wait_for_controller("go_to");
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (segue({"mission", "status"}).output.find("mission patrol: running; under way: drive_to") ==
+           std::string::npos)
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"mission", "status"}).output;
+    EXPECT_EQ(segue({"mission", "pause"}).output, "mission patrol: paused\n");
+    EXPECT_EQ(json({"mission", "status"}).find("state")->as_string(), "paused");
+    EXPECT_EQ(segue({"mission", "resume"}).output, "mission patrol: running\n");
+    EXPECT_EQ(segue({"mission", "stop"}).output, "mission patrol: stopped\n");
+    const auto finished = mission.wait();
+    EXPECT_EQ(finished.status, 1);
+    EXPECT_THAT(finished.output, HasSubstr("patrol: preempted"));
+    EXPECT_EQ(segue({"switch", ""}).status, 0);
+  }
 }
 
 TEST_F(RobotMission, FailsWithItsRobot) {

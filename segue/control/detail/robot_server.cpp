@@ -31,10 +31,70 @@ std::string who_asks(const Params& params, const Peer& peer) {
   return to_string(peer) + (who.empty() ? "" : ": " + who);
 }
 
+std::string text_at(const Value& map, std::string_view key) {
+  const Value* text = map.find(key);
+  return text == nullptr || !text->is_string() ? std::string() : text->as_string();
+}
+
+/// From a list of {"task", "property", "value"}; null is none.
+Result<std::vector<PropertyOf>> properties_from(const Result<Value>& list) {
+  if (!list) return list.error();
+  std::vector<PropertyOf> properties;
+  if (list->is_null()) return properties;
+  if (!list->is_list()) return fail(ErrorCode::InvalidArgument, "the properties of a request must be a list");
+  for (const Value& one : list->as_list()) {
+    const Value* value = one.find("value");
+    PropertyOf property{text_at(one, "task"), text_at(one, "property"), value == nullptr ? Value() : *value};
+    if (property.task.empty() || property.property.empty() || value == nullptr)
+      return fail(ErrorCode::InvalidArgument, "a property of a request needs 'task', 'property' and 'value'");
+    properties.push_back(std::move(property));
+  }
+  return properties;
+}
+
 /// Of requests that may be dry runs.
 template <class Params>
-SwitchOptions options_of(const Params& params, const Peer& peer) {
-  return {params.getDryRun(), params.getForce(), as_string(params.getOrder()), who_asks(params, peer)};
+Result<SwitchOptions> options_of(const Params& params, const Peer& peer) {
+  SwitchOptions options;
+  options.dry_run = params.getDryRun();
+  options.force = params.getForce();
+  options.order = as_string(params.getOrder());
+  options.who = who_asks(params, peer);
+  options.lease = params.getLease();
+  options.take_over = params.getTakeOver();
+  auto properties = properties_from(decode(params.getProperties(), kMaxNodes));
+  if (!properties) return properties.error();
+  options.properties = std::move(*properties);
+  return options;
+}
+
+/// A lease is a stream of news; the name of its type is its number.
+class LeaseStream final : public SampleStream {
+ public:
+  explicit LeaseStream(std::unique_ptr<RobotLease> lease) : lease_(std::move(lease)) {}
+
+  Result<std::vector<Value>> read(std::size_t /*limit*/) override {
+    std::vector<Value> news;
+    const auto lost = lease_->lost_to();
+    if (!lost) return lost.error();
+    if (*lost) news.push_back(Value::map({{"lost_to", **lost}}));
+    const auto asked = lease_->asked();
+    if (!asked) return asked.error();
+    for (const std::string& what : *asked)
+      news.push_back(Value::map({{"asked", what}}));
+    return news;
+  }
+  [[nodiscard]] std::string type_name() const override { return std::to_string(lease_->number()); }
+
+ private:
+  const std::unique_ptr<RobotLease> lease_;
+};
+
+std::vector<std::string> names_in(capnp::List<capnp::Text>::Reader list) {
+  std::vector<std::string> names;
+  for (const auto name : list)
+    names.push_back(as_string(name));
+  return names;
 }
 
 /// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
@@ -64,29 +124,33 @@ class RobotServer final : public wire::Robot::Server {
 
   kj::Promise<void> switchTo(SwitchToContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        Role::Operate, context,
-        [&service = service(), controller = as_string(params.getController()),
-         options = options_of(params, peer()), deadline = deadline_after(params.getTimeout())] {
-          return service.switch_to(controller, options, deadline);
-        });
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), controller = as_string(params.getController()),
+                                 options = options_of(params, peer()),
+                                 deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+                                  if (!options) return options.error();
+                                  return service.switch_to(controller, *options, deadline);
+                                });
   }
 
   kj::Promise<void> switchToNetwork(SwitchToNetworkContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(
-        Role::Operate, context,
-        [&service = service(), text = as_string(params.getText()), file = as_string(params.getFile()),
-         options = options_of(params, peer()), deadline = deadline_after(params.getTimeout())] {
-          return service.switch_to_network(text, file, options, deadline);
-        });
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), text = as_string(params.getText()),
+                                 file = as_string(params.getFile()), options = options_of(params, peer()),
+                                 deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+                                  if (!options) return options.error();
+                                  return service.switch_to_network(text, file, *options, deadline);
+                                });
   }
 
   kj::Promise<void> plan(PlanContext context) override {
     const auto params = context.getParams();
     return caller_.answer_value(
         context, [&service = service(), controller = as_string(params.getController()),
-                  options = SwitchOptions{true, params.getForce(), as_string(params.getOrder()), {}},
+                  options =
+                      SwitchOptions{
+                          .dry_run = true, .force = params.getForce(), .order = as_string(params.getOrder())},
                   deadline = deadline_after(params.getTimeout())] {
           return service.plan(controller, options, deadline);
         });
@@ -97,20 +161,55 @@ class RobotServer final : public wire::Robot::Server {
     return caller_.answer_value(
         Role::Operate, context,
         [&service = service(),
-         options =
-             SwitchOptions{false, params.getForce(), as_string(params.getOrder()), who_asks(params, peer())},
+         options = SwitchOptions{.force = params.getForce(),
+                                 .order = as_string(params.getOrder()),
+                                 .who = who_asks(params, peer()),
+                                 .lease = params.getLease(),
+                                 .take_over = params.getTakeOver()},
          deadline = deadline_after(params.getTimeout())] { return service.apply(options, deadline); });
   }
 
   kj::Promise<void> prepare(PrepareContext context) override {
     const auto params = context.getParams();
-    std::vector<std::string> controllers;
-    for (const auto name : params.getControllers())
-      controllers.push_back(as_string(name));
     return caller_.answer_value(
         Role::Operate, context,
-        [&service = service(), controllers = std::move(controllers),
+        [&service = service(), controllers = names_in(params.getControllers()),
          deadline = deadline_after(params.getTimeout())] { return service.prepare(controllers, deadline); });
+  }
+
+  kj::Promise<void> conflicts(ConflictsContext context) override {
+    return caller_.answer_value(
+        context, [&service = service(), controllers = names_in(context.getParams().getControllers())] {
+          return service.conflicts(controllers);
+        });
+  }
+
+  kj::Promise<void> lease(LeaseContext context) override {
+    const std::string said = as_string(context.getParams().getHolder());
+    const std::string holder = peer().local ? said : to_string(peer()) + ": " + said;
+    return answer_stream(caller_, Role::Operate, context,
+                         [&service = service(), holder]() -> Result<std::unique_ptr<SampleStream>> {
+                           auto lease = service.lease(holder);
+                           if (!lease) return lease.error();
+                           return std::make_unique<LeaseStream>(std::move(*lease));
+                         });
+  }
+
+  kj::Promise<void> report(ReportContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), lease = params.getLease(),
+                                 doing = decode(params.getDoing(), kMaxNodes)]() -> Result<Value> {
+                                  if (!doing) return doing.error();
+                                  return as_value(service.report(lease, *doing));
+                                });
+  }
+
+  kj::Promise<void> askHolder(AskHolderContext context) override {
+    return caller_.answer_value(Role::Operate, context,
+                                [&service = service(), what = as_string(context.getParams().getWhat())] {
+                                  return as_value(service.ask_holder(what));
+                                });
   }
 
   kj::Promise<void> applyTransition(ApplyTransitionContext context) override {
@@ -137,6 +236,18 @@ class RobotServer final : public wire::Robot::Server {
          deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
           if (!value) return value.error();
           return as_value(service.set_property(task, property, *value, deadline));
+        });
+  }
+
+  kj::Promise<void> write(WriteContext context) override {
+    const auto params = context.getParams();
+    return caller_.answer_value(
+        Role::Operate, context,
+        [&service = service(), task = as_string(params.getTask()), port = as_string(params.getPort()),
+         value = decode(params.getValue(), kMaxNodes),
+         deadline = deadline_after(params.getTimeout())]() -> Result<Value> {
+          if (!value) return value.error();
+          return as_value(service.write(task, port, *value, deadline));
         });
   }
 

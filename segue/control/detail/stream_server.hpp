@@ -27,7 +27,7 @@ wire::SampleStream::Client make_stream_server(const Caller& caller, std::shared_
 /// Answers with the stream that `open` (a Result<std::unique_ptr<SampleStream>>) returns. The results have an
 /// `answer`, which is the name of its type, and a `stream`.
 template <class Context, class Open>
-kj::Promise<void> answer_stream(Caller& caller, Context context, Open open) {
+kj::Promise<void> answer_stream(Caller& caller, Role needed, Context context, Open open) {
   if (caller.client()->streams >= kMaxStreamsPerClient) {
     encode(fail(ErrorCode::ResourceExhausted, "this client reads too many ports at once; close some"),
            context.getResults().initAnswer().initError());
@@ -40,9 +40,13 @@ kj::Promise<void> answer_stream(Caller& caller, Context context, Open open) {
     held->stream = std::move(*stream);
     return type::Value(held->stream->type_name());
   };
-  return caller.answer_value(context, std::move(job), [caller, held](auto results) {
+  return caller.answer_value(needed, context, std::move(job), [caller, held](auto results) {
     results.setStream(make_stream_server(caller, held));
   });
+}
+template <class Context, class Open>
+kj::Promise<void> answer_stream(Caller& caller, Context context, Open open) {
+  return answer_stream(caller, Role::Observe, context, std::move(open));
 }
 
 }  // namespace segue::control::detail

@@ -109,6 +109,17 @@ class TaskAccessClient : public Service {
     });
   }
 
+  Result<void> write(const model::PortRef& port, const type::Value& value, TimePoint deadline) override {
+    const Duration left = time_left(deadline);
+    return ask<void>(left + kGrace, [&](wire::TaskAccess::Client tasks) {
+      auto request = tasks.writeRequest();
+      encode(port, request.initPort());
+      request.setTimeout(left.count());
+      put(value, request.initValue());
+      return RpcChannel::send<void>(request, [](auto&) { return Result<void>(); });
+    });
+  }
+
   Result<std::unique_ptr<host::PortReader>> open_reader(const model::PortRef& port,
                                                         std::size_t buffer) override {
     const RpcChannel::StreamId id = channel_->new_stream_id();

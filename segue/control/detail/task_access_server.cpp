@@ -98,6 +98,14 @@ kj::Promise<void> TaskAccessServer::call(CallContext context) {
       });
 }
 
+kj::Promise<void> TaskAccessServer::write(WriteContext context) {
+  const auto params = context.getParams();
+  return caller_.answer(
+      context,
+      [tasks = tasks_, port = decode(params.getPort()), value = get(params.getValue()),
+       deadline = deadline_after(params.getTimeout())] { return tasks->write(port, value, deadline); });
+}
+
 kj::Promise<void> TaskAccessServer::openReader(OpenReaderContext context) {
   const auto params = context.getParams();
   auto open = [tasks = tasks_, port = decode(params.getPort()),

@@ -22,6 +22,7 @@ class TaskAccessServer : public virtual wire::TaskAccess::Server {
   kj::Promise<void> properties(PropertiesContext context) override;
   kj::Promise<void> setProperty(SetPropertyContext context) override;
   kj::Promise<void> call(CallContext context) override;
+  kj::Promise<void> write(WriteContext context) override;
   kj::Promise<void> openReader(OpenReaderContext context) override;
 
  protected:

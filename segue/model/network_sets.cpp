@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/runtime/network_sets.hpp>
+#include <segue/model/network_sets.hpp>
 
 #include <algorithm>
 #include <map>
 #include <set>
 #include <string>
 
-namespace segue::runtime::detail {
+namespace segue::model {
 
 namespace {
 
-std::set<model::TaskId> ids_of(const model::Network& network) {
-  std::set<model::TaskId> ids;
+std::set<TaskId> ids_of(const Network& network) {
+  std::set<TaskId> ids;
   for (const auto& task : network.tasks) {
     ids.insert(task.id);
   }
   return ids;
 }
 
-std::map<model::DeploymentKey, std::size_t> places_of(const model::Network& network) {
-  std::map<model::DeploymentKey, std::size_t> places;
+std::map<DeploymentKey, std::size_t> places_of(const Network& network) {
+  std::map<DeploymentKey, std::size_t> places;
   for (std::size_t i = 0; i < network.deployments.size(); ++i) {
     places.emplace(network.deployments[i].key(), i);
   }
@@ -27,11 +27,11 @@ std::map<model::DeploymentKey, std::size_t> places_of(const model::Network& netw
 }
 
 /// Equal for equal connections: both ports and the policy.
-std::string identity(const model::Connection& connection) {
+std::string identity(const Connection& connection) {
   return to_string(connection);
 }
 
-std::set<std::string> identities(const model::Network& network) {
+std::set<std::string> identities(const Network& network) {
   std::set<std::string> all;
   for (const auto& connection : network.connections) {
     all.insert(identity(connection));
@@ -39,10 +39,10 @@ std::set<std::string> identities(const model::Network& network) {
   return all;
 }
 
-void add_placements(model::Deployment& deployment, const model::Deployment& other) {
+void add_placements(Deployment& deployment, const Deployment& other) {
   for (const auto& placement : other.tasks) {
     const bool known = std::any_of(deployment.tasks.begin(), deployment.tasks.end(),
-                                   [&](const model::Placement& mine) { return mine.task == placement.task; });
+                                   [&](const Placement& mine) { return mine.task == placement.task; });
     if (!known) {
       deployment.tasks.push_back(placement);
     }
@@ -51,7 +51,7 @@ void add_placements(model::Deployment& deployment, const model::Deployment& othe
 
 }  // namespace
 
-model::Network unite(model::Network first, const model::Network& second) {
+Network unite(Network first, const Network& second) {
   const auto ids = ids_of(first);
   for (const auto& task : second.tasks) {
     if (!ids.contains(task.id)) {
@@ -76,10 +76,10 @@ model::Network unite(model::Network first, const model::Network& second) {
   return first;
 }
 
-model::Network subtract(const model::Network& all, const model::Network& part) {
-  model::Network rest;
+Network subtract(const Network& all, const Network& part) {
+  Network rest;
   const auto ids = ids_of(part);
-  std::set<model::TaskId> left;
+  std::set<TaskId> left;
   for (const auto& task : all.tasks) {
     if (!ids.contains(task.id)) {
       rest.tasks.push_back(task);
@@ -87,10 +87,10 @@ model::Network subtract(const model::Network& all, const model::Network& part) {
     }
   }
   const auto places = places_of(part);
-  for (model::Deployment deployment : all.deployments) {
+  for (Deployment deployment : all.deployments) {
     const bool common = places.contains(deployment.key());
     std::erase_if(deployment.tasks,
-                  [&](const model::Placement& placement) { return !left.contains(placement.task); });
+                  [&](const Placement& placement) { return !left.contains(placement.task); });
     if (!common || !deployment.tasks.empty()) {
       rest.deployments.push_back(std::move(deployment));
     }
@@ -104,29 +104,29 @@ model::Network subtract(const model::Network& all, const model::Network& part) {
   return rest;
 }
 
-model::Network without_hosts(model::Network network, const std::set<model::HostName>& hosts) {
+Network without_hosts(Network network, const std::set<HostName>& hosts) {
   if (hosts.empty()) {
     return network;
   }
-  const auto processes = model::task_processes(network);
-  const auto is_there = [&](const model::TaskId& task) {
+  const auto processes = task_processes(network);
+  const auto is_there = [&](const TaskId& task) {
     const auto process = processes.find(task);
     return process != processes.end() && hosts.contains(process->second.host);
   };
-  std::erase_if(network.connections, [&](const model::Connection& connection) {
+  std::erase_if(network.connections, [&](const Connection& connection) {
     return is_there(connection.from.task) || is_there(connection.to.task);
   });
-  std::erase_if(network.tasks, [&](const model::Task& task) { return is_there(task.id); });
+  std::erase_if(network.tasks, [&](const Task& task) { return is_there(task.id); });
   std::erase_if(network.deployments,
-                [&](const model::Deployment& deployment) { return hosts.contains(deployment.host); });
+                [&](const Deployment& deployment) { return hosts.contains(deployment.host); });
   return network;
 }
 
-bool includes(const model::Network& all, const model::Network& part) {
+bool includes(const Network& all, const Network& part) {
   // The union equals `all` unless `part` has something that `all` lacks or has in another form.
-  model::Network both = unite(part, all);
+  Network both = unite(part, all);
   both.name = all.name;
   return equivalent(both, all);
 }
 
-}  // namespace segue::runtime::detail
+}  // namespace segue::model

@@ -7,21 +7,21 @@
 
 /// Set operations on networks. A robot runs the union of its controller, standby tasks of other controllers
 /// and leftovers of earlier ones. Linear in the size of the networks.
-namespace segue::runtime::detail {
+namespace segue::model {
 
 /// Union: all of `first`, plus those parts of `second` that it lacks. Tasks are compared by id, processes by
 /// key (the placements of both are merged), connections by value. Keeps the name of `first`.
-model::Network unite(model::Network first, const model::Network& second);
+Network unite(Network first, const Network& second);
 
 /// Difference: the parts of `all` that are not in `part`, compared as in unite(). A process that is in both
 /// is kept only with the placements of remaining tasks. The result has no name.
-model::Network subtract(const model::Network& all, const model::Network& part);
+Network subtract(const Network& all, const Network& part);
 
 /// What is not on these computers: their processes, the tasks there and all connections of these are left
 /// out.
-model::Network without_hosts(model::Network network, const std::set<model::HostName>& hosts);
+Network without_hosts(Network network, const std::set<HostName>& hosts);
 
 /// Whether every part of `part` is in `all`, with equal definition and state.
-bool includes(const model::Network& all, const model::Network& part);
+bool includes(const Network& all, const Network& part);
 
-}  // namespace segue::runtime::detail
+}  // namespace segue::model

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/controller_union.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <future>
+#include <map>
+#include <set>
+#include <thread>
+#include <utility>
+
+namespace segue::mission {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
+
+/// Runs what it is asked to, unless a controller is broken.
+class RequestedRobot final : public CommandedRobot {
+ public:
+  Result<void> request(const ControllerRequest& what, TimePoint /*deadline*/) override {
+    std::unique_lock lock(mutex_);
+    requests_.push_back(what);
+    asked_.notify_all();
+    asked_.wait_for(lock, 60s, [&] { return !held_; });
+    for (const std::string& controller : what.controllers) {
+      if (broken_.contains(controller)) return fail(ErrorCode::InvalidState, controller + " is broken");
+    }
+    runs_ = what;
+    return {};
+  }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
+  Result<ControllerConflicts> conflicts() override {
+    return ControllerConflicts{{}, {{"drive", "stick", "input base.command"}}};
+  }
+  Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
+    return {};
+  }
+  Result<type::Value> call(const Member& /*operation*/, const type::Value& /*arguments*/,
+                           TimePoint /*deadline*/) override {
+    return type::Value();
+  }
+  Result<void> write(const Member& /*port*/, const type::Value& /*value*/, TimePoint /*deadline*/) override {
+    return {};
+  }
+  Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
+  Result<std::unique_ptr<PortSamples>> open(const Member& /*port*/) override {
+    return fail(ErrorCode::Unsupported, "not in this test");
+  }
+
+  /// Requests are not answered until let_go().
+  void hold() {
+    const std::lock_guard lock(mutex_);
+    held_ = true;
+  }
+  void let_go() {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+    asked_.notify_all();
+  }
+  void wait_for_requests(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(asked_.wait_for(lock, 60s, [&] { return requests_.size() >= count; }));
+  }
+  void break_controller(const std::string& controller) {
+    const std::lock_guard lock(mutex_);
+    broken_.insert(controller);
+  }
+  ControllerRequest runs() {
+    const std::lock_guard lock(mutex_);
+    return runs_;
+  }
+  std::vector<ControllerRequest> requests() {
+    const std::lock_guard lock(mutex_);
+    return requests_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable asked_;
+  std::vector<ControllerRequest> requests_;
+  ControllerRequest runs_;
+  std::set<std::string> broken_;
+  bool held_ = false;
+};
+
+class UnionOfControllers : public ::testing::Test {
+ protected:
+  std::future<Result<void>> begin(const std::string& controller) {
+    return std::async(std::launch::async, [this, controller] { return union_.begin(controller, {}); });
+  }
+
+  std::shared_ptr<RequestedRobot> robot_ = std::make_shared<RequestedRobot>();
+  ControllerUnion union_{robot_, {.gather = 0ms}};
+};
+
+TEST_F(UnionOfControllers, HoldsWhatIsInUseAndWhatIsKept) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm", "drive"));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_THAT(robot_->requests(), SizeIs(2)) << "what is kept runs on";
+  EXPECT_TRUE(union_.begin("camera", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("camera", "arm", "drive"));
+}
+
+TEST_F(UnionOfControllers, GivesUpWhatIsKeptForWhatConflictsWithIt) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_TRUE(union_.begin("stick", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("stick", "arm"));
+}
+
+TEST_F(UnionOfControllers, StopsWhatIsNotKept) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_TRUE(union_.end("drive", false));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm"));
+  EXPECT_TRUE(union_.end("arm", false));
+  EXPECT_THAT(robot_->runs().controllers, IsEmpty());
+}
+
+TEST_F(UnionOfControllers, StopsNothingThatAnotherActionUses) {
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_TRUE(union_.end("drive", false));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive"));
+  EXPECT_TRUE(union_.end("drive", false));
+  EXPECT_THAT(robot_->runs().controllers, IsEmpty());
+}
+
+TEST_F(UnionOfControllers, KeepsThePropertiesOfWhatRuns) {
+  EXPECT_TRUE(union_.begin("drive", {{{"base", "speed"}, 1, {}}}));
+  EXPECT_TRUE(union_.begin("arm", {{{"arm", "speed"}, 2, {}}}));
+  EXPECT_THAT(robot_->runs().properties, SizeIs(2));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_TRUE(union_.begin("drive", {{{"base", "speed"}, 3, {}}}));
+  const auto properties = robot_->runs().properties;
+  ASSERT_THAT(properties, SizeIs(2));
+  EXPECT_EQ(properties.front().value, type::Value(3));
+}
+
+TEST_F(UnionOfControllers, GathersWhatIsAskedWhileATransitionIsUnderWay) {
+  robot_->hold();
+  auto drive = begin("drive");
+  robot_->wait_for_requests(1);
+  auto arm = begin("arm");
+  auto camera = begin("camera");
+  // Both wait once the union has noted them, which nothing but time shows; either way all are asked for.
+  robot_->let_go();
+  EXPECT_TRUE(drive.get());
+  EXPECT_TRUE(arm.get());
+  EXPECT_TRUE(camera.get());
+  EXPECT_THAT(robot_->runs().controllers, UnorderedElementsAre("drive", "arm", "camera"));
+  EXPECT_LE(robot_->requests().size(), 3U);
+}
+
+TEST_F(UnionOfControllers, StartsOneThatCannotRunWithoutHarmToTheOthers) {
+  ControllerUnion gathering(robot_, {.gather = 200ms});
+  robot_->break_controller("arm");
+  auto arm = std::async(std::launch::async, [&] { return gathering.begin("arm", {}); });
+  auto drive = std::async(std::launch::async, [&] { return gathering.begin("drive", {}); });
+  EXPECT_FALSE(arm.get());
+  EXPECT_TRUE(drive.get());
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive"));
+}
+
+TEST_F(UnionOfControllers, IsConsistentWhateverActionsDoAtOnce) {
+  std::vector<std::jthread> actions;
+  for (const char* controller : {"drive", "arm", "camera", "drive"}) {
+    actions.emplace_back([this, controller = std::string(controller)] {
+      for (int turn = 0; turn < 50; ++turn) {
+        EXPECT_TRUE(union_.begin(controller, {}));
+        const auto running = robot_->runs().controllers;
+        EXPECT_EQ(std::ranges::count(running, controller), 1);
+        EXPECT_TRUE(union_.end(controller, turn % 2 == 0 && turn < 48));
+      }
+    });
+  }
+  actions.clear();
+  EXPECT_THAT(robot_->runs().controllers, IsEmpty());
+}
+
+}  // namespace
+}  // namespace segue::mission

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/leases.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace segue::runtime::detail {
+
+Result<std::uint64_t> Leases::take(std::string holder) {
+  const std::lock_guard lock(mutex_);
+  if (held_) {
+    return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder);
+  }
+  held_ = Lease{++taken_, std::move(holder), {}, {}};
+  log_.add(EventKind::Lease, "", held_->holder + " commands the robot");
+  return held_->number;
+}
+
+void Leases::end(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  if (held_ && held_->number == number) {
+    log_.add(EventKind::Lease, "", held_->holder + " no longer commands the robot");
+    held_.reset();
+  }
+}
+
+std::optional<std::string> Leases::lost_to(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  return held_ && held_->number == number ? std::nullopt : std::optional(who_took(number).value_or(""));
+}
+
+std::optional<std::string> Leases::who_took(std::uint64_t number) const {
+  return lost_ && lost_->number == number ? std::optional(lost_->holder) : std::nullopt;
+}
+
+std::optional<std::string> Leases::holder() const {
+  const std::lock_guard lock(mutex_);
+  return held_ ? std::optional(held_->holder) : std::nullopt;
+}
+
+Result<void> Leases::report(std::uint64_t number, type::Value doing) {
+  const std::lock_guard lock(mutex_);
+  if (!held_ || held_->number != number) {
+    return fail(ErrorCode::InvalidState, "the robot is not commanded with that lease any more");
+  }
+  held_->doing = std::move(doing);
+  return {};
+}
+
+type::Value Leases::doing() const {
+  const std::lock_guard lock(mutex_);
+  return held_ ? held_->doing : type::Value();
+}
+
+Result<void> Leases::ask(std::string_view what) {
+  static constexpr std::array<std::string_view, 3> kKnown = {"pause", "resume", "stop"};
+  if (std::ranges::find(kKnown, what) == kKnown.end()) {
+    return fail(ErrorCode::InvalidArgument,
+                "whoever commands the robot can be asked to pause, resume or stop, not to " + quote(what));
+  }
+  const std::lock_guard lock(mutex_);
+  if (!held_) {
+    return fail(ErrorCode::NotFound, "nobody commands the robot");
+  }
+  // The latest counts; a holder that does not look must not make this grow.
+  held_->asked.assign(1, std::string(what));
+  return {};
+}
+
+std::vector<std::string> Leases::take_asked(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  return held_ && held_->number == number ? std::exchange(held_->asked, {}) : std::vector<std::string>();
+}
+
+std::optional<Error> Leases::refusal_of(const RequestOptions& options) {
+  const std::lock_guard lock(mutex_);
+  const bool is_holder = held_ && held_->number == options.lease;
+  if (options.lease != 0 && !is_holder) {
+    const std::string who = who_took(options.lease).value_or("");
+    return fail(ErrorCode::InvalidState, "the robot was taken over" + (who.empty() ? who : " by " + who));
+  }
+  if (!held_ || is_holder) {
+    return std::nullopt;
+  }
+  if (!options.take_over) {
+    return fail(ErrorCode::InvalidState, "the robot is commanded by " + held_->holder +
+                                             "; wait until that has ended, or take the robot over "
+                                             "(--take-over), which ends what it is doing");
+  }
+  log_.add(EventKind::Lease, "",
+           (options.who.empty() ? "a request" : options.who) + " took the robot over from " + held_->holder);
+  lost_ = Lease{held_->number, options.who, {}, {}};
+  held_.reset();
+  return std::nullopt;
+}
+
+}  // namespace segue::runtime::detail
