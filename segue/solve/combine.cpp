@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 namespace segue::solve {
 
@@ -32,9 +33,9 @@ class ConflictSearch {
   }
 
  private:
-  /// Of an input: what writes to it, and whether each writer overwrites what is there.
+  /// Of an input: the ports that write to it, and whether a sample overwrites one that waits.
   struct Writers {
-    std::set<std::string> ports;
+    std::set<std::pair<std::string, Policy>> connections;
     bool overwrite = false;
   };
   using Inputs = std::map<model::PortRef, Writers>;
@@ -117,20 +118,28 @@ class ConflictSearch {
     Inputs inputs;
     for (const model::Connection& connection : network.connections) {
       Writers& writers = inputs[connection.to];
-      writers.ports.insert(to_string(connection));
+      writers.connections.emplace(to_string(connection.from), connection.policy);
       writers.overwrite = writers.overwrite || connection.policy.kind == BufferKind::Data;
     }
     return inputs;
+  }
+
+  static std::string ports_of(const Writers& writers) {
+    std::vector<std::string> ports;
+    for (const auto& [port, policy] : writers.connections)
+      ports.push_back(port);
+    return listed(ports);
   }
 
   void compare_inputs() {
     const Inputs mine = inputs_of(a_);
     for (const auto& [input, others] : inputs_of(b_)) {
       const auto found = mine.find(input);
-      if (found == mine.end() || found->second.ports == others.ports) continue;
+      if (found == mine.end() || found->second.connections == others.connections) continue;
       if (!found->second.overwrite && !others.overwrite) continue;
-      add("input " + to_string(input), "input " + quote(to_string(input)) + " has other connections" +
-                                           in_both() + " that overwrite each other");
+      add("input " + to_string(input),
+          "input " + quote(to_string(input)) + " would be written by " + ports_of(found->second) + " of " +
+              name(a_) + " and by " + ports_of(others) + " of " + name(b_) + ", which overwrite each other");
     }
   }
 
