@@ -3,6 +3,7 @@
 // The components of the rover together: in virtual time, and as in the example.
 #include "../messages/geometry.hpp"
 #include "../messages/sensors.hpp"
+#include "osmesa_suppressions.hpp"
 #include "rover_model.hpp"
 #include "test_support.hpp"
 #include "types.hpp"

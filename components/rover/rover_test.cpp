@@ -5,6 +5,7 @@
 #include "drive_kinematics.hpp"
 #include "marker_finder.hpp"
 #include "marker_pose.hpp"
+#include "osmesa_suppressions.hpp"
 #include "renderer.hpp"
 #include "simulated_rover.hpp"
 
