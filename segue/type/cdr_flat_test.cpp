@@ -242,6 +242,13 @@ TEST(CdrFlat, matrices_have_the_rows_and_columns_that_their_type_permits) {
   EXPECT_TRUE(to_flat(type_info<Eigen::MatrixXd>(), cdr_of(two_rows)).has_value());
 }
 
+TEST(CdrFlat, a_matrix_without_numbers_is_converted_at_once_whatever_its_size) {
+  const Bytes cdr = message({0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  const auto flat = to_flat(type_info<Eigen::MatrixXd>(), cdr);
+  ASSERT_TRUE(flat.has_value());
+  EXPECT_EQ(to_cdr(type_info<Eigen::MatrixXd>(), *flat), cdr);
+}
+
 TEST(CdrFlat, booleans_and_enums_are_checked) {
   Bytes cdr = cdr_of(std::vector<coded::Contact>(3));
   cdr[4 + 8 + 8 + 1] = std::byte{2};

@@ -76,8 +76,7 @@ bool put_bits(const std::vector<bool>& bits, Sink& sink) {
 }
 
 bool put_numbers(const DescribedType& number, const Grid& grid, const void* numbers, Sink& sink) {
-  if (grid.by_rows || grid.rows == 1 || grid.columns == 1)
-    return put_items(number, numbers, grid.rows * grid.columns, sink);
+  if (grid.in_order()) return put_items(number, numbers, grid.rows * grid.columns, sink);
   for (std::size_t row = 0; row < grid.rows; ++row) {
     for (std::size_t column = 0; column < grid.columns; ++column) {
       if (!put_items(number, at(numbers, grid.place(row, column) * number.info.size), 1, sink)) return false;
@@ -204,8 +203,7 @@ bool get_bits(std::span<const std::byte>& bits, Source& source) {
 }
 
 bool get_numbers(const DescribedType& number, const Grid& grid, void* numbers, Source& source) {
-  if (grid.by_rows || grid.rows == 1 || grid.columns == 1)
-    return get_items(number, numbers, grid.rows * grid.columns, source);
+  if (grid.in_order()) return get_items(number, numbers, grid.rows * grid.columns, source);
   for (std::size_t row = 0; row < grid.rows; ++row) {
     for (std::size_t column = 0; column < grid.columns; ++column) {
       if (!get_items(number, at(numbers, grid.place(row, column) * number.info.size), 1, source))

@@ -197,6 +197,15 @@ TEST(CdrObject, matrices_have_as_many_numbers_as_they_say) {
   EXPECT_FALSE(read(matrix, bytes));
 }
 
+TEST(CdrObject, a_matrix_without_numbers_is_read_at_once_whatever_its_size) {
+  Eigen::MatrixXd matrix;
+  const Bytes rows = message({0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  ASSERT_TRUE(read(matrix, rows));
+  EXPECT_EQ(matrix.rows(), std::int64_t{1} << 60);
+  EXPECT_EQ(written(matrix), rows);
+  EXPECT_EQ(value_of(matrix).find("data")->as_list().size(), 0U);
+}
+
 TEST(CdrObject, booleans_enums_and_optionals_are_checked) {
   bool boolean = false;
   EXPECT_FALSE(read(boolean, message({0, 1, 0, 0, 2})));

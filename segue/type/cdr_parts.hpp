@@ -110,6 +110,9 @@ struct Grid {
   std::size_t columns = 0;
   bool by_rows = false;
 
+  /// Whether the numbers lie in the order in which they are written. Without that one must go through the
+  /// rows; a matrix without columns may claim any number of them, but is in order.
+  [[nodiscard]] bool in_order() const { return by_rows || rows <= 1 || columns <= 1; }
   [[nodiscard]] std::size_t place(std::size_t row, std::size_t column) const {
     return by_rows ? row * columns + column : column * rows + row;
   }

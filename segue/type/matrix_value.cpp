@@ -111,7 +111,8 @@ Value rows_to_value(const MatrixView& view, const void* numbers) {
 
 Value dynamic_to_value(const MatrixView& view, const void* numbers) {
   Value::List data;
-  for (std::size_t row = 0; row < view.rows; ++row) {
+  // Without columns there may be any number of rows.
+  for (std::size_t row = 0; view.columns > 0 && row < view.rows; ++row) {
     for (std::size_t column = 0; column < view.columns; ++column)
       data.push_back(number_at(view, numbers, row, column));
   }
