@@ -85,4 +85,17 @@ void ClearanceMap::measure_row(int row) {
   }
 }
 
+double ClearanceMap::clearance_at(Point point) const {
+  const double half = 0.5 * frame_.resolution;
+  const Cell cell = frame_.cell_of({point.x - half, point.y - half});
+  if (!frame_.contains(cell) || !frame_.contains({cell.x + 1, cell.y + 1})) return kNothingNear;
+  const Point centre = frame_.centre(cell);
+  const double right = (point.x - centre.x) / frame_.resolution;
+  const double up = (point.y - centre.y) / frame_.resolution;
+  const std::size_t index = frame_.index(cell);
+  const std::size_t above = frame_.index({cell.x, cell.y + 1});
+  const double below = std::lerp(double{clearance_[index]}, double{clearance_[index + 1]}, right);
+  return std::lerp(below, std::lerp(double{clearance_[above]}, double{clearance_[above + 1]}, right), up);
+}
+
 }  // namespace navigation

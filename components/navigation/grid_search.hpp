@@ -2,30 +2,13 @@
 #pragma once
 
 #include "clearance_map.hpp"
-
-#include <segue/type/describe.hpp>
+#include "types.hpp"
 
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 namespace navigation {
-
-/// Why there is no path.
-enum class PlanProblem : std::uint8_t {
-  None,
-  NoGoal,
-  NoPose,
-  NoMap,
-  InvalidMap,    ///< its fields contradict each other, or it has more cells than there is memory for
-  StartOutside,  ///< of the map
-  StartOccupied,
-  GoalOutside,
-  GoalOccupied,   ///< or too close to what is occupied for the vehicle
-  GoalUnknown,    ///< and unknown cells may not be crossed
-  NoWay,          ///< start and goal are not connected by cells that the vehicle can cross
-  TooManyCorners  ///< the path has more poses than there is memory for
-};
 
 /// A sentence for people: what stands in the way, and what to do.
 [[nodiscard]] std::string_view explain(PlanProblem problem);
@@ -104,6 +87,3 @@ class GridSearch {
 };
 
 }  // namespace navigation
-
-SEGUE_TYPE(navigation::PlanProblem, None, NoGoal, NoPose, NoMap, InvalidMap, StartOutside, StartOccupied,
-           GoalOutside, GoalOccupied, GoalUnknown, NoWay, TooManyCorners)

@@ -34,20 +34,32 @@ struct Vehicle : segue::task::Component {
   InputPort<messages::Path> path{*this, "path"};
   InputPort<messages::OccupancyGrid> map{*this, "map"};
   InputPort<PlanStatus> status{*this, "status"};
+  InputPort<messages::Odometry> estimate{*this, "estimate"};
 };
 
+/// A network that gets the pose of the vehicle from odometry without errors.
 class Navigation : public ::testing::Test {
  protected:
   static constexpr auto kPeriod = 50ms;
 
-  Navigation() {
+  Navigation() { build(vehicle.odometry); }
+  explicit Navigation(const std::string& localization) {
+    network.add(localization, "navigation::Localization");
+    network.connect(vehicle.odometry, network.input(localization, "odometry"));
+    network.connect(vehicle.scan, network.input(localization, "scan"));
+    build(network.output(localization, "pose"));
+    network.connect(network.output("mapper", "map"), network.input(localization, "map"));
+    network.connect(network.output(localization, "pose"), vehicle.estimate);
+  }
+
+  void build(segue::task::OutputPortBase& pose_source) {
     network.add("mapper", "navigation::GridMapper",
                 Value::map({{"x", -0.5}, {"y", -0.5}, {"width", 9.0}, {"height", 7.0}}));
     network.add("planner", "navigation::PathPlanner");
     network.add("follower", "navigation::PathFollower");
     network.add("explorer", "navigation::FrontierExplorer");
     for (const char* task : {"mapper", "planner", "follower", "explorer"})
-      network.connect(vehicle.odometry, network.input(task, "pose"));
+      network.connect(pose_source, network.input(task, "pose"));
     for (const char* task : {"mapper", "follower"})
       network.connect(vehicle.scan, network.input(task, "scan"));
     for (const char* task : {"planner", "explorer"})
@@ -72,8 +84,10 @@ class Navigation : public ::testing::Test {
   void step() {
     vehicle.command.read(command);
     pose = moved(pose, command, 0.05);
+    const messages::Twist2D felt{command.linear * linear_error, command.angular * angular_error};
+    odometry = moved(odometry, felt, 0.05);
     closest = std::min(closest, room.clearance({pose.x, pose.y}));
-    vehicle.odometry.write({network.seconds(), pose, command});
+    vehicle.odometry.write({network.seconds(), odometry, felt});
     messages::LaserScan scan = room.scan(pose, 180, 5);
     scan.time = network.seconds();
     vehicle.scan.write(scan);
@@ -86,6 +100,9 @@ class Navigation : public ::testing::Test {
   Vehicle vehicle;
   TestNetwork network;
   Pose2D pose{1, 1, 0.3};
+  Pose2D odometry = pose;
+  double linear_error = 1;  ///< of the odometry: how much longer a way seems
+  double angular_error = 1;
   messages::Twist2D command;
   double closest = std::numeric_limits<double>::infinity();
 };
@@ -115,6 +132,64 @@ TEST_F(Navigation, ExploresTwoRoomsThenDrivesToAGoalAndTouchesNothing) {
   EXPECT_LT(std::hypot(pose.x - 7.3, pose.y - 0.8), 0.12);
   EXPECT_NEAR(pose.theta, -1.0, 0.15);
   EXPECT_GT(closest, kVehicleRadius);
+}
+
+/// The same with odometry that is wrong, and a task that corrects it.
+class WrongOdometry : public Navigation {
+ protected:
+  WrongOdometry() : Navigation("localization") {
+    linear_error = 1.06;
+    angular_error = 1.05;
+    for (const char* task : {"localization", "mapper", "planner", "follower"})
+      network.start(task);
+  }
+  [[nodiscard]] double error_of(const Pose2D& believed) const {
+    return std::hypot(believed.x - pose.x, believed.y - pose.y);
+  }
+};
+
+TEST_F(WrongOdometry, IsCorrectedWhileTheMapIsMade) {
+  network.start("explorer");
+  ASSERT_TRUE(run(600, [&] { return in("explorer", "explored"); })) << state("follower") << " at " << pose.x;
+  network.stop("explorer");
+  for (const double x : {1.0, 7.3}) {
+    const Value goal = Value::map({{"x", x}, {"y", 0.8}, {"theta", -1.0}});
+    ASSERT_TRUE(network.call("planner", "set_goal", Value::map({{"goal", goal}})));
+    run(1, [] { return false; });
+    ASSERT_TRUE(run(120, [&] { return in("follower", "arrived"); })) << state("planner");
+    EXPECT_LT(std::hypot(pose.x - x, pose.y - 0.8), 0.25);
+  }
+  EXPECT_EQ(state("localization"), "localized");
+  messages::Odometry estimate;
+  vehicle.estimate.read(estimate);
+  EXPECT_LT(error_of(estimate.pose), 0.15);
+  EXPECT_GT(error_of(odometry), 0.4) << "odometry alone is wrong";
+  EXPECT_GT(closest, kVehicleRadius);
+  RecordProperty("error_of_estimate_mm", static_cast<int>(1000 * error_of(estimate.pose)));
+  RecordProperty("error_of_odometry_mm", static_cast<int>(1000 * error_of(odometry)));
+}
+
+TEST_F(WrongOdometry, AnotherTaskGoesOnWithTheCorrection) {
+  run(1, [] { return false; });
+  const Value moved_by = Value::map({{"x", 3.0}, {"y", 1.5}, {"theta", 0.5}});
+  ASSERT_TRUE(network.call("localization", "set_pose", Value::map({{"pose", moved_by}})));
+  network.stop("localization");
+  const auto saved = network.task("localization").save_state(TestNetwork::soon());
+  ASSERT_TRUE(saved && *saved);
+  network.add("other", "navigation::Localization");
+  network.connect(vehicle.odometry, network.input("other", "odometry"));
+  network.connect(network.output("other", "pose"), vehicle.estimate);
+  auto& other = network.task("other");
+  ASSERT_TRUE(other.configure(TestNetwork::soon()));
+  ASSERT_TRUE(other.restore_state(**saved, TestNetwork::soon()));
+  ASSERT_TRUE(other.start(TestNetwork::soon()));
+  vehicle.estimate.drain();
+  run(0.2, [] { return false; });
+  EXPECT_EQ(state("other"), "odometry") << "it has no map";
+  messages::Odometry estimate;
+  vehicle.estimate.read(estimate);
+  EXPECT_NEAR(estimate.pose.x, 3, 1e-6);
+  EXPECT_NEAR(estimate.pose.theta, 0.5, 1e-6);
 }
 
 TEST_F(Navigation, SaysWhyThereIsNoPathAndStands) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "grid_search.hpp"
 #include "types.hpp"
 
 #include <segue/task/component.hpp>

@@ -30,19 +30,21 @@ TEST(NavigationRealtime, UpdatesDoNotAllocate) {
   TestNetwork network;
   network.add("mapper", "navigation::GridMapper",
               Value::map({{"x", -0.5}, {"y", -0.5}, {"width", 9.0}, {"height", 7.0}}));
+  network.add("localization", "navigation::Localization");
   network.add("planner", "navigation::PathPlanner");
   network.add("follower", "navigation::PathFollower");
   network.add("explorer", "navigation::FrontierExplorer");
   for (const char* task : {"mapper", "planner", "follower", "explorer"})
-    network.connect(sensors.odometry, network.input(task, "pose"));
-  for (const char* task : {"mapper", "follower"})
+    network.connect(network.output("localization", "pose"), network.input(task, "pose"));
+  network.connect(sensors.odometry, network.input("localization", "odometry"));
+  for (const char* task : {"mapper", "follower", "localization"})
     network.connect(sensors.scan, network.input(task, "scan"));
-  for (const char* task : {"planner", "explorer"})
+  for (const char* task : {"planner", "explorer", "localization"})
     network.connect(network.output("mapper", "map"), network.input(task, "map"));
   network.connect(network.output("explorer", "goal"), network.input("planner", "goal"));
   network.connect(network.output("planner", "path"), network.input("follower", "path"));
   network.connect(network.output("follower", "command"), sensors.command);
-  for (const char* task : {"mapper", "planner", "follower", "explorer"})
+  for (const char* task : {"localization", "mapper", "planner", "follower", "explorer"})
     network.start(task);
 
   Pose2D pose{1, 1, 0.3};

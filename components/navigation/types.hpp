@@ -1,18 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "grid_search.hpp"
+#include "../messages/geometry.hpp"
 
-/// What the components of this folder report.
+#include <segue/type/describe.hpp>
+
+#include <cstdint>
+
+/// What the components of this folder report. Units and frames: messages/geometry.hpp.
 namespace navigation {
+
+/// Why there is no path.
+enum class PlanProblem : std::uint8_t {
+  None,
+  NoGoal,
+  NoPose,
+  NoMap,
+  InvalidMap,    ///< its fields contradict each other, or it has more cells than there is memory for
+  StartOutside,  ///< of the map
+  StartOccupied,
+  GoalOutside,
+  GoalOccupied,   ///< or too close to what is occupied for the vehicle
+  GoalUnknown,    ///< and unknown cells may not be crossed
+  NoWay,          ///< start and goal are not connected by cells that the vehicle can cross
+  TooManyCorners  ///< the path has more poses than there is memory for
+};
 
 /// The result of the last attempt to find a path.
 struct PlanStatus {
-  Pose2D goal;
+  messages::Pose2D goal;
   PlanProblem problem = PlanProblem::NoGoal;
   double length = 0;  ///< m, of the path
 };
 
 }  // namespace navigation
 
+SEGUE_TYPE(navigation::PlanProblem, None, NoGoal, NoPose, NoMap, InvalidMap, StartOutside, StartOccupied,
+           GoalOutside, GoalOccupied, GoalUnknown, NoWay, TooManyCorners)
 SEGUE_TYPE(navigation::PlanStatus, goal, problem, length)
