@@ -21,7 +21,7 @@ class CartesianController final : public Component {
 
  private:
   segue::Result<void> on_configure() override {
-    if (!(*gain_ > 0) || !(*speed_ > 0) || !(*turn_rate_ > 0) || !usable(*offset_)) {
+    if (!(*gain_ > 0) || !(*speed_ > 0) || !(*turn_rate_ > 0) || !is_usable(*offset_)) {
       return segue::fail(segue::ErrorCode::InvalidArgument,
                          "gain, speed and turn_rate must be positive, and offset a pose of finite numbers");
     }
@@ -37,12 +37,12 @@ class CartesianController final : public Component {
 
   void on_update() override {
     messages::Pose pose;
-    if (pose_in_.read(pose) == ReadStatus::NewData && usable(pose)) {
+    if (pose_in_.read(pose) == ReadStatus::NewData && is_usable(pose)) {
       pose_ = pose;
       pose_time_ = now();
     }
     messages::Pose target;
-    if (target_in_.read(target) == ReadStatus::NewData && usable(target)) target_ = target;
+    if (target_in_.read(target) == ReadStatus::NewData && is_usable(target)) target_ = target;
     if (!pose_time_ || now() - *pose_time_ > *timeout_) {
       set_state("waiting");
       twist_out_.write({});
@@ -70,12 +70,8 @@ class CartesianController final : public Component {
     distance_out_.write(distance);
   }
 
-  static bool usable(const Pose& pose) {
-    return pose.position.allFinite() && pose.orientation.coeffs().allFinite() &&
-           pose.orientation.norm() > 1e-6;
-  }
   segue::Result<void> set_target(const Pose& target) {
-    if (!usable(target)) {
+    if (!is_usable(target)) {
       return segue::fail(
           segue::ErrorCode::InvalidArgument,
           "the target must consist of finite numbers and have an orientation that is not zero");

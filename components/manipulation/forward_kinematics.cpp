@@ -28,12 +28,17 @@ class ForwardKinematics final : public Component {
     return {};
   }
   void on_update() override {
-    if (joints_.read(now(), std::chrono::hours(1))) pose_out_.write(kinematics_->tip(joints_.positions()));
+    if (!joints_.read(now(), std::chrono::hours(1))) return;
+    const messages::Pose tip = kinematics_->tip(joints_.positions());
+    pose_out_.write(tip);
+    timed_pose_out_.write({joints_.time(), tip});
   }
   void on_cleanup() override { kinematics_.reset(); }
 
   JointInput joints_{*this};
   OutputPort<messages::Pose> pose_out_{*this, "pose", {.doc = "of the tip in the frame of the base"}};
+  OutputPort<messages::TimedPose> timed_pose_out_{
+      *this, "timed_pose", {.doc = "likewise, with the time of the joints' positions"}};
   Property<std::vector<JointDescription>> joint_list_{
       *this, "joint_list", {}, {.doc = "from the base to the tip"}};
   Property<messages::Pose> tool_{*this, "tool", {}, {.doc = "pose of the tip on the last link"}};

@@ -184,40 +184,86 @@ TEST_F(Arm, PlaysAScriptLikeA3DMouse) {
   EXPECT_LT((moved - Eigen::Vector3d(0.05, 0, -0.1)).norm(), 0.015) << moved.transpose();
 }
 
-TEST_F(Arm, FollowsAMarkedObjectWithTheCameraOnItsHand) {
-  Pose camera;
-  camera.position = {0.05, 0, 0.02};
-  camera.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
-  Pose object;  // in the frame of the marker
-  object.position = {0, 0, 0.1};
-  arm.add("tracker", "manipulation::MarkerTracker",
-          Value::map({{"marker_id", 7}, {"camera", value_of(camera)}, {"object_pose", value_of(object)}}));
-  arm.connect(arm.output("kinematics", "pose"), arm.input("tracker", "tip"));
-  arm.connect(arm.driver.markers, arm.input("tracker", "markers"));
-  arm.connect(arm.output("tracker", "object"), arm.driver.object);
-  arm.start("tracker");
-  arm.run(0.1);
-  EXPECT_EQ(state("tracker"), "lost");
+/// An object, the camera on the hand that looks for it, and what the tracker finds.
+class Camera : public Arm {
+ protected:
+  explicit Camera(bool on_arm = true) {
+    camera.position = {0.05, 0, 0.02};
+    camera.orientation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
+    object.position = {0, 0, 0.1};
+    truth.position = {0.6, 0.1, 0.1};
+    truth.orientation = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX());
+    arm.add("tracker", "manipulation::MarkerTracker",
+            Value::map({{"marker_id", 7}, {"camera", value_of(camera)}, {"object_pose", value_of(object)}}));
+    if (on_arm) arm.connect(arm.output("kinematics", "timed_pose"), arm.input("tracker", "tip"));
+    arm.connect(arm.driver.markers, arm.input("tracker", "markers"));
+    arm.connect(arm.output("tracker", "object"), arm.driver.object);
+    arm.start("tracker");
+    arm.run(0.1);
+  }
+  /// The marker as the camera sees it from where the tip is.
+  [[nodiscard]] Pose seen_from(const Pose& at) const {
+    return compose(inverse(compose(at, camera)), compose(truth, inverse(object)));
+  }
+  void show(double time, std::int32_t id, const Pose& pose) {
+    arm.driver.markers.write({time, {{3, {}}, {id, pose}}});
+  }
+  void expect_found() {
+    Pose found;
+    ASSERT_EQ(arm.driver.object.read(found), segue::task::ReadStatus::NewData);
+    EXPECT_LT((found.position - truth.position).norm(), 1e-3);
+    EXPECT_LT(found.orientation.angularDistance(truth.orientation), 1e-3);
+  }
 
-  Pose truth;
-  truth.position = {0.6, 0.1, 0.1};
-  truth.orientation = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX());
-  const Pose seen = compose(inverse(compose(tip(), camera)), compose(truth, inverse(object)));
-  const auto look = [&](std::int32_t id, const Pose& pose) {
-    arm.driver.markers.write({arm.seconds(), {{3, {}}, {id, pose}}});
-    arm.run(0.05);
-  };
-  for (int i = 0; i < 20; ++i)
-    look(7, seen);
+  Pose camera;  ///< on the tip
+  Pose object;  ///< in the frame of the marker
+  Pose truth;   ///< of the object
+};
+
+TEST_F(Camera, FindsAMarkedObjectAndLosesIt) {
+  EXPECT_EQ(state("tracker"), "lost");
+  for (int i = 0; i < 20; ++i, arm.run(0.05))
+    show(arm.seconds(), 7, seen_from(tip()));
   EXPECT_EQ(state("tracker"), "tracking");
-  Pose found;
-  ASSERT_EQ(arm.driver.object.read(found), segue::task::ReadStatus::NewData);
-  EXPECT_LT((found.position - truth.position).norm(), 1e-6);
-  EXPECT_LT(found.orientation.angularDistance(truth.orientation), 1e-6);
-  for (int i = 0; i < 20; ++i)
-    look(8, seen);
+  expect_found();
+  for (int i = 0; i < 20; ++i, arm.run(0.05))
+    show(arm.seconds(), 8, seen_from(tip()));
   EXPECT_EQ(state("tracker"), "lost") << "that is another marker";
-  EXPECT_EQ(arm.driver.object.read(found), segue::task::ReadStatus::OldData);
+}
+
+TEST_F(Camera, UsesThePoseFromWhichTheImageWasTaken) {
+  arm.start("generator");
+  segue::task::OutputPort<messages::JointCommand> hand(arm.driver, "hand");
+  arm.connect(hand, arm.input("generator", "command"));
+  arm.run(0.05);
+  struct Taken {
+    double time;
+    Pose marker;
+  };
+  std::vector<Taken> images;
+  const Pose first = tip();
+  for (int i = 0; i < 100; ++i) {
+    hand.write({.time = 0, .positions = {}, .velocities = std::vector<double>(7, 0.3)});
+    // What the joints were at the beginning of this step is what the camera sees.
+    const double time = arm.seconds();
+    arm.step();
+    images.push_back({time, seen_from(tip())});
+    if (images.size() > 10) show(images[images.size() - 10].time, 7, images[images.size() - 10].marker);
+  }
+  EXPECT_GT((tip().position - first.position).norm(), 0.1) << "the arm moves";
+  expect_found();
+}
+
+class FixedCamera : public Camera {
+ protected:
+  FixedCamera() : Camera(false) {}
+};
+
+TEST_F(FixedCamera, NeedsNoArm) {
+  for (int i = 0; i < 5; ++i, arm.run(0.05))
+    show(arm.seconds(), 7, seen_from({}));
+  EXPECT_EQ(state("tracker"), "tracking");
+  expect_found();
 }
 
 }  // namespace

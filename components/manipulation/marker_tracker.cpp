@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose_filter.hpp"
+#include "timed_poses.hpp"
 
 #include "../messages/sensors.hpp"
 
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <optional>
 
 namespace manipulation {
@@ -25,7 +25,7 @@ class MarkerTracker final : public Component {
 
  private:
   segue::Result<void> on_configure() override {
-    if (!usable(*camera_) || !usable(*object_)) {
+    if (!is_usable(*camera_) || !is_usable(*object_)) {
       return segue::fail(segue::ErrorCode::InvalidArgument,
                          "camera and object must be poses of finite numbers");
     }
@@ -35,41 +35,43 @@ class MarkerTracker final : public Component {
   segue::Result<void> on_start() override {
     filter_.reset();
     seen_.reset();
-    tip_known_ = false;
+    tips_.clear();
     return {};
   }
 
   void on_update() override {
-    tip_known_ = tip_in_.read(tip_) != ReadStatus::NoData && usable(tip_);
+    messages::TimedPose tip;
+    while (tip_in_.read(tip) == ReadStatus::NewData)
+      tips_.add(tip);
     while (const auto markers = markers_in_.take()) {
       const auto marker = std::ranges::find(markers->markers, *marker_id_, &messages::Marker::id);
-      if (tip_known_ && marker != markers->markers.end() && usable(marker->pose)) take(*marker);
+      if (marker == markers->markers.end() || !is_usable(marker->pose)) continue;
+      const auto at_that_time = tip_in_.connected() ? tips_.at(markers->time) : Pose{};
+      if (at_that_time) take(*at_that_time, marker->pose);
     }
     const bool tracking = seen_ && now() - *seen_ <= *lost_after_;
     if (!tracking) filter_.reset();
     set_state(tracking ? "tracking" : "lost");
   }
 
-  void take(const messages::Marker& marker) {
-    const Pose measured = compose(compose(compose(tip_, *camera_), marker.pose), *object_);
+  void take(const Pose& tip, const Pose& marker) {
+    const Pose measured = compose(compose(compose(tip, *camera_), marker), *object_);
     const double elapsed = seen_ ? std::chrono::duration<double>(now() - *seen_).count() : 0;
     if (!filter_.add(measured, elapsed, {*time_constant_, *largest_jump_, *confirmations_})) return;
     seen_ = now();
     object_out_.write(*filter_.estimate());
   }
 
-  static bool usable(const Pose& pose) {
-    return pose.position.allFinite() && std::abs(pose.orientation.norm() - 1) < 0.01;
-  }
-
   InputPort<messages::Markers> markers_in_{*this, "markers"};
-  InputPort<messages::Pose> tip_in_{
-      *this, "tip", {.doc = "pose of the tip, on which the camera is mounted, in the frame of the base"}};
+  InputPort<messages::TimedPose> tip_in_{
+      *this,
+      "tip",
+      {.doc = "of the arm, on which the camera is mounted; not connected: it is fixed to the base"}};
   OutputPort<messages::Pose> object_out_{
       *this, "object", {.doc = "in the frame of the base; while it is seen"}};
   Property<std::int32_t> marker_id_{*this, "marker_id", 0, {.live = true, .doc = "the marker to be tracked"}};
   Property<messages::Pose> camera_{
-      *this, "camera", {}, {.doc = "pose of the camera in the frame of the tip"}};
+      *this, "camera", {}, {.doc = "pose of the camera in the frame of the tip, or of the base"}};
   Property<messages::Pose> object_{
       *this, "object_pose", {}, {.doc = "of the object in the frame of the marker"}};
   Property<double> time_constant_{
@@ -82,8 +84,7 @@ class MarkerTracker final : public Component {
       *this, "lost_after", std::chrono::milliseconds(500), {.live = true, .doc = "without the marker"}};
 
   PoseFilter filter_;
-  Pose tip_;
-  bool tip_known_ = false;
+  TimedPoses tips_;
   std::optional<segue::TimePoint> seen_;
 };
 

@@ -14,6 +14,10 @@ Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double most) {
 
 }  // namespace
 
+bool is_usable(const Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 1e-6;
+}
+
 Pose compose(const Pose& outer, const Pose& inner) {
   Pose result;
   result.position = outer.position + outer.orientation * inner.position;

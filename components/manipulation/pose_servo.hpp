@@ -9,6 +9,9 @@ namespace manipulation {
 using messages::Pose;
 using messages::Twist;
 
+/// Whether it consists of finite numbers and has an orientation, of whatever length.
+[[nodiscard]] bool is_usable(const Pose& pose);
+
 /// `inner`, given in the frame of `outer`, in the frame in which `outer` is given.
 [[nodiscard]] Pose compose(const Pose& outer, const Pose& inner);
 [[nodiscard]] Pose inverse(const Pose& pose);

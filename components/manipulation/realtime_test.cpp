@@ -25,7 +25,7 @@ TEST(ManipulationRealtime, UpdatesDoNotAllocate) {
   const std::vector<TimedTwist> script = {{{{0, 0, -0.1}, {0, 0, 0}}, 1.0}};
   arm.add("mouse", "manipulation::ScriptedTwist", Value::map({{"script", value_of(script)}}));
   arm.connect(arm.output("kinematics", "pose"), arm.input("servo", "pose"));
-  arm.connect(arm.output("kinematics", "pose"), arm.input("tracker", "tip"));
+  arm.connect(arm.output("kinematics", "timed_pose"), arm.input("tracker", "tip"));
   arm.connect(arm.driver.markers, arm.input("tracker", "markers"));
   arm.connect(arm.driver.target, arm.input("servo", "target"));
   arm.connect(arm.output("servo", "twist"), arm.input("body", "twist"));
@@ -43,6 +43,7 @@ TEST(ManipulationRealtime, UpdatesDoNotAllocate) {
 
   const auto run_trapped = [&] {
     for (int i = 0; i < 100; ++i) {
+      arm.state.time = arm.seconds();
       arm.driver.joints.write(arm.state);
       arm.driver.markers.write({arm.seconds(), {{7, {}}}});
       arm.driver.target.write(target);

@@ -62,6 +62,7 @@ class SimulatedArm : public components_test::TestNetwork {
     connect(driver.joints, input(id, "joints"));
   }
   void step() {
+    state.time = seconds();
     driver.joints.write(state);
     advance(std::chrono::milliseconds(10));
     if (driver.set_points.read(command) == segue::task::ReadStatus::NewData)

@@ -36,6 +36,12 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 
+/// A pose and when it was that.
+struct TimedPose {
+  double time = 0;
+  Pose pose;
+};
+
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();   ///< m/s
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rad/s
@@ -63,6 +69,7 @@ SEGUE_TYPE(messages::Pose2D, x, y, theta)
 SEGUE_TYPE(messages::Twist2D, linear, angular)
 SEGUE_TYPE(messages::Odometry, time, pose, twist)
 SEGUE_TYPE(messages::Pose, position, orientation)
+SEGUE_TYPE(messages::TimedPose, time, pose)
 SEGUE_TYPE(messages::Twist, linear, angular)
 SEGUE_TYPE(messages::Path, poses)
 SEGUE_TYPE(messages::OccupancyGrid, time, resolution, x, y, width, height, cells)
