@@ -164,6 +164,29 @@ TEST_F(Arm, ComesToRestWhenCommandsStop) {
   EXPECT_EQ(arm.state.positions, rest) << "what makes no sense is ignored";
 }
 
+TEST_F(Arm, IgnoresPosesAndVelocitiesThatAreNoNumbers) {
+  segue::task::OutputPort<messages::Twist> hand(arm.driver, "hand");
+  segue::task::OutputPort<messages::Pose> pose(arm.driver, "wrong_pose");
+  add_cartesian();
+  arm.connect(hand, arm.input("body", "twist"));
+  arm.connect(pose, arm.input("servo", "pose"));
+  for (const char* task : {"generator", "servo", "body"})
+    arm.start(task);
+  arm.run(0.1);
+  Pose target = tip();
+  target.position.x() -= 0.1;
+  ASSERT_TRUE(arm.call("servo", "set_target", Value::map({{"target", value_of(target)}})));
+  const double no_number = std::nan("");
+  for (int i = 0; i < 300; ++i) {
+    hand.write({{no_number, 0, 0}, {0, 0, 0}});
+    pose.write({{0, no_number, 0}, Eigen::Quaterniond::Identity()});
+    arm.step();
+    for (const double position : arm.command.positions)
+      ASSERT_TRUE(std::isfinite(position));
+  }
+  EXPECT_LT((tip().position - target.position).norm(), 0.03);
+}
+
 TEST_F(Arm, PlaysAScriptLikeA3DMouse) {
   arm.add_whole_body("body");
   const std::vector<TimedTwist> script = {{{{0, 0, -0.1}, {0, 0, 0}}, 1.0}, {{{0.1, 0, 0}, {0, 0, 0}}, 0.5}};
