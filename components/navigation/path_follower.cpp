@@ -106,7 +106,10 @@ class PathFollower final : public Component {
   Property<double> deceleration_{*this, "deceleration", 1.0, {.doc = "m/s^2; maximum"}};
   Property<double> angular_acceleration_{*this, "angular_acceleration", 3.0, {.doc = "rad/s^2; maximum"}};
   Property<double> radius_{
-      *this, "radius", 0.25, {.doc = "m, of the circle around the vehicle; less than the planner's"}};
+      *this,
+      "radius",
+      0.25,
+      {.doc = "m, of the circle around the vehicle; at least 0.05 less than the planner's"}};
   Property<double> stop_distance_{
       *this, "stop_distance", 0.05, {.live = true, .doc = "m; gap at which it stops in front of obstacles"}};
   Property<double> lookahead_{

@@ -21,7 +21,9 @@ struct VehicleLimits {
 
 struct TrackerSettings {
   VehicleLimits limits;
-  double radius = 0.25;          ///< m, of the circle around the vehicle that must not touch anything
+  /// m, of the circle around the vehicle that must not touch anything; to be driven, a way must be 2 cm wider
+  /// on either side.
+  double radius = 0.25;
   double stop_distance = 0.05;   ///< m; where it comes to rest in front of an obstacle
   double lookahead = 0.4;        ///< m along the path to the point that is driven at
   double turn_on_spot = 0.9;     ///< rad; farther away from its heading it turns before it drives

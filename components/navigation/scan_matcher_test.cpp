@@ -40,8 +40,8 @@ RC_GTEST_PROP(ScanMatcher, FindsThePoseOfTheScanCloseToAWrongGuess, ()) {
   const auto match = matcher.match(map, room.scan(truth, 360, 8), guess, {});
   RC_ASSERT(match);
   RC_ASSERT(match->score > 0.8);
-  RC_ASSERT(std::hypot(match->pose.x - truth.x, match->pose.y - truth.y) < 0.05);
-  RC_ASSERT(std::abs(wrapped(match->pose.theta - truth.theta)) < 0.02);
+  RC_ASSERT(std::hypot(match->pose.x - truth.x, match->pose.y - truth.y) < 0.07);
+  RC_ASSERT(std::abs(wrapped(match->pose.theta - truth.theta)) < 0.04);
 }
 
 TEST(ScanMatcher, SaysHowBadlyAScanFitsThatWasTakenElsewhere) {
