@@ -90,7 +90,8 @@ class RobotService {
   /// it is done: a list of {"controller", "ready", "prepared", "tasks", "reason"}.
   virtual Result<type::Value> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
   /// What keeps each two of these controllers (none: of all that the robot has) from running at once: a list
-  /// of {"a", "b", "what", "reason"}.
+  /// of {"a", "b", "what", "reason", "influence"}; where "influence" is true they can, but "a" changes what
+  /// tasks of "b" get.
   virtual Result<type::Value> conflicts(const std::vector<std::string>& controllers) = 0;
   /// InvalidState while somebody else holds it. `holder` is named to whoever is refused.
   virtual Result<std::unique_ptr<RobotLease>> lease(std::string_view holder) = 0;

@@ -45,7 +45,10 @@ struct ControllerConflicts {
   };
   std::vector<std::string> controllers;  ///< all that the robot has
   std::vector<Pair> pairs;
+  /// `a` can run beside `b`, but writes to inputs of its tasks that `b` alone leaves alone.
+  std::vector<Pair> influences{};
   [[nodiscard]] bool conflict(std::string_view a, std::string_view b) const;
+  [[nodiscard]] bool influence(std::string_view a, std::string_view b) const;
 };
 
 /// Why the robot does not run a controller as it should; `why` is empty: it does.

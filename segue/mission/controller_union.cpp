@@ -93,10 +93,12 @@ ControllerUnion::Members ControllerUnion::with(const std::vector<Change*>& chang
   return wanted;
 }
 
-/// Where it is not known what can run at once, nothing does.
+/// Whether what is kept can run on beside these without changing what they do. Where it is not known what can
+/// run at once, nothing does.
 bool ControllerUnion::fits(const std::string& controller, const Members& members) const {
   return std::ranges::none_of(members, [&](const Member& member) {
-    return !conflicts_ || conflicts_->conflict(controller, member.controller);
+    return !conflicts_ || conflicts_->conflict(controller, member.controller) ||
+           conflicts_->influence(controller, member.controller);
   });
 }
 

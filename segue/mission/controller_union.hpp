@@ -16,8 +16,9 @@
 namespace segue::mission {
 
 /// What the actions of a mission have a robot run: the union of the controllers that they use now and of
-/// those that are kept from earlier ones, as long as nothing needs the robot otherwise. One transition at a
-/// time; what is asked meanwhile, or at about the same time, is one transition. Thread safe.
+/// those that are kept from earlier ones, as long as nothing needs the robot otherwise and they do not write
+/// to tasks of what is in use. One transition at a time; what is asked meanwhile, or at about the same time,
+/// is one transition. Thread safe.
 class ControllerUnion {
  public:
   struct Options {

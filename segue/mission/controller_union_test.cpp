@@ -37,7 +37,8 @@ class RequestedRobot final : public CommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
   Result<ControllerConflicts> conflicts() override {
-    return ControllerConflicts{{}, {{"drive", "stick", "input base.command"}}};
+    return ControllerConflicts{
+        {}, {{"drive", "stick", "input base.command"}}, {{"explore", "drive", "input planner.goal"}}};
   }
   Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
     return {};
@@ -116,6 +117,19 @@ TEST_F(UnionOfControllers, GivesUpWhatIsKeptForWhatConflictsWithIt) {
   EXPECT_TRUE(union_.end("drive", true));
   EXPECT_TRUE(union_.begin("stick", {}));
   EXPECT_THAT(robot_->runs().controllers, ElementsAre("stick", "arm"));
+}
+
+TEST_F(UnionOfControllers, GivesUpWhatIsKeptWhereItWouldInterfere) {
+  EXPECT_TRUE(union_.begin("explore", {}));
+  EXPECT_TRUE(union_.begin("drive", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("drive", "explore")) << "both are in use";
+  EXPECT_TRUE(union_.end("explore", true));
+  EXPECT_TRUE(union_.begin("arm", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("arm", "drive"));
+  EXPECT_TRUE(union_.end("drive", true));
+  EXPECT_TRUE(union_.begin("explore", {}));
+  EXPECT_THAT(robot_->runs().controllers, ElementsAre("explore", "arm", "drive"))
+      << "drive writes to nothing of it";
 }
 
 TEST_F(UnionOfControllers, StopsWhatIsNotKept) {

@@ -108,6 +108,10 @@ bool ControllerConflicts::conflict(std::string_view a, std::string_view b) const
       pairs, [&](const Pair& pair) { return (pair.a == a && pair.b == b) || (pair.a == b && pair.b == a); });
 }
 
+bool ControllerConflicts::influence(std::string_view a, std::string_view b) const {
+  return std::ranges::any_of(influences, [&](const Pair& pair) { return pair.a == a && pair.b == b; });
+}
+
 bool uses_controllers(const Mission& mission) {
   return std::ranges::any_of(mission.actions, [](const Action& action) {
     return std::holds_alternative<ControllerUse>(action.run);

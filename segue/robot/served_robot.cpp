@@ -125,8 +125,12 @@ Result<mission::ControllerConflicts> ServedRobot::conflicts() {
   mission::ControllerConflicts conflicts;
   for (const Value& name : names->as_list())
     conflicts.controllers.push_back(name.is_string() ? name.as_string() : std::string());
-  for (const Value& pair : pairs->as_list())
-    conflicts.pairs.push_back({text_at(pair, "a"), text_at(pair, "b"), text_at(pair, "what")});
+  for (const Value& pair : pairs->as_list()) {
+    const Value* influence = pair.find("influence");
+    const bool is_influence = influence != nullptr && influence->is_bool() && influence->as_bool();
+    (is_influence ? conflicts.influences : conflicts.pairs)
+        .push_back({text_at(pair, "a"), text_at(pair, "b"), text_at(pair, "what")});
+  }
   return conflicts;
 }
 

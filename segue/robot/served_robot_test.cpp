@@ -150,12 +150,15 @@ TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
 TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {
   service_.status_answer = Value::map({{"controllers", Value::list({"a", "b"})}});
   service_.conflicts_answer =
-      Value::list({Value::map({{"a", "a"}, {"b", "b"}, {"what", "task arm"}, {"reason", "it differs"}})});
+      Value::list({Value::map({{"a", "a"}, {"b", "b"}, {"what", "task arm"}, {"influence", false}}),
+                   Value::map({{"a", "b"}, {"b", "a"}, {"what", "input x.y"}, {"influence", true}})});
   const auto conflicts = robot_.conflicts();
   ASSERT_TRUE(conflicts);
   EXPECT_EQ(conflicts->controllers, (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(conflicts->conflict("b", "a"));
   EXPECT_FALSE(conflicts->conflict("a", "a"));
+  EXPECT_TRUE(conflicts->influence("b", "a"));
+  EXPECT_FALSE(conflicts->influence("a", "b"));
 }
 
 TEST_F(ServedRobotTest, SaysWhatItsUserDoesAndHearsWhatThatIsAsked) {

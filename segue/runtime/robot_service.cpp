@@ -273,7 +273,8 @@ Result<type::Value> RuntimeService::conflicts(const std::vector<std::string>& co
     list.push_back(type::Value::map({{"a", one.a.str()},
                                      {"b", one.b.str()},
                                      {"what", one.conflict.what},
-                                     {"reason", one.conflict.reason}}));
+                                     {"reason", one.conflict.reason},
+                                     {"influence", one.influence}}));
   }
   return type::Value(std::move(list));
 }

@@ -44,11 +44,13 @@ struct PropertySetting {
   type::Value value;
 };
 
-/// Why two controllers cannot run at once.
+/// Why two controllers cannot run at once; with `influence`: they can, but `a` changes what tasks of `b` get
+/// (solve::influences).
 struct ControllerConflict {
   model::NetworkName a;
   model::NetworkName b;
   solve::Conflict conflict;
+  bool influence = false;
 };
 
 struct RequestOptions {
@@ -119,7 +121,7 @@ class Runtime {
   [[nodiscard]] std::vector<model::NetworkName> controllers() const;
   [[nodiscard]] std::optional<model::Network> controller(const model::NetworkName& name) const;
 
-  /// For each two of these controllers what keeps them from running at once. NotFound.
+  /// For each two of these controllers what keeps them from running at once, and influences. NotFound.
   [[nodiscard]] Result<std::vector<ControllerConflict>> conflicts(
       const std::vector<model::NetworkName>& controllers) const;
 

@@ -169,6 +169,11 @@ Result<std::vector<ControllerConflict>> Runtime::Implementation::conflicts(
         all.push_back({networks[i].name, networks[j].name, std::move(conflict)});
       }
     }
+    for (const auto& other : networks) {
+      for (auto& influence : solve::influences(networks[i], other)) {
+        all.push_back({networks[i].name, other.name, std::move(influence), true});
+      }
+    }
   }
   return all;
 }

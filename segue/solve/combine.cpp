@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/model/network_sets.hpp>
+#include <segue/model/validate.hpp>
 #include <segue/solve/combine.hpp>
 #include <segue/solve/component_facts.hpp>
 #include <segue/solve/placement_index.hpp>
@@ -28,14 +29,16 @@ class ConflictSearch {
     compare_tasks();
     compare_devices();
     compare_processes();
+    compare_policies();
     compare_inputs();
+    if (found_.empty()) check_union();
     return std::move(found_);
   }
 
  private:
   /// Of an input: the ports that write to it, and whether a sample overwrites one that waits.
   struct Writers {
-    std::set<std::pair<std::string, Policy>> connections;
+    std::set<std::string> ports;
     bool overwrite = false;
   };
   using Inputs = std::map<model::PortRef, Writers>;
@@ -114,32 +117,51 @@ class ConflictSearch {
     }
   }
 
+  /// Two ports are connected once.
+  void compare_policies() {
+    std::map<std::pair<model::PortRef, model::PortRef>, Policy> mine;
+    for (const model::Connection& connection : a_.connections)
+      mine.emplace(std::pair(connection.from, connection.to), connection.policy);
+    for (const model::Connection& connection : b_.connections) {
+      const auto found = mine.find({connection.from, connection.to});
+      if (found == mine.end() || found->second == connection.policy) continue;
+      const std::string ports = to_string(connection.from) + " -> " + to_string(connection.to);
+      add("connection " + ports, "connection " + ports + " has different policies" + in_both());
+    }
+  }
+
   static Inputs inputs_of(const model::Network& network) {
     Inputs inputs;
     for (const model::Connection& connection : network.connections) {
       Writers& writers = inputs[connection.to];
-      writers.connections.emplace(to_string(connection.from), connection.policy);
+      writers.ports.insert(to_string(connection.from));
       writers.overwrite = writers.overwrite || connection.policy.kind == BufferKind::Data;
     }
     return inputs;
   }
 
-  static std::string ports_of(const Writers& writers) {
-    std::vector<std::string> ports;
-    for (const auto& [port, policy] : writers.connections)
-      ports.push_back(port);
-    return listed(ports);
+  static std::string listed_in(const std::set<std::string>& ports) {
+    return listed(std::vector<std::string>(ports.begin(), ports.end()));
   }
 
   void compare_inputs() {
     const Inputs mine = inputs_of(a_);
     for (const auto& [input, others] : inputs_of(b_)) {
       const auto found = mine.find(input);
-      if (found == mine.end() || found->second.connections == others.connections) continue;
+      if (found == mine.end() || found->second.ports == others.ports) continue;
       if (!found->second.overwrite && !others.overwrite) continue;
-      add("input " + to_string(input),
-          "input " + quote(to_string(input)) + " would be written by " + ports_of(found->second) + " of " +
-              name(a_) + " and by " + ports_of(others) + " of " + name(b_) + ", which overwrite each other");
+      add("input " + to_string(input), "input " + quote(to_string(input)) + " would be written by " +
+                                           listed_in(found->second.ports) + " of " + name(a_) + " and by " +
+                                           listed_in(others.ports) + " of " + name(b_) +
+                                           ", which overwrite each other");
+    }
+  }
+
+  /// What the union would break though both are valid, such as tasks of a thread with different priorities.
+  void check_union() {
+    const Diagnostics problems = model::validate(model::unite(a_, b_), {}, model::Depth::Structure);
+    for (const Diagnostic& problem : problems.items()) {
+      if (problem.severity == Severity::Error) add(problem.message, problem.message + in_both());
     }
   }
 
@@ -173,6 +195,21 @@ std::optional<Error> error_of(const std::vector<model::Network>& networks,
 std::vector<Conflict> conflicts(const model::Network& a, const model::Network& b,
                                 const model::ComponentCatalog& catalog) {
   return ConflictSearch(a, b, catalog).search();
+}
+
+std::vector<Conflict> influences(const model::Network& by, const model::Network& on) {
+  const PlacementIndex tasks(on);
+  std::set<std::string> own;
+  for (const model::Connection& connection : on.connections)
+    own.insert(to_string(connection));
+  std::vector<Conflict> found;
+  for (const model::Connection& connection : by.connections) {
+    if (!tasks.has_task(connection.to.task) || own.contains(to_string(connection))) continue;
+    found.push_back({"input " + to_string(connection.to),
+                     to_string(connection.from) + " of " + quote(by.name.str()) + " writes to input " +
+                         quote(to_string(connection.to)) + " of " + quote(on.name.str())});
+  }
+  return found;
 }
 
 Result<model::Network> combine(const std::vector<model::Network>& networks,

@@ -109,6 +109,30 @@ connections: [{from: stick.command, to: base.command)" +
   EXPECT_THAT(conflicts(drive, queued, {}), IsEmpty());
 }
 
+TEST(Combine, TwoPortsAreConnectedOnce) {
+  const auto with = [](const std::string& name, const std::string& policy) {
+    return written_as("network: " + name + "\ntasks: {a: {component: demo::A}, b: {component: demo::B}}\n" +
+                      "connections: [{from: a.out, to: b.in, " + policy + "}]");
+  };
+  const auto found =
+      conflicts(with("x", "policy: buffer, size: 4"), with("y", "policy: buffer, size: 5"), {});
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found.front().reason, "connection a.out -> b.in has different policies in 'x' and 'y'");
+}
+
+TEST(Combine, ANetworkMayInfluenceAnotherThatItDoesNotConflictWith) {
+  const auto alone =
+      written_as("network: alone\ntasks: {base: {component: demo::Drive, properties: {gain: 1}}}");
+  const auto drive = written_as(kDrive);
+  EXPECT_THAT(conflicts(drive, alone, {}), IsEmpty());
+  EXPECT_EQ(
+      influences(drive, alone),
+      (std::vector<Conflict>{
+          {"input base.command", "follower.command of 'drive' writes to input 'base.command' of 'alone'"}}));
+  EXPECT_THAT(influences(alone, drive), IsEmpty());
+  EXPECT_THAT(influences(drive, drive), IsEmpty());
+}
+
 TEST(Combine, ProcessesAreStartedInOneWay) {
   const auto a = written_as(
       "network: a\ntasks: {x: {component: demo::X}}\ndeployments: {p: {tasks: [x], priority: 5, scheduler: "
@@ -141,6 +165,8 @@ RC_GTEST_PROP(Combine, UnionsAreValidAndHoldBoth, (std::uint64_t seed)) {
   shape.connections = 2;
   Network a = testing::random_network(random, shape);
   Network b = testing::random_network(random, shape);
+  for (const Network* one : {&a, &b})
+    RC_PRE(!model::validate(*one, {}, model::Depth::Structure).has_errors());
   RC_ASSERT(conflicts(a, a, {}).empty());
   const bool are_compatible = conflicts(a, b, {}).empty();
   RC_ASSERT(are_compatible == conflicts(b, a, {}).empty());
@@ -150,7 +176,8 @@ RC_GTEST_PROP(Combine, UnionsAreValidAndHoldBoth, (std::uint64_t seed)) {
   if (!both) return;
   RC_ASSERT(model::includes(*both, a));
   RC_ASSERT(model::includes(*both, b));
-  RC_ASSERT(!model::validate(*both, {}, model::Depth::Structure).has_errors());
+  const Diagnostics problems = model::validate(*both, {}, model::Depth::Structure);
+  if (problems.has_errors()) RC_FAIL(to_string(problems));
   const auto reversed = combine({b, a}, {});
   RC_ASSERT(reversed.has_value());
   RC_ASSERT(model::equivalent(*both, *reversed));
