@@ -9,8 +9,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <thread>
+#include <utility>
+#include <vector>
+
+#include "bench/gap_counter.hpp"
 
 namespace segue {
 namespace {
@@ -44,6 +49,26 @@ type::Value wait_for(runtime::EmbeddedRobot& robot, const char* task, const char
 
 double number(const type::Value& sample, const char* field) {
   return sample.find(field)->as_double();
+}
+
+/// What a counter says of these numbers: lost and late.
+std::pair<std::uint64_t, std::uint64_t> gaps_in(const std::vector<std::uint64_t>& numbers) {
+  bench::GapCounter gaps;
+  for (const std::uint64_t number : numbers)
+    gaps.note(number);
+  return {gaps.lost(), gaps.late()};
+}
+
+TEST(GapCounter, counts_what_is_missing_and_what_comes_late) {
+  using Gaps = std::pair<std::uint64_t, std::uint64_t>;
+  EXPECT_EQ(gaps_in({5, 6, 7}), (Gaps{0, 0})) << "the first may have any number";
+  EXPECT_EQ(gaps_in({1, 2, 5, 6}), (Gaps{2, 0}));
+  EXPECT_EQ(gaps_in({1, 2, 5, 3, 4, 6}), (Gaps{0, 2}));
+  EXPECT_EQ(gaps_in({1, 2, 5, 4, 6}), (Gaps{1, 1}));
+  EXPECT_EQ(gaps_in({1, 2, 3, 2, 4}), (Gaps{1, 0})) << "one that comes again is not taken for a late one";
+  EXPECT_EQ(gaps_in({1, 2, 3, 1, 2, 3}), (Gaps{0, 0})) << "the producer was restarted";
+  EXPECT_EQ(gaps_in({1, 100'000, 2, 3}), (Gaps{99'998, 0})) << "too old to be known";
+  EXPECT_EQ(gaps_in({1, 20'000, 19'999, 20'001}), (Gaps{19'997, 1}));
 }
 
 TEST(BenchChain, counts_every_sample_and_none_is_lost) {

@@ -2,6 +2,7 @@
 //
 // The three components of the paper's experiments: a producer, a relay and a consumer. Chains of them measure
 // the cost of a hop and the samples lost by a switch between chains.
+#include "gap_counter.hpp"
 #include "samples.hpp"
 
 #include <segue/task/component.hpp>
@@ -24,20 +25,6 @@ namespace {
 std::int64_t nanoseconds(segue::TimePoint time) {
   return time.time_since_epoch().count();
 }
-
-/// Counts gaps in the sequence numbers of a producer. A decreasing number means that the producer was
-/// restarted.
-class GapCounter {
- public:
-  std::uint64_t lost_before(std::uint64_t sequence) {
-    const std::uint64_t lost = sequence > next_ && next_ > 0 ? sequence - next_ : 0;
-    next_ = sequence + 1;
-    return lost;
-  }
-
- private:
-  std::uint64_t next_ = 0;
-};
 
 }  // namespace
 
@@ -175,7 +162,9 @@ class Consumer final : public Component {
     }
     statistics_.last_arrival = arrival;
     ++statistics_.count;
-    statistics_.lost += gaps.lost_before(sequence);
+    gaps.note(sequence);
+    statistics_.lost = gaps_.lost() + fixed_gaps_.lost();
+    statistics_.late = gaps_.late() + fixed_gaps_.late();
     latency_sum_ += latency;
     if (latencies_.size() < *record_) latencies_.push_back(latency);
     statistics_.latency_min = statistics_.count == 1 ? latency : std::min(statistics_.latency_min, latency);

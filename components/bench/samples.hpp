@@ -25,11 +25,13 @@ struct FixedSample {
 };
 
 /// Statistics of a consumer since it was started or reset. Latencies in seconds, from the producer's time
-/// stamp to the consumer's update; lost counts gaps in the sequence numbers; pause_max is the longest time
+/// stamp to the consumer's update; lost counts sequence numbers that are missing, late those that came
+/// after a newer one; pause_max is the longest time
 /// between two arrivals, in seconds; last_arrival is the time of the last arrival (monotonic clock, ns).
 struct Statistics {
   std::uint64_t count = 0;
   std::uint64_t lost = 0;
+  std::uint64_t late = 0;
   double latency_min = 0;
   double latency_mean = 0;
   double latency_max = 0;
@@ -41,4 +43,5 @@ struct Statistics {
 
 SEGUE_TYPE(bench::Sample, sequence, stamp, payload)
 SEGUE_TYPE(bench::FixedSample, sequence, stamp, payload)
-SEGUE_TYPE(bench::Statistics, count, lost, latency_min, latency_mean, latency_max, pause_max, last_arrival)
+SEGUE_TYPE(bench::Statistics, count, lost, late, latency_min, latency_mean, latency_max, pause_max,
+           last_arrival)

@@ -80,7 +80,7 @@ void ChainTest::start_chain(const std::string& controller, const std::vector<std
 
 ChainTest::Counted ChainTest::counted() {
   const auto statistics = json({"call", "consumer.statistics"});
-  return {number(statistics, "count"), number(statistics, "lost")};
+  return {number(statistics, "count"), number(statistics, "lost"), number(statistics, "late")};
 }
 
 void ChainTest::wait_for_more() {
@@ -126,6 +126,12 @@ void ChainTest::expect_all_arrived() {
 }
 
 std::uint64_t ChainTest::expect_each_once_and_in_order() {
+  const std::uint64_t lost = expect_each_once();
+  EXPECT_EQ(counted().late, 0U);
+  return lost;
+}
+
+std::uint64_t ChainTest::expect_each_once() {
   switch_to("still");
   const std::uint64_t written = updates("producer");
   Counted at_end;
