@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_union.hpp>
+#include <segue/mission/controllers.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
@@ -45,11 +46,9 @@ Value filled(const Value& value, const ActionCall& call) {
 
 /// The name of a controller with the values of inputs in it.
 Result<std::string> filled_name(std::string name, const ActionCall& call) {
-  for (const std::string& input : placeholders(name)) {
-    const auto text = model::detail::scalar_text(call.input(input));
-    const std::string mark = "{" + input + "}";
-    name.replace(name.find(mark), mark.size(), text.value_or(""));
-  }
+  name = *controller_name(std::move(name), [&](const std::string& input) {
+    return model::detail::scalar_text(call.input(input)).value_or("");
+  });
   if (is_identifier(name)) return name;
   return fail(ErrorCode::InvalidArgument, quote(name) + " is no name of a controller");
 }

@@ -7,6 +7,9 @@
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
 
+#include <functional>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -18,6 +21,10 @@ namespace segue::mission {
 inline constexpr std::string_view kControllerResource = "the robot's controller";
 
 [[nodiscard]] bool uses_controllers(const Mission& mission);
+
+/// ControllerUse::controller with the value of each input in place of "{input}"; nothing where one has none.
+[[nodiscard]] std::optional<std::string> controller_name(
+    std::string name, const std::function<std::optional<std::string>(const std::string& input)>& value_of);
 
 /// Whether ControllerUse::controller, with inputs in it, can be that controller.
 [[nodiscard]] bool can_mean(std::string pattern, std::string_view controller);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/upcoming_controllers.hpp>
 
+#include <segue/mission/controllers.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/model/reader.hpp>
 
@@ -74,18 +75,14 @@ class Search {
 
   /// Nothing where it depends on an input that is not constant.
   std::optional<std::string> name_of(StateIndex state, const ControllerUse& use) const {
-    std::string name = use.controller;
     const auto& inputs = program_.declared(state)->inputs;
-    for (const std::string& input : placeholders(name)) {
+    return controller_name(use.controller, [&](const std::string& input) -> std::optional<std::string> {
       const auto at = position(inputs, input);
       if (!at) return std::nullopt;
       const PortSource& source = program_.node(state).inputs[*at];
-      const auto text = model::detail::scalar_text(source.fallback);
-      if (!source.slots.empty() || !source.global.empty() || !text) return std::nullopt;
-      const std::string mark = "{" + input + "}";
-      name.replace(name.find(mark), mark.size(), *text);
-    }
-    return name;
+      if (!source.slots.empty() || !source.global.empty()) return std::nullopt;
+      return model::detail::scalar_text(source.fallback);
+    });
   }
 
   void leave_leaf(const Step& step) {

@@ -146,10 +146,19 @@ class UseCheck {
 
 }  // namespace
 
+std::optional<std::string> controller_name(
+    std::string name, const std::function<std::optional<std::string>(const std::string& input)>& value_of) {
+  for (const std::string& input : placeholders(name)) {
+    const auto value = value_of(input);
+    if (!value) return std::nullopt;
+    name.replace(name.find("{" + input + "}"), input.size() + 2, *value);
+  }
+  return name;
+}
+
 bool can_mean(std::string pattern, std::string_view controller) {
-  for (const std::string& input : placeholders(pattern))
-    pattern.replace(pattern.find("{" + input + "}"), input.size() + 2, "*");
-  return matches_glob(pattern, controller);
+  return matches_glob(*controller_name(std::move(pattern), [](const std::string&) { return "*"; }),
+                      controller);
 }
 
 void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
