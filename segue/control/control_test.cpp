@@ -196,7 +196,8 @@ TEST_F(ControlTest, ALeaseEndsWithItsHolder) {
             Value::map({{"task", "lease 7"}, {"property", "doing"}, {"value", "driving"}}));
   EXPECT_EQ(robot->lease("another").error().message, "another is late");
   lease.reset();
-  ASSERT_TRUE(robot->lease("a third"));
+  for (int i = 0; i < 100; ++i)
+    ASSERT_TRUE(robot->lease("the next")) << "the last has ended when its destructor returns";
 }
 
 TEST_F(ControlTest, ALeaseEndsWithTheConnectionOfItsHolder) {

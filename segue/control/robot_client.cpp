@@ -53,8 +53,18 @@ Result<void> set_options(Request& request, const SwitchOptions& options) {
 /// A lease is a stream of news; the name of its type is its number.
 class ClientLease final : public RobotLease {
  public:
-  ClientLease(std::unique_ptr<SampleStream> stream, std::uint64_t number)
-      : stream_(std::move(stream)), number_(number) {}
+  ClientLease(std::shared_ptr<RpcChannel> channel, RpcChannel::StreamId id,
+              std::unique_ptr<SampleStream> stream, std::uint64_t number)
+      : channel_(std::move(channel)), id_(id), stream_(std::move(stream)), number_(number) {}
+  /// Waits, so that who asks for the lease next gets it. Where that fails, it ends with the connection.
+  ~ClientLease() override {
+    static_cast<void>(channel_->ask(kLookTimeout, [id = id_](RpcChannel::Connection& connection) {
+      auto request = connection.held<wire::SampleStream>(id).closeRequest();
+      return RpcChannel::send(request);
+    }));
+  }
+  ClientLease(const ClientLease&) = delete;
+  ClientLease& operator=(const ClientLease&) = delete;
 
   [[nodiscard]] std::uint64_t number() const override { return number_; }
   Result<std::optional<std::string>> lost_to() override {
@@ -82,7 +92,9 @@ class ClientLease final : public RobotLease {
   }
 
   static constexpr std::size_t kMostNews = 100;
-  const std::unique_ptr<SampleStream> stream_;
+  const std::shared_ptr<RpcChannel> channel_;
+  const RpcChannel::StreamId id_;
+  const std::unique_ptr<SampleStream> stream_;  ///< of that id
   const std::uint64_t number_;
   std::mutex mutex_;  ///< protects both; one reader at a time
   std::optional<std::string> lost_to_;
@@ -195,7 +207,7 @@ class Client final : public RobotService {
     std::uint64_t number = 0;
     std::from_chars(text.data(), text.data() + text.size(), number);
     if (number == 0) return fail(ErrorCode::Internal, channel_->who() + " sent a lease without a number");
-    return std::make_unique<ClientLease>(std::move(*stream), number);
+    return std::make_unique<ClientLease>(channel_, id, std::move(*stream), number);
   }
 
   Result<void> report(std::uint64_t lease, const Value& doing) override {

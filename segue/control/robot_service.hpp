@@ -24,7 +24,8 @@ class SampleStream {
 };
 
 /// The right of one holder to request controllers and to apply files: while it is held, requests of others
-/// are refused, unless they take the robot over. Ends when it is destroyed, or with the holder's connection.
+/// are refused, unless they take the robot over. Has ended when its destructor returns; ends, too, with the
+/// holder's connection.
 class RobotLease {
  public:
   virtual ~RobotLease() = default;

@@ -61,4 +61,6 @@ interface Gate @0xc07a9d1168695c5c {
 
 interface SampleStream {
   read @0 (limit :UInt32) -> (answer :Answer);
+  # Answers when it has ended. What a client releases without this ends a little later.
+  close @1 () -> (answer :Answer);
 }

@@ -25,6 +25,13 @@ class StreamServer final : public wire::SampleStream::Server {
     return caller_.answer_value(context, [held = held_, limit] { return held->read(limit); });
   }
 
+  kj::Promise<void> close(CloseContext context) override {
+    return caller_.answer_value(context, [held = held_]() -> Result<type::Value> {
+      held->close();
+      return type::Value();
+    });
+  }
+
  private:
   Caller caller_;
   std::shared_ptr<HeldStream> held_;
@@ -34,9 +41,15 @@ class StreamServer final : public wire::SampleStream::Server {
 
 Result<type::Value> HeldStream::read(std::size_t limit) {
   const std::lock_guard lock(mutex);
+  if (stream == nullptr) return fail(ErrorCode::InvalidState, "the stream is closed");
   auto samples = stream->read(limit);
   if (!samples) return samples.error();
   return type::Value(std::move(*samples));
+}
+
+void HeldStream::close() {
+  const std::lock_guard lock(mutex);
+  stream.reset();
 }
 
 wire::SampleStream::Client make_stream_server(const Caller& caller, std::shared_ptr<HeldStream> held) {

@@ -16,9 +16,10 @@ constexpr std::size_t kMaxBuffer = 1 << 16;
 /// A service's stream: read by one thread at a time.
 struct HeldStream {
   std::mutex mutex;
-  std::unique_ptr<SampleStream> stream;
+  std::unique_ptr<SampleStream> stream;  ///< null after close()
 
   Result<type::Value> read(std::size_t limit);
+  void close();
 };
 
 /// Offers a stream to one client until the client releases it.
