@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/input_file.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
@@ -102,12 +103,9 @@ void suggest_controllers(control::RobotService& robot, const std::string& contro
   const auto status = robot.status();
   if (!status) return;
   const auto names = controller_names(*status);
-  bool all_known = true;
-  for (std::size_t at = 0; at < controller.size();) {  // "arm+drive"
-    const std::size_t end = std::min(controller.find('+', at), controller.size());
-    all_known = all_known && std::ranges::find(names, controller.substr(at, end - at)) != names.end();
-    at = end + 1;
-  }
+  const bool all_known = std::ranges::all_of(model::controllers_in(controller), [&](const auto& one) {
+    return std::ranges::find(names, one.str()) != names.end();
+  });
   if (!all_known)
     print_note(names.empty() ? "the robot has no controllers" : "the robot's controllers: " + listed(names));
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/model/controller_names.hpp>
 #include <segue/model/network.hpp>
 #include <support/random_networks.hpp>
 
@@ -189,6 +190,16 @@ RC_GTEST_PROP(EquivalenceTest, whatVariesIsSeen, (std::uint64_t seed)) {
   RC_ASSERT(equivalent(one, other) == equivalent(other, one));
   RC_ASSERT(equivalent(one, other) == differences(one, other).empty());
   if (one.tasks.size() != other.tasks.size()) RC_ASSERT(!equivalent(one, other));
+}
+
+TEST(ControllerNamesTest, SeveralAtOnceHaveOneName) {
+  const NetworkName arm("arm");
+  const NetworkName drive("drive");
+  EXPECT_EQ(controllers_in("drive+arm+drive"), (std::vector{arm, drive}));
+  EXPECT_EQ(controllers_in("arm"), std::vector{arm});
+  EXPECT_TRUE(controllers_in("").empty());
+  EXPECT_EQ(joined_name({drive, arm}), NetworkName("arm+drive"));
+  EXPECT_EQ(joined_name({}), NetworkName());
 }
 
 }  // namespace

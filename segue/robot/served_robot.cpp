@@ -2,6 +2,7 @@
 #include <segue/robot/served_robot.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 
 #include <algorithm>
 #include <optional>
@@ -25,14 +26,10 @@ std::string name_of(std::string_view controller) {
   return controller.empty() ? "the empty network" : "controller " + quote(controller);
 }
 
-/// Whether "arm+drive" contains the controller.
+/// The empty name is the empty network, a part of every other one.
 bool is_part(std::string_view controller, std::string_view running) {
-  while (!running.empty()) {
-    const std::size_t end = std::min(running.find('+'), running.size());
-    if (running.substr(0, end) == controller) return true;
-    running.remove_prefix(std::min(end + 1, running.size()));
-  }
-  return controller.empty();
+  const auto parts = model::controllers_in(running);
+  return controller.empty() || std::ranges::find(parts, model::NetworkName(controller)) != parts.end();
 }
 
 class StreamSamples final : public mission::PortSamples {
@@ -80,9 +77,7 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
   options.lease = *lease;
   for (const auto& one : what.properties)
     options.properties.push_back({one.member.task, one.member.name, one.value});
-  std::string controller;
-  for (const std::string& one : what.controllers)
-    controller += (controller.empty() ? "" : "+") + one;
+  const std::string controller = model::joined_name({what.controllers.begin(), what.controllers.end()}).str();
   const auto answer = service_.switch_to(controller, options, deadline);
   if (!answer) return answer.error();
   const std::string outcome = text_at(*answer, "outcome");

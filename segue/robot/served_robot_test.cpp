@@ -107,7 +107,7 @@ class ServedRobotTest : public ::testing::Test {
 
 TEST_F(ServedRobotTest, RequestsInTheNameOfItsUserAndWithTheLease) {
   EXPECT_TRUE(robot_.request({{"explore", "arm"}, {{{"planner", "speed.max"}, 0.5, {}}}}, {}));
-  EXPECT_EQ(service_.requested, "explore+arm");
+  EXPECT_EQ(service_.requested, "arm+explore");
   EXPECT_EQ(service_.options.who, "a test");
   EXPECT_EQ(service_.options.lease, 7U);
   EXPECT_EQ(service_.lease_holder, "a test");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/solve/combine.hpp>
 
@@ -26,31 +27,10 @@ Error no_controller(const Controllers& controllers, const model::NetworkName& wa
 
 }  // namespace
 
-std::vector<model::NetworkName> parts_of(const model::NetworkName& name) {
-  std::vector<model::NetworkName> parts;
-  std::string_view rest = name.str();
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find('+'), rest.size());
-    parts.emplace_back(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  std::ranges::sort(parts);
-  parts.erase(std::ranges::unique(parts).begin(), parts.end());
-  return parts;
-}
-
-model::NetworkName sorted_name(const model::NetworkName& name) {
-  std::string text;
-  for (const auto& part : parts_of(name)) {
-    text += (text.empty() ? "" : "+") + part.str();
-  }
-  return model::NetworkName(text);
-}
-
 Result<model::Network> find_controller(const Controllers& controllers, const model::NetworkName& name,
                                        const model::ComponentCatalog& catalog) {
   std::vector<model::Network> networks;
-  for (const auto& part : parts_of(name)) {
+  for (const auto& part : model::controllers_in(name.str())) {
     const auto found = controllers.find(part);
     if (found == controllers.end()) {
       return no_controller(controllers, part);
@@ -84,7 +64,7 @@ std::vector<ControllerChange> compare(const Controllers& before, const Controlle
   for (const auto& [name, now] : after) {
     if (!before.contains(name)) changes[name] = {name, Kind::Added, false, now.file, "", now.version, {}};
   }
-  const auto running = parts_of(runs);
+  const auto running = model::controllers_in(runs.str());
   std::vector<ControllerChange> list;
   for (auto& [name, change] : changes) {
     change.runs = std::ranges::find(running, name) != running.end();

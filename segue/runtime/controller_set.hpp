@@ -35,10 +35,6 @@ struct ControllerSet {
 
 using Controllers = std::map<model::NetworkName, model::Network>;
 
-/// Several controllers at once are named "arm+drive": these are "arm" and "drive", sorted, each once.
-std::vector<model::NetworkName> parts_of(const model::NetworkName& name);
-/// The name of the controllers that `name` means, sorted: "arm+drive" for "drive+arm".
-model::NetworkName sorted_name(const model::NetworkName& name);
 /// The controller of that name, or the union of several (solve::combine); the empty name is the empty
 /// network. NotFound; InvalidState where they cannot run at once.
 Result<model::Network> find_controller(const Controllers& controllers, const model::NetworkName& name,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ Diagnostics Runtime::Implementation::add(model::Network network) {
   if (network.name.empty() && !network.empty()) {
     findings.error("missing-name", "a controller needs a name to be requested by", {network.file, 0, 0});
   }
-  if (network.name.str().find('+') != std::string::npos) {
+  if (network.name.str().find(model::kControllerSeparator) != std::string::npos) {
     findings.error("invalid-name", "the name of a controller must not contain '+', which joins controllers",
                    {network.file, 0, 0});
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
 
@@ -38,7 +39,7 @@ SwitchResult new_result(const PendingRequest& job) {
 
 std::future<SwitchResult> Runtime::Implementation::accept(Request request, RequestOptions request_options) {
   if (auto* controller = std::get_if<model::NetworkName>(&request)) {
-    *controller = sorted_name(*controller);
+    *controller = model::joined_name(model::controllers_in(controller->str()));
   } else if (const auto* network = std::get_if<model::Network>(&request)) {
     journal.loaded(*network);
   }
