@@ -33,6 +33,7 @@ class Process {
   /// Waits for a line with `text` on standard output; false at the deadline or the end of the process.
   bool wait_for(const std::string& text);
   void signal(int number) const;
+  [[nodiscard]] pid_t pid() const { return pid_; }
   /// Waits until the process handles this signal by blocking it; false at the deadline.
   [[nodiscard]] bool wait_until_blocked(int signal) const;
   /// Nobody reads its standard output any more.

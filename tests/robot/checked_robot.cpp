@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "checked_robot.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+
+#include "random_robot.hpp"
+
+namespace segue::testing {
+
+std::optional<std::string> CheckedRobot::problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
+}
+
+std::set<std::string> CheckedRobot::running() const {
+  const std::lock_guard lock(mutex_);
+  return running_;
+}
+
+void CheckedRobot::blame(std::string what) {
+  const std::lock_guard lock(mutex_);
+  if (!problem_) problem_ = std::move(what);
+}
+
+Result<void> CheckedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
+  const bool was_lost = is_lost_;
+  const std::set<std::string> names(what.controllers.begin(), what.controllers.end());
+  auto outcome = inner_->request(what, deadline);
+  if (outcome) {
+    check_granted(names, was_lost);
+  } else if (!may_fail_ && !may_be_lost_) {
+    blame(fmt::format("a request for {} failed: {}", names, outcome.error().message));
+  }
+  return outcome;
+}
+
+void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lost) {
+  if (was_lost) blame("a request was carried out after the robot had been taken over");
+  const model::Network runs = runtime_.belief();
+  const model::Network expected = united(controllers_, names);
+  if (!may_be_lost_ && !equivalent(runs, expected))
+    blame(fmt::format("{} was requested, but the robot runs: {}", names, differences(runs, expected)));
+  const std::lock_guard lock(mutex_);
+  running_ = names;
+}
+
+Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller) {
+  const bool was_lost = is_lost_;
+  auto trouble = inner_->trouble(controller);
+  if (!trouble) return trouble;
+  const bool is_fine = trouble->why.empty();
+  const std::string name(controller);
+  if (was_lost && is_fine) blame(name + " was said to run although the robot had been taken over");
+  if (may_be_lost_) return trouble;
+  if (is_fine && !running().contains(name)) blame(name + " was said to run, but had not been requested");
+  if (!is_fine && !may_fail_) blame(name + " was said not to run: " + trouble->why);
+  return trouble;
+}
+
+}  // namespace segue::testing

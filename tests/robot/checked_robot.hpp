@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/model/network.hpp>
+#include <segue/runtime/runtime.hpp>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace segue::testing {
+
+/// A robot that lets pass whatever a mission asks of another one, and compares what that answers with a model
+/// of what it must then run. Thread safe.
+class CheckedRobot final : public mission::CommandedRobot {
+ public:
+  /// `runtime` is that of `inner`.
+  CheckedRobot(runtime::Runtime& runtime, std::vector<model::Network> controllers,
+               std::shared_ptr<mission::CommandedRobot> inner)
+      : runtime_(runtime), controllers_(std::move(controllers)), inner_(std::move(inner)) {}
+
+  /// From now on actions of the robot may fail.
+  void expect_faults() { may_fail_ = true; }
+  /// Somebody is about to take the robot over, and has done so.
+  void about_to_be_taken_over() { may_be_lost_ = true; }
+  void was_taken_over() { is_lost_ = true; }
+  [[nodiscard]] bool is_lost() const { return is_lost_; }
+  /// What was wrong first; nothing: all was as it must be.
+  [[nodiscard]] std::optional<std::string> problem() const;
+  /// The controllers of the last request that was carried out.
+  [[nodiscard]] std::set<std::string> running() const;
+  void blame(std::string what);
+
+  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
+  Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
+  Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
+  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
+    return inner_->prepare(controllers, deadline);
+  }
+  Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
+                           TimePoint deadline) override {
+    return inner_->call(operation, arguments, deadline);
+  }
+  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
+    return inner_->write(port, value, deadline);
+  }
+  Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
+  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {
+    return inner_->open(port);
+  }
+
+ private:
+  void check_granted(const std::set<std::string>& names, bool was_lost);
+
+  runtime::Runtime& runtime_;
+  const std::vector<model::Network> controllers_;
+  const std::shared_ptr<mission::CommandedRobot> inner_;
+  std::atomic<bool> may_fail_ = false;
+  std::atomic<bool> may_be_lost_ = false;
+  std::atomic<bool> is_lost_ = false;
+  mutable std::mutex mutex_;  ///< protects the next two
+  std::set<std::string> running_;
+  std::optional<std::string> problem_;
+};
+
+}  // namespace segue::testing
