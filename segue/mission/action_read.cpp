@@ -150,42 +150,6 @@ Decision read_decision(const Value& value, const std::string& what, const Source
   return decision;
 }
 
-Procedure read_run(Fields& action, const Source& source) {
-  const Value* value = action.find("run", Value::Kind::Map);
-  if (value == nullptr) return {};
-  Fields fields(*value, "'run' of " + action.what(), source);
-  Procedure run;
-  int ways = 0;
-  if (fields.find("callback") != nullptr) {
-    ++ways;
-    run = Callback{fields.name("callback")};
-  }
-  if (const Value* script = fields.find("python")) {
-    ++ways;
-    run = read_script(*script, action.what(), source);
-  }
-  if (const Value* simulated = fields.find("simulated")) {
-    ++ways;
-    run = read_simulated(*simulated, action.what(), source);
-  }
-  if (const Value* decision = fields.find("decide")) {
-    ++ways;
-    run = read_decision(*decision, action.what(), source);
-  }
-  if (fields.find("controller") != nullptr) {
-    ++ways;
-    run = read_controller(fields, source);
-  }
-  fields.finish();
-  if (ways != 1) {
-    source.error(
-        "bad-run",
-        fields.what() + ": expected exactly one of callback, python, simulated, decide and controller",
-        *value);
-  }
-  return run;
-}
-
 void read_expectation(Action& action, Fields& fields, const Source& source) {
   const Value* value = fields.find("expect", Value::Kind::Map);
   if (value == nullptr) return;
@@ -273,6 +237,42 @@ void read_declarations(Action& action, Fields& fields, const Source& source) {
   action.reads_world = fields.boolean("reads_world", false);
   action.strict = fields.boolean("strict", false);
   read_expectation(action, fields, source);
+}
+
+Procedure read_run(Fields& action, const Source& source) {
+  const Value* value = action.find("run", Value::Kind::Map);
+  if (value == nullptr) return {};
+  Fields fields(*value, "'run' of " + action.what(), source);
+  Procedure run;
+  int ways = 0;
+  if (fields.find("callback") != nullptr) {
+    ++ways;
+    run = Callback{fields.name("callback")};
+  }
+  if (const Value* script = fields.find("python")) {
+    ++ways;
+    run = read_script(*script, action.what(), source);
+  }
+  if (const Value* simulated = fields.find("simulated")) {
+    ++ways;
+    run = read_simulated(*simulated, action.what(), source);
+  }
+  if (const Value* decision = fields.find("decide")) {
+    ++ways;
+    run = read_decision(*decision, action.what(), source);
+  }
+  if (fields.find("controller") != nullptr) {
+    ++ways;
+    run = read_controller(fields, source);
+  }
+  fields.finish();
+  if (ways != 1) {
+    source.error(
+        "bad-run",
+        fields.what() + ": expected exactly one of callback, python, simulated, decide and controller",
+        *value);
+  }
+  return run;
 }
 
 Action read_action(const std::string& name, const Value& value, const Source& source) {

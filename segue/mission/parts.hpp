@@ -31,6 +31,8 @@ void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& reso
                 const Source& source);
 /// Reads what an action declares of its facts, resources and class, and what is expected of it.
 void read_declarations(Action& action, Fields& fields, const Source& source);
+/// Reads "run", if there is one.
+Procedure read_run(Fields& action, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
 /// Reads 'run' of an action that is a controller.
 ControllerUse read_controller(Fields& fields, const Source& source);

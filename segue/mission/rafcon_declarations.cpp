@@ -13,10 +13,11 @@ namespace {
 
 using type::Value;
 
-/// RAFCON's editor knows only texts and maps in semantic data: a text is taken as the YAML that it is. A map
-/// without entries is how the editor leaves an entry without a value.
+/// RAFCON's editor knows only texts and maps in semantic data: a text is taken as the YAML that it is, but
+/// for facts, whose sign is no tag, and for the values of inputs, which are no maps. A map without entries is
+/// how the editor leaves an entry without a value.
 Value from_texts(const Value& given) {
-  if (given.is_string() && given.as_string().starts_with('!')) return given;  // a fact; no tag of YAML
+  if (given.is_string() && (given.as_string().starts_with('!') || parameter_input(given))) return given;
   if (given.is_string()) return type::parse_yaml(given.as_string()).value_or(given);
   if (!given.is_map()) return given;
   type::ValueMap result;
@@ -51,8 +52,10 @@ void with_declarations(const RafconState& state, Diagnostics& diagnostics, Read&
 }  // namespace
 
 void declare(Action& action, const RafconState& state, Diagnostics& diagnostics) {
-  with_declarations(state, diagnostics,
-                    [&](Fields& fields, const Source& source) { read_declarations(action, fields, source); });
+  with_declarations(state, diagnostics, [&](Fields& fields, const Source& source) {
+    read_declarations(action, fields, source);
+    if (fields.find("run") != nullptr) action.run = read_run(fields, source);
+  });
 }
 
 void declare(State& container, const RafconState& state, Diagnostics& diagnostics) {

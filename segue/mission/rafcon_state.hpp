@@ -54,8 +54,8 @@ std::unique_ptr<RafconState> read_core_data(std::string_view text, const std::st
                                             Diagnostics& diagnostics);
 
 /// Reads what the semantic data of a state declare for Segue, under the key "segue": of an action what it has
-/// in a mission file (preconditions, effects, resources, pure ...), of a container preconditions, resources
-/// and whether it is strict, of the root the world and the resources.
+/// in a mission file (preconditions, effects, resources, pure ..., and `run` in place of its script), of a
+/// container preconditions, resources and whether it is strict, of the root the world and the resources.
 void declare(Action& action, const RafconState& state, Diagnostics& diagnostics);
 void declare(State& container, const RafconState& state, Diagnostics& diagnostics);
 void declare(Mission& mission, const RafconState& root, Diagnostics& diagnostics);

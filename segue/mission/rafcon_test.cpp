@@ -159,6 +159,32 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(OwnMachine, usesAControllerWhereALibraryStateSaysSo) {
+  const auto folder =
+      std::filesystem::path(::testing::TempDir()) / ("segue_controls_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(kOurs / "libraries", folder, std::filesystem::copy_options::recursive);
+  ASSERT_TRUE(write_file(folder / "tools" / "show value" / "semantic_data.json", R"j({"segue": {"run": {
+      "controller": "go_to", "afterwards": "stop",
+      "call": {"seeker.set_goal": {"goal": "{value}"}, "seeker.say": "{text: '{text}'}"},
+      "until": "[{task: seeker, state: arrived}, {after: 2min, outcome: aborted}]"}}})j"));
+  const auto machine = import_rafcon(kOurs / "count_down", {{"own", folder}}, diagnostics_);
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const auto action = std::ranges::find_if(machine->mission.actions, [](const Action& each) {
+    return std::holds_alternative<ControllerUse>(each.run);
+  });
+  ASSERT_NE(action, machine->mission.actions.end());
+  const auto& use = std::get<ControllerUse>(action->run);
+  EXPECT_EQ(use.controller, "go_to");
+  EXPECT_TRUE(use.stop);
+  ASSERT_EQ(use.call.size(), 2U);
+  EXPECT_EQ(use.call[0].value, type::Value::map({{"goal", "{value}"}}));
+  EXPECT_EQ(use.call[1].value, type::Value::map({{"text", "{text}"}}));
+  EXPECT_EQ(use.until.size(), 2U);
+  EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(OwnMachine, declaresWhatAContainerNeeds) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_contains_" + std::to_string(::getpid()));
