@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <segue/mission/commanded_robot.hpp>
 #include <segue/model/network.hpp>
 #include <segue/runtime/runtime.hpp>
+
+#include <support/forwarding_commanded_robot.hpp>
 
 #include <atomic>
 #include <memory>
@@ -17,12 +18,12 @@ namespace segue::testing {
 
 /// A robot that lets pass whatever a mission asks of another one, and compares what that answers with a model
 /// of what it must then run. Thread safe.
-class CheckedRobot final : public mission::CommandedRobot {
+class CheckedRobot final : public ForwardingCommandedRobot {
  public:
   /// `runtime` is that of `inner`.
   CheckedRobot(runtime::Runtime& runtime, std::vector<model::Network> controllers,
                std::shared_ptr<mission::CommandedRobot> inner)
-      : runtime_(runtime), controllers_(std::move(controllers)), inner_(std::move(inner)) {}
+      : ForwardingCommandedRobot(std::move(inner)), runtime_(runtime), controllers_(std::move(controllers)) {}
 
   /// From now on actions of the robot may fail.
   void expect_faults() { may_fail_ = true; }
@@ -38,28 +39,12 @@ class CheckedRobot final : public mission::CommandedRobot {
 
   Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
-  Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
-  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
-    return inner_->prepare(controllers, deadline);
-  }
-  Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
-                           TimePoint deadline) override {
-    return inner_->call(operation, arguments, deadline);
-  }
-  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
-    return inner_->write(port, value, deadline);
-  }
-  Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
-  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {
-    return inner_->open(port);
-  }
 
  private:
   void check_granted(const std::set<std::string>& names, bool was_lost);
 
   runtime::Runtime& runtime_;
   const std::vector<model::Network> controllers_;
-  const std::shared_ptr<mission::CommandedRobot> inner_;
   std::atomic<bool> may_fail_ = false;
   std::atomic<bool> may_be_lost_ = false;
   std::atomic<bool> is_lost_ = false;

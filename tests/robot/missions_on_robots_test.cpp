@@ -29,11 +29,11 @@ using mission::ControllerTrouble;
 /// What a robot may do wrong, to show that it would be noticed.
 enum class Defect { None, LosesAController, HidesFailures, HidesTheTakeOver, TakesTheRobotBack };
 
-class DefectiveRobot final : public mission::CommandedRobot {
+class DefectiveRobot final : public ForwardingCommandedRobot {
  public:
   DefectiveRobot(control::RobotService& service, std::shared_ptr<mission::CommandedRobot> inner,
                  Defect defect)
-      : service_(service), inner_(std::move(inner)), defect_(defect) {}
+      : ForwardingCommandedRobot(std::move(inner)), service_(service), defect_(defect) {}
 
   Result<void> request(const ControllerRequest& what, TimePoint deadline) override {
     ControllerRequest asked = what;
@@ -51,25 +51,9 @@ class DefectiveRobot final : public mission::CommandedRobot {
     if (defect_ == Defect::HidesTheTakeOver && trouble && trouble->taken_over) return ControllerTrouble{};
     return trouble;
   }
-  Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
-  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
-    return inner_->prepare(controllers, deadline);
-  }
-  Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
-                           TimePoint deadline) override {
-    return inner_->call(operation, arguments, deadline);
-  }
-  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
-    return inner_->write(port, value, deadline);
-  }
-  Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
-  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {
-    return inner_->open(port);
-  }
 
  private:
   control::RobotService& service_;
-  const std::shared_ptr<mission::CommandedRobot> inner_;
   const Defect defect_;
 };
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/commanded_robot.hpp>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::testing {
+
+/// Forwards everything to another robot; tests override the functions that they look at or disturb.
+class ForwardingCommandedRobot : public mission::CommandedRobot {
+ public:
+  explicit ForwardingCommandedRobot(std::shared_ptr<mission::CommandedRobot> inner)
+      : inner_(std::move(inner)) {}
+
+  Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override {
+    return inner_->request(what, deadline);
+  }
+  Result<mission::ControllerTrouble> trouble(std::string_view controller) override {
+    return inner_->trouble(controller);
+  }
+  Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
+  Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
+    return inner_->prepare(controllers, deadline);
+  }
+  Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
+                           TimePoint deadline) override {
+    return inner_->call(operation, arguments, deadline);
+  }
+  Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
+    return inner_->write(port, value, deadline);
+  }
+  Result<mission::TaskView> task(std::string_view id) override { return inner_->task(id); }
+  Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override {
+    return inner_->open(port);
+  }
+
+ protected:
+  const std::shared_ptr<mission::CommandedRobot> inner_;
+};
+
+}  // namespace segue::testing
