@@ -207,6 +207,76 @@ TEST_F(Arm, PlaysAScriptLikeA3DMouse) {
   EXPECT_LT((moved - Eigen::Vector3d(0.05, 0, -0.1)).norm(), 0.015) << moved.transpose();
 }
 
+/// A 3D mouse whose velocities are dealt out; what the vehicle gets can be read.
+class TeleOperation : public Arm {
+ protected:
+  struct Vehicle : segue::task::Component {
+    segue::task::OutputPort<messages::Twist> mouse{*this, "mouse"};
+    segue::task::InputPort<messages::Twist2D> drive{*this, "drive"};
+    segue::task::InputPort<messages::Twist> tip{*this, "tip"};
+  };
+
+  void add_splitter(const std::string& mode) {
+    arm.add("splitter", "manipulation::CommandSplitter", Value::map({{"mode", mode}}));
+    arm.connect(vehicle.mouse, arm.input("splitter", "twist"));
+    arm.connect(arm.output("splitter", "drive"), vehicle.drive);
+    arm.connect(arm.output("splitter", "arm"), vehicle.tip);
+    arm.start("splitter");
+  }
+  /// What comes out 20 ms after the mouse has said this.
+  void move(const messages::Twist& twist) {
+    vehicle.mouse.write(twist);
+    arm.advance(std::chrono::milliseconds(20));
+    vehicle.drive.read(drive);
+    vehicle.tip.read(tip_twist);
+  }
+
+  const messages::Twist all{{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
+  Vehicle vehicle;
+  messages::Twist2D drive;
+  messages::Twist tip_twist;
+};
+
+TEST_F(TeleOperation, DealsOutTheAxesOfTheMouse) {
+  add_splitter("both");
+  move(all);
+  EXPECT_EQ(state("splitter"), "both");
+  EXPECT_EQ(drive.linear, 0.1);
+  EXPECT_EQ(drive.angular, 0.6);
+  EXPECT_EQ(tip_twist.linear, Eigen::Vector3d(0, 0.2, 0.3));
+  EXPECT_EQ(tip_twist.angular, Eigen::Vector3d(0.4, 0.5, 0));
+}
+
+TEST_F(TeleOperation, ControlsOneOfBothWhereThatIsWanted) {
+  add_splitter("drive");
+  move(all);
+  EXPECT_EQ(state("splitter"), "drive");
+  EXPECT_EQ(drive.linear, 0.1);
+  EXPECT_TRUE(tip_twist.linear.isZero(0) && tip_twist.angular.isZero(0));
+  ASSERT_TRUE(arm.call("splitter", "control", Value::map({{"what", "arm"}})));
+  move(all);
+  EXPECT_EQ(state("splitter"), "arm");
+  EXPECT_EQ(drive.linear, 0);
+  EXPECT_EQ(drive.angular, 0);
+  EXPECT_EQ(tip_twist.linear, all.linear);
+  const auto refused = arm.call("splitter", "control", Value::map({{"what", "legs"}}));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, ::testing::HasSubstr("drive, arm or both, not 'legs'"));
+}
+
+TEST_F(TeleOperation, StandsStillWhereTheMouseIsSilentOrSaysNonsense) {
+  add_splitter("both");
+  move(all);
+  move({{NAN, 0, 0}, {0, 0, 0}});
+  EXPECT_EQ(drive.linear, 0.1) << "which is ignored";
+  arm.run(0.3);
+  vehicle.drive.read(drive);
+  vehicle.tip.read(tip_twist);
+  EXPECT_EQ(state("splitter"), "waiting");
+  EXPECT_EQ(drive.linear, 0);
+  EXPECT_TRUE(tip_twist.linear.isZero(0));
+}
+
 /// An object, the camera on the hand that looks for it, and what the tracker finds.
 class Camera : public Arm {
  protected:

@@ -29,7 +29,9 @@ TEST(ManipulationRealtime, UpdatesDoNotAllocate) {
   arm.connect(arm.driver.markers, arm.input("tracker", "markers"));
   arm.connect(arm.driver.target, arm.input("servo", "target"));
   arm.connect(arm.output("servo", "twist"), arm.input("body", "twist"));
-  arm.connect(arm.output("mouse", "twist"), arm.input("body", "twist"));
+  arm.add("splitter", "manipulation::CommandSplitter");
+  arm.connect(arm.output("mouse", "twist"), arm.input("splitter", "twist"));
+  arm.connect(arm.output("splitter", "arm"), arm.input("body", "twist"));
   arm.connect(arm.output("body", "command"), arm.input("generator", "command"));
   arm.connect(arm.output("waypoints", "command"), arm.input("generator", "command"));
   arm.connect(arm.driver.joints, arm.input("waypoints", "joints"));
@@ -58,6 +60,7 @@ TEST(ManipulationRealtime, UpdatesDoNotAllocate) {
   EXPECT_NE(arm.state.positions, start) << "it moves";
   arm.start("waypoints");
   arm.start("mouse");
+  arm.start("splitter");
   run_trapped();
   EXPECT_EQ(segue::testing::caught, 0);
 }
