@@ -83,7 +83,8 @@ class RoverDrive final : public Component {
       last_command_ = odometry_.time;
     }
     const std::chrono::duration<double> timeout = *timeout_;
-    if (odometry_.time - last_command_ > timeout.count()) wanted_ = {};
+    // Whoever commanded until a switch cannot tell it to stop any more.
+    if (!command_in_.connected() || odometry_.time - last_command_ > timeout.count()) wanted_ = {};
     WheelCommand set_points = control_.advance(wanted_, steering_, step);
     set_points.time = odometry_.time;
     wheels_out_.write(set_points);
@@ -102,7 +103,10 @@ class RoverDrive final : public Component {
   Property<double> max_acceleration_{*this, "max_acceleration", 1.0, {.doc = "m/s^2"}};
   Property<double> max_angular_acceleration_{*this, "max_angular_acceleration", 3.0, {.doc = "rad/s^2"}};
   Property<std::chrono::milliseconds> timeout_{
-      *this, "timeout", std::chrono::milliseconds(500), {.doc = "stops after this time without a command"}};
+      *this,
+      "timeout",
+      std::chrono::milliseconds(500),
+      {.doc = "stops after this time without a command, and at once where nobody is connected"}};
   bool first_ = true;
   double last_command_ = 0;
   PerWheel steering_{};
