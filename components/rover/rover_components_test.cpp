@@ -12,9 +12,15 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
 #include <thread>
+#include <utility>
 
 namespace rover {
 namespace {
@@ -65,6 +71,16 @@ TEST(RoverDrive, stops_when_no_command_comes) {
   rover.advance(1s);
   EXPECT_EQ(rover.task("wheels").state_name(), "idle");
   EXPECT_NEAR(rover.next<messages::Odometry>("rover", "pose").twist.linear, 0, 1e-3);
+}
+
+TEST(RoverDrive, stops_at_once_when_nobody_is_connected_that_could_tell_it_to) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  add_script(rover, Value::list({leg(100, 0.2, 0)}));
+  rover.start();
+  rover.advance(1s);
+  rover.task("wheels").component().find_input("command")->disconnect_all();
+  rover.advance(300ms);
+  EXPECT_EQ(rover.task("wheels").state_name(), "idle") << "before its timeout";
 }
 
 TEST(SimulatedWheels, stop_when_their_driver_is_gone) {
@@ -197,15 +213,90 @@ double number(const Value& value, const char* field) {
   return value.find(field)->as_double();
 }
 
-TEST(RoverExample, drives_to_the_table_and_sees_the_boxes) {
-  if (!std::filesystem::exists(std::string(segue::paths::kComponentFolder) +
-                               "/libsegue_components_manipulation.so"))
-    GTEST_SKIP() << "its other controllers need Orocos KDL (tools/setup --rover)";
-  ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
-  segue::Diagnostics diagnostics;
-  const auto file = segue::paths::in_sources("/examples/08_rover/robot.yaml");
-  const auto robot = segue::runtime::EmbeddedRobot::open(file, diagnostics);
-  ASSERT_TRUE(robot) << to_string(diagnostics);
+/// The robot of the example, with all its controllers.
+class RoverExample : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(std::string(segue::paths::kComponentFolder) +
+                                 "/libsegue_components_manipulation.so"))
+      GTEST_SKIP() << "its other controllers need Orocos KDL (tools/setup --rover)";
+    ::setenv("SEGUE_LIBRARY_PATH", segue::paths::kComponentFolder, 1);
+    segue::Diagnostics diagnostics;
+    const auto file = segue::paths::in_sources("/examples/08_rover/robot.yaml");
+    robot = segue::runtime::EmbeddedRobot::open(file, diagnostics);
+    ASSERT_TRUE(robot) << to_string(diagnostics);
+  }
+  std::unique_ptr<segue::runtime::EmbeddedRobot> robot;
+};
+
+std::set<std::string> running_tasks(segue::runtime::EmbeddedRobot& robot) {
+  std::set<std::string> names;
+  for (const auto& task : robot.host().observe().tasks) {
+    EXPECT_EQ(task.state, segue::TaskState::Running) << task.id.str();
+    names.insert(task.id.str());
+  }
+  return names;
+}
+
+std::set<std::string> tasks_of(segue::runtime::EmbeddedRobot& robot, const char* controller) {
+  std::set<std::string> names;
+  if (const auto network = robot.runtime().controller(segue::model::NetworkName(controller))) {
+    for (const auto& task : network->tasks)
+      names.insert(task.id.str());
+  }
+  return names;
+}
+
+/// The updates of the tasks that all controllers share.
+std::map<std::string, std::uint64_t> cycles_of_shared_tasks(segue::runtime::EmbeddedRobot& robot) {
+  std::map<std::string, std::uint64_t> cycles;
+  for (const auto& task : robot.host().tasks()) {
+    for (const char* shared : {"rover", "wheels", "arm", "gripper", "trajectory"}) {
+      if (task.id.str() == shared) cycles[shared] = task.timing.cycles;
+    }
+  }
+  return cycles;
+}
+
+TEST_F(RoverExample, makes_all_transitions_between_four_controllers_while_it_moves) {
+  // Every transition once, each beginning where the last one ended.
+  constexpr std::array kWalk = {"explore", "go_to", "explore", "reach", "explore", "teleop", "go_to",
+                                "reach",   "go_to", "teleop",  "reach", "teleop",  "explore"};
+  std::map<std::string, std::uint64_t> cycles;
+  for (const char* controller : kWalk) {
+    SCOPED_TRACE(controller);
+    const auto result = robot->switch_to(controller);
+    ASSERT_EQ(result.outcome, segue::runtime::Outcome::Done)
+        << (result.error ? to_string(*result.error) : "");
+    EXPECT_THAT(robot->runtime().observed_differences(), ::testing::IsEmpty());
+    EXPECT_THAT(running_tasks(*robot), ::testing::ContainerEq(tasks_of(*robot, controller)));
+    const auto before = std::exchange(cycles, cycles_of_shared_tasks(*robot));
+    EXPECT_EQ(cycles.size(), 5U);
+    for (const auto& [task, count] : before)
+      EXPECT_GE(cycles[task], count) << task << " went on: it would count from zero after a start";
+  }
+  ASSERT_TRUE(wait_for(*robot, "rover", "pose",
+                       [](const Value& sample) { return number(*sample.find("twist"), "linear") > 0.1; })
+                  .is_map())
+      << "it explores again";
+  EXPECT_EQ(robot->shut_down().outcome, segue::runtime::Outcome::Done);
+}
+
+TEST_F(RoverExample, moves_its_arm_while_it_drives) {
+  ASSERT_EQ(robot->switch_to("explore+move_arm").outcome, segue::runtime::Outcome::Done);
+  const auto told = robot->host().call(segue::model::TaskId("waypoints"), "go_to",
+                                       Value::map({{"name", "raised"}}), soon());
+  ASSERT_TRUE(told) << to_string(told.error());
+  const auto moves = [](const Value& sample) { return number(*sample.find("twist"), "linear") > 0.1; };
+  ASSERT_TRUE(wait_for(*robot, "rover", "pose", moves).is_map()) << "it drives";
+  const auto raised = wait_for(*robot, "rover", "arm_state", [](const Value& sample) {
+    return sample.find("positions")->as_list().at(1).as_double() > -0.9;
+  });
+  ASSERT_TRUE(raised.is_map()) << "the arm arrives";
+  EXPECT_EQ(robot->shut_down().outcome, segue::runtime::Outcome::Done);
+}
+
+TEST_F(RoverExample, drives_to_the_table_and_sees_the_boxes) {
   ASSERT_EQ(robot->switch_to("drive").outcome, segue::runtime::Outcome::Done);
   const auto odometry = wait_for(*robot, "wheels", "odometry",
                                  [](const Value& sample) { return number(*sample.find("pose"), "x") > 0.7; });
