@@ -15,7 +15,7 @@ using namespace segue::task;  // NOLINT(google-build-using-namespace)
 class Camera final : public Component {
  public:
   Camera() {
-    doc("Takes pictures with a camera of the simulated rover (OSMesa)");
+    doc("Takes pictures with a camera of the simulated rover or of its room (OSMesa)");
     default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(100), {}, 0, {}, {}, false});
   }
 
@@ -47,7 +47,8 @@ class Camera final : public Component {
  private:
   InputPort<SceneState> scene_in_{*this, "scene", {.doc = "where everything is"}};
   OutputPort<messages::Image> image_out_{*this, "image", {.doc = "what the camera sees"}};
-  Property<std::string> camera_{*this, "camera", "mast", {.doc = "mast or gripper"}};
+  Property<std::string> camera_{
+      *this, "camera", "mast", {.doc = "mast, gripper, or room, which follows the rover from outside"}};
   Property<std::uint32_t> width_{*this, "width", 640, {.doc = "pixels, at most 640"}};
   Property<std::uint32_t> height_{*this, "height", 480, {.doc = "pixels, at most 480"}};
   std::unique_ptr<Renderer> renderer_;

@@ -70,7 +70,7 @@ segue::Result<void> Renderer::Implementation::open() {
   if (!context) return segue::fail(segue::ErrorCode::Unsupported, "OSMesa gives no context to draw in");
   const Current current(context.get(), window);
   if (!current) return segue::fail(segue::ErrorCode::Unsupported, "OSMesa's context cannot be used");
-  mjr_makeContext(model.get(), &resources, mjFONTSCALE_50);
+  mjr_makeContext(model.get(), &resources, mjFONTSCALE_100);
   mjr_setBuffer(mjFB_OFFSCREEN, &resources);
   if (resources.currentBuffer != mjFB_OFFSCREEN) {
     return segue::fail(segue::ErrorCode::Unsupported, "OpenGL has no frame buffers to draw in");
@@ -92,7 +92,7 @@ segue::Result<std::unique_ptr<Renderer>> Renderer::create(const std::string& cam
   const int id = mj_name2id(made->model.get(), mjOBJ_CAMERA, camera.c_str());
   if (id < 0) {
     return segue::fail(segue::ErrorCode::NotFound,
-                       "the rover has no camera '" + camera + "', only 'mast' and 'gripper'");
+                       "the rover has no camera '" + camera + "', only 'mast', 'gripper' and 'room'");
   }
   mjv_defaultCamera(&made->camera);
   made->camera.type = mjCAMERA_FIXED;
@@ -107,7 +107,7 @@ Renderer::Renderer(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
 Renderer::~Renderer() = default;
 
-bool Renderer::render(const SceneState& scene, messages::Image& image) {
+bool Renderer::render(const SceneState& scene, messages::Image& image, const std::string& caption) {
   Implementation& my = *implementation_;
   if (scene.positions.size() != static_cast<std::size_t>(my.model->nq)) return false;
   std::copy(scene.positions.begin(), scene.positions.end(), my.data->qpos);
@@ -118,6 +118,8 @@ bool Renderer::render(const SceneState& scene, messages::Image& image) {
     const Current current(my.context.get(), my.window);
     if (!current) return false;
     mjr_render(my.viewport, &my.scene, &my.resources);
+    if (!caption.empty())
+      mjr_overlay(mjFONT_NORMAL, mjGRID_BOTTOMLEFT, my.viewport, caption.c_str(), nullptr, &my.resources);
     mjr_readPixels(my.upside_down.data(), nullptr, my.viewport, &my.resources);
   }
   image.time = scene.time;

@@ -10,8 +10,8 @@
 
 namespace rover {
 
-/// Draws what a camera of the rover sees, on the processor (OSMesa), without a screen. Any thread, one at a
-/// time. Drawing allocates: not for threads with real-time demands.
+/// Draws what a camera sees, of the rover or the one in the room that follows it, on the processor (OSMesa),
+/// without a screen. Any thread, one at a time. Drawing allocates: not for threads with real-time demands.
 class Renderer {
  public:
   /// InvalidArgument for images without a size or larger than kLargestWidth x kLargestHeight, NotFound for
@@ -21,8 +21,9 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// False, and `image` is unchanged: the scene is not one of this model.
-  bool render(const SceneState& scene, messages::Image& image);
+  /// With a caption in the lower left corner, where there is one (ASCII; lines end with \n). False, and
+  /// `image` is unchanged: the scene is not one of this model.
+  bool render(const SceneState& scene, messages::Image& image, const std::string& caption = {});
 
  private:
   struct Implementation;

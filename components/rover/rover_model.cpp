@@ -192,7 +192,8 @@ constexpr const char* kDefaults = R"(<default>
 )";
 
 std::string assets() {
-  std::string text = "<asset>\n";
+  std::string text =
+      "<asset>\n<texture type=\"skybox\" builtin=\"flat\" rgb1=\"0.6 0.7 0.8\" width=\"8\" height=\"8\"/>\n";
   for (std::size_t number = 0; number < kBoxes; ++number) {
     const std::string name = "box_" + std::to_string(number);
     text += element("texture", with("name", name) + with("type", "cube") + with("file", name + ".texture"));
@@ -249,6 +250,8 @@ std::string rover_model_text() {
   text +=
       element("light", with("pos", {0, 0, 3}) + with("directional", "true") + with("castshadow", "false") +
                            with("diffuse", {0.4, 0.4, 0.4}) + with("specular", {0, 0, 0}));
+  text += element("camera", with("name", "room") + with("pos", {-0.2, 2.7, 1.6}) +
+                                with("mode", "targetbody") + with("target", "rover") + with("fovy", {38}));
   text += room() + rover_body();
   for (std::size_t number = 0; number < kBoxes; ++number)
     text += box(number);

@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rover {
@@ -308,11 +309,30 @@ TEST(GripperCamera, sees_the_box_that_it_points_to) {
   }
 }
 
+TEST(RoomCamera, follows_the_rover_and_writes_a_caption_into_its_corner) {
+  auto renderer = Renderer::create("room", 160, 120);
+  ASSERT_TRUE(renderer) << to_string(renderer.error());
+  SceneState scene;
+  messages::Image plain;
+  messages::Image with_caption;
+  for (const messages::Pose2D& place : {messages::Pose2D{0.8, 0, 0}, {-1.5, -0.6, 3.1}}) {
+    make(without_noise(place))->read_scene(scene);
+    ASSERT_TRUE((*renderer)->render(scene, plain));
+    const auto* const middle = &plain.rgb.at((std::size_t{55} * 160 + 80) * 3);
+    EXPECT_GT(middle[0], middle[2] + 10) << "the deck is of the colour of sand, all around is grey";
+    ASSERT_TRUE((*renderer)->render(scene, with_caption, "caption"));
+    EXPECT_NE(plain.rgb, with_caption.rgb);
+    const auto half = static_cast<std::ptrdiff_t>(plain.rgb.size() / 2);
+    EXPECT_TRUE(std::equal(plain.rgb.begin(), plain.rgb.begin() + half, with_caption.rgb.begin()))
+        << "only the lower half differs";
+  }
+}
+
 TEST(Renderer, says_what_it_cannot_draw) {
   const auto unknown = Renderer::create("stern", 320, 240);
   ASSERT_FALSE(unknown);
   EXPECT_THAT(unknown.error().message, HasSubstr("no camera 'stern'"));
-  const auto large = Renderer::create("mast", 4000, 3000);
+  const auto large = Renderer::create("room", 4000, 3000);
   ASSERT_FALSE(large);
   EXPECT_THAT(large.error().message, HasSubstr("640 x 480"));
   const auto renderer = Renderer::create("mast", 32, 24);
