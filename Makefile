@@ -1,10 +1,10 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test bench format tidy install clean
+.PHONY: help setup build demo demo-artemis test bench format tidy install clean
 
 help: ## this text
-	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 18
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
 
 setup: ## install the Debian packages that are missing
 	@tools/setup
@@ -14,7 +14,10 @@ build: setup ## build/release/bin/segue, the component libraries and the example
 	@cmake --preset release > build/release.log 2>&1 || { cat build/release.log; exit 1; }
 	@cmake --build --preset release --target product -j $(JOBS)
 
-demo: build ## the four controllers of the Artemis rover, switched online
+demo: ## a simulated rover fetches a box: a film, a Gantt chart and the transitions, in out/
+	@JOBS=$(JOBS) tools/demo
+
+demo-artemis: build ## the four controllers of the Artemis rover, switched online
 	@build/release/bin/artemis_demo examples/04_artemis/robot.yaml
 
 test: ## everything that CI runs (see tools/test --help)
