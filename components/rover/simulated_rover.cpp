@@ -58,9 +58,23 @@ SimulatedRover::SimulatedRover(ModelPtr model, const SimulationOptions& options)
   place[1] = options.start.y;
   place[3] = std::cos(options.start.theta / 2);
   place[6] = std::sin(options.start.theta / 2);
+  scatter_boxes();
   command_arm(kArmHome);
   step(250);
   time_ = 0;
+}
+
+/// With random numbers of their own, so that the sensors' noise does not depend on it.
+void SimulatedRover::scatter_boxes() {
+  std::mt19937_64 random(options_.seed);
+  std::uniform_real_distribution<double> part(-1, 1);
+  for (std::size_t number = 0; number < kBoxes; ++number) {
+    messages::Pose pose = box(number);
+    pose.position.x() += part(random) * options_.scatter.x;
+    pose.position.y() += part(random) * options_.scatter.y;
+    pose.orientation = Eigen::AngleAxisd(part(random) * options_.scatter.theta, Eigen::Vector3d::UnitZ());
+    place_box(number, pose);
+  }
 }
 
 int SimulatedRover::joint(const std::string& name) const {

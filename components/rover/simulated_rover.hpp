@@ -21,6 +21,8 @@ struct SimulationOptions {
   double range_noise = 0.005;        ///< m, standard deviation
   double angular_noise = 0.002;      ///< rad/s, standard deviation
   double acceleration_noise = 0.02;  ///< m/s^2, standard deviation
+  /// By how much boxes lie elsewhere at the beginning, at most: m in the frame of the room, and rad.
+  messages::Pose2D scatter{};
 };
 
 /// What a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
@@ -78,6 +80,7 @@ class SimulatedRover {
   [[nodiscard]] int joint(const std::string& name) const;
   void read(std::span<const int> joints, messages::JointState& state) const;
   void one_step();
+  void scatter_boxes();
   double noise(double deviation) { return deviation * normal_(random_); }
 
   ModelPtr model_;

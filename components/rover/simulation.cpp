@@ -32,8 +32,8 @@ class Simulation final : public Component {
     pattern_.rays = *rays_;
     pattern_.angle_step = *rays_ > 1 ? -2 * pattern_.first_angle / static_cast<double>(*rays_ - 1) : 0;
     pattern_.maximum_range = *maximum_range_;
-    auto made =
-        SimulatedRover::create({*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_});
+    auto made = SimulatedRover::create(
+        {*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_, *scatter_});
     if (!made) return std::move(made.error());
     rover_ = std::move(*made);
     prime();
@@ -153,8 +153,13 @@ class Simulation final : public Component {
       "timeout",
       std::chrono::milliseconds(500),
       {.doc = "the wheels stop after this time without set points, as motor controllers do"}};
-  Property<std::uint64_t> seed_{*this, "seed", 1, {.doc = "of the noise of sensors"}};
+  Property<std::uint64_t> seed_{*this, "seed", 1, {.doc = "of the noise of sensors, and of scatter"}};
   Property<messages::Pose2D> start_{*this, "start", {}, {.doc = "of the rover, in the frame of the room"}};
+  Property<messages::Pose2D> scatter_{*this,
+                                      "scatter",
+                                      {},
+                                      {.doc = "by how much boxes lie elsewhere at the beginning, at most, "
+                                              "along the axes of the room and turned"}};
   Property<std::uint32_t> rays_{*this, "rays", 271, {.doc = "of a scan, which covers 270 degrees"}};
   Property<double> maximum_range_{*this, "maximum_range", 8.0, {.doc = "m, of a scan"}};
   Property<std::chrono::milliseconds> scan_period_{*this,
