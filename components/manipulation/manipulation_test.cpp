@@ -5,6 +5,8 @@
 #include "pose_servo.hpp"
 #include "simulated_arm.hpp"
 
+#include "../messages/motion.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -95,6 +97,63 @@ TEST_F(Arm, GoesToNamedConfigurations) {
   const auto nowhere = arm.call("waypoints", "go_to", Value::map({{"name", "hmoe"}}));
   ASSERT_FALSE(nowhere);
   EXPECT_THAT(nowhere.error().message, ::testing::HasSubstr("hmoe"));
+}
+
+/// The follower in place of the generator.
+class FollowingArm : public Arm {
+ protected:
+  FollowingArm() {
+    arm.add("follower", "manipulation::JointPathFollower",
+            Value::map({{"limits", value_of(test::seven_limits())}}));
+    arm.connect(arm.driver.joints, arm.input("follower", "joints"));
+    arm.connect(arm.output("follower", "command"), arm.driver.set_points);
+  }
+  auto follow(const std::vector<std::vector<double>>& points) {
+    return arm.call("follower", "follow", Value::map({{"path", value_of(messages::JointPath{points})}}));
+  }
+  const std::vector<double> home{0, 0.3, 0, 0.9, 0, 0.6, 0};
+};
+
+TEST_F(FollowingArm, PassesAllPointsOfAPathAndStopsAtItsEnd) {
+  arm.start("follower");
+  arm.run(0.1);
+  EXPECT_EQ(state("follower"), "idle");
+  std::vector<double> aside = test::bent();
+  aside[0] += 0.8;
+  ASSERT_TRUE(follow({test::bent(), aside, home}));
+  double closest = 1;
+  for (int i = 0; i < 500 && state("follower") != "reached"; ++i) {
+    arm.step();
+    closest = std::min(closest, distance_from(aside));
+  }
+  EXPECT_LT(closest, 0.02) << "by the corner";
+  EXPECT_EQ(state("follower"), "reached");
+  EXPECT_LT(distance_from(home), 1e-9);
+  ASSERT_TRUE(follow({home, test::bent()}));
+  arm.step();
+  EXPECT_EQ(state("follower"), "moving");
+  const auto another = follow({home, test::bent()});
+  ASSERT_FALSE(another);
+  EXPECT_THAT(another.error().message, ::testing::HasSubstr("still follows another path"));
+}
+
+TEST_F(FollowingArm, RefusesPathsThatBeginElsewhereOrAreNone) {
+  arm.start("follower");
+  ASSERT_TRUE(follow({home, test::bent()})) << "nothing is known of the arm yet";
+  arm.run(0.1);
+  EXPECT_EQ(state("follower"), "refused");
+  EXPECT_LT(distance_from(test::bent()), 1e-9) << "it has not moved";
+  const auto elsewhere = follow({home, test::bent()});
+  ASSERT_FALSE(elsewhere);
+  EXPECT_THAT(elsewhere.error().message, ::testing::HasSubstr("away from where the arm is"));
+  EXPECT_FALSE(follow({}));
+  EXPECT_FALSE(follow({{1, 2}}));
+  std::vector<double> wrong = test::bent();
+  wrong[3] = std::nan("");
+  EXPECT_FALSE(follow({test::bent(), wrong}));
+  ASSERT_TRUE(follow({test::bent(), home}));
+  arm.run(3);
+  EXPECT_EQ(state("follower"), "reached");
 }
 
 TEST_F(Arm, AnotherGeneratorGoesOnWithTheMotionWithoutAJump) {

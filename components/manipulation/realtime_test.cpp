@@ -4,6 +4,8 @@
 #include "pose_servo.hpp"
 #include "simulated_arm.hpp"
 
+#include "../messages/motion.hpp"
+
 #include <support/allocation_trap.hpp>
 
 #include <gtest/gtest.h>
@@ -62,6 +64,30 @@ TEST(ManipulationRealtime, UpdatesDoNotAllocate) {
   arm.start("mouse");
   arm.start("splitter");
   run_trapped();
+  EXPECT_EQ(segue::testing::caught, 0);
+}
+
+TEST(ManipulationRealtime, FollowingAPathDoesNotAllocate) {
+  test::SimulatedArm arm;
+  arm.add("follower", "manipulation::JointPathFollower",
+          Value::map({{"limits", value_of(test::seven_limits())}}));
+  arm.connect(arm.driver.joints, arm.input("follower", "joints"));
+  arm.connect(arm.output("follower", "command"), arm.driver.set_points);
+  arm.start("follower");
+  arm.run(0.1);
+  const auto start = arm.state.positions;
+  const messages::JointPath path{{start, std::vector<double>(7, 0.1)}};
+  ASSERT_TRUE(arm.call("follower", "follow", Value::map({{"path", value_of(path)}})));
+  for (int i = 0; i < 100; ++i) {
+    arm.state.time = arm.seconds();
+    arm.driver.joints.write(arm.state);
+    segue::testing::trapped = true;
+    arm.advance(std::chrono::milliseconds(10));
+    segue::testing::trapped = false;
+    arm.driver.set_points.read(arm.command);
+    arm.state.positions = arm.command.positions;
+  }
+  EXPECT_NE(arm.state.positions, start) << "it moves";
   EXPECT_EQ(segue::testing::caught, 0);
 }
 
