@@ -34,27 +34,28 @@ void BoxEstimate::add(std::int32_t id, const messages::Pose& pose) {
   if (!pose.position.allFinite() || !pose.orientation.coeffs().allFinite() ||
       !(pose.orientation.norm() > 1e-6))
     return;
-  std::vector<messages::Pose>& seen = seen_[id];
+  std::vector<Sight>& seen = seen_[id];
   if (seen.size() == images_) seen.erase(seen.begin());
-  seen.push_back(upright(pose));
+  seen.push_back({image_, upright(pose)});
 }
 
 std::optional<messages::Pose> BoxEstimate::pose(std::int32_t id) const {
   const auto found = seen_.find(id);
   if (found == seen_.end() || found->second.size() < images_) return std::nullopt;
-  const std::vector<messages::Pose>& seen = found->second;
+  const std::vector<Sight>& seen = found->second;
+  if (image_ - seen.front().image > 3 * images_) return std::nullopt;
   messages::Pose estimate;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
-    for (const messages::Pose& one : seen)
-      values.push_back(one.position[axis]);
+    for (const Sight& one : seen)
+      values.push_back(one.pose.position[axis]);
     estimate.position[axis] = median(std::move(values));
   }
   // Turns by quarters look the same: those of the others are taken near that of the last one.
-  const double reference = yaw_of(seen.back());
+  const double reference = yaw_of(seen.back().pose);
   std::vector<double> turns;
-  for (const messages::Pose& one : seen)
-    turns.push_back(std::remainder(yaw_of(one) - reference, kQuarter));
+  for (const Sight& one : seen)
+    turns.push_back(std::remainder(yaw_of(one.pose) - reference, kQuarter));
   const double turn = std::remainder(reference + median(std::move(turns)), kQuarter);
   estimate.orientation = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ());
   return estimate;

@@ -20,16 +20,24 @@ messages::Pose upright(const messages::Pose& cube);
 /// One thread at a time.
 class BoxEstimate {
  public:
+  /// A box must be seen in `images` of the last three times as many.
   explicit BoxEstimate(std::size_t images) : images_(images) {}
 
+  /// What is added from now on is in another image.
+  void next_image() { ++image_; }
   /// A pose in the frame of the rover, as one image shows it. Poses that are not finite are ignored.
   void add(std::int32_t id, const messages::Pose& pose);
-  /// Nothing until there have been enough images of it.
+  /// Nothing where there are not enough images of it.
   [[nodiscard]] std::optional<messages::Pose> pose(std::int32_t id) const;
 
  private:
+  struct Sight {
+    std::size_t image = 0;
+    messages::Pose pose;
+  };
   std::size_t images_;
-  std::map<std::int32_t, std::vector<messages::Pose>> seen_;  ///< the latest ones
+  std::size_t image_ = 0;
+  std::map<std::int32_t, std::vector<Sight>> seen_;  ///< the latest `images_`
 };
 
 }  // namespace planning

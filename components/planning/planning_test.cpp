@@ -350,6 +350,9 @@ TEST(BoxEstimate, needs_enough_images_and_leaves_out_what_is_wrong) {
   EXPECT_NEAR(estimate.pose(3)->position.x(), 0.5, 0.011);
   const double turn = Eigen::AngleAxisd(estimate.pose(3)->orientation).angle();
   EXPECT_NEAR(turn, M_PI / 4, 0.03);
+  for (int image = 0; image < 20; ++image)
+    estimate.next_image();
+  EXPECT_FALSE(estimate.pose(3)) << "it has not been seen lately";
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ class SceneObserver final : public Component {
     const bool knows_arm = joints_in_.read(joints) != ReadStatus::NoData;
     const auto markers = markers_in_.take();
     if (!markers) return;
+    estimate_->next_image();
     for (const messages::Marker& marker : markers->markers)
       estimate_->add(marker.id, pose_of(camera_frame_ * frame_of(marker.pose) * box_frame_));
     Situation situation{.base = *base_, .positions = joints.positions, .boxes = {}, .held = -1, .grasp = {}};
