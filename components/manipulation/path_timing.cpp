@@ -14,7 +14,7 @@ using Point = Eigen::VectorXd;
 
 constexpr double kSame = 1e-6;      // rad; points that are closer are one
 constexpr double kSpacing = 0.004;  // rad, between points at which velocities are computed
-constexpr double kLongest = 3600;   // s
+constexpr double kLongest = 600;    // s
 constexpr double kCornering = 0.7;  // part of the acceleration that a curve may take
 constexpr double kPlanned =
     0.9;  // part of the acceleration that is used: the points are not infinitely close
@@ -201,7 +201,7 @@ segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>
   const std::vector<Point> dense = DensePath(*path, options.corner).take();
   const FastestPass pass(dense, limits);
   const double passed = pass.times().back();
-  if (!(passed < kLongest)) return refusal("to follow this path takes more than an hour");
+  if (!(passed < kLongest)) return refusal("to follow this path takes more than ten minutes");
 
   PathTiming made(limits.size(), options.period);
   const std::size_t averaged = window(limits, options.period);

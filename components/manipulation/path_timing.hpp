@@ -24,7 +24,7 @@ class PathTiming {
   };
 
   /// InvalidArgument unless there is a point, and in each of them a finite number for each joint within its
-  /// limits, and unless the motion takes less than an hour.
+  /// limits, and unless the motion takes less than ten minutes.
   static segue::Result<PathTiming> make(const std::vector<std::vector<double>>& points,
                                         std::span<const JointLimits> limits, const Options& options);
 

@@ -99,6 +99,15 @@ TEST(PathTiming, RefusesWhatIsNoPath) {
   }
 }
 
+TEST(PathTiming, RefusesAMotionThatNeverEnds) {
+  Points to_and_fro;
+  for (int i = 0; i < 400; ++i)
+    to_and_fro.push_back({i % 2 == 0 ? -3.0 : 3.0, 0, 0});
+  const auto made = PathTiming::make(to_and_fro, three_joints(), {});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, ::testing::HasSubstr("ten minutes"));
+}
+
 RC_GTEST_PROP(PathTimingProperty, KeepsAllLimitsAndStaysOnThePath, ()) {
   const auto position = rc::gen::map(rc::gen::inRange(-3000, 3001), [](int value) { return value / 1000.0; });
   const auto point = rc::gen::container<std::vector<double>>(3, position);

@@ -10,11 +10,13 @@
 namespace planning {
 namespace {
 
-constexpr double kClearance = 0.01;   // m
-constexpr double kLineStep = 0.01;    // m, between the points of a straight line
-constexpr double kLongestLine = 0.5;  // m
-constexpr double kLargestJump = 0.3;  // rad, of a joint on a step of a straight line
-constexpr double kSlack = 0.03;       // rad, by which an arm may be beyond its limits at the beginning
+constexpr double kClearance = 0.01;  // m
+// The tool, at most 0.82 m from the first axis, moves by less than the clearance from one check to the next.
+constexpr double kResolution = 0.012;  // rad
+constexpr double kLineStep = 0.01;     // m, between the points of a straight line
+constexpr double kLongestLine = 0.5;   // m
+constexpr double kLargestJump = 0.3;   // rad, of a joint on a step of a straight line
+constexpr double kSlack = 0.03;        // rad, by which an arm may be beyond its limits at the beginning
 constexpr std::size_t kMostGoals = 64;
 constexpr std::uint32_t kMostSteps = 1'000'000;
 constexpr int kSeeds = 24;                  // configurations from which inverse kinematics begin
@@ -265,7 +267,7 @@ class MotionPlan {
                             positions == beginning_.back() || (!lines && positions == candidate.end);
                         return !scene_.contact(positions, is_end ? at_end : Tolerance{kClearance, -1});
                       },
-                      0.03};
+                      kResolution};
     auto path = find_path(space, beginning_.back(), candidate.end,
                           {request_.budget, request_.seed + number, request_.first});
     if (!path) {
