@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 namespace planning {
@@ -18,38 +17,6 @@ Eigen::Vector3d vector_at(const mjtNum* numbers) {
 
 Eigen::Matrix3d matrix_at(const mjtNum* numbers) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers);
-}
-
-bool finite(const messages::Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 1e-6;
-}
-
-segue::Error wrong(std::string what) {
-  return {segue::ErrorCode::InvalidArgument, std::move(what), {}, {}, {}};
-}
-
-segue::Result<void> check(const Situation& situation) {
-  if (situation.positions.size() != rover::kArmJoints)
-    return wrong("the arm has 6 joints; from.positions has " + std::to_string(situation.positions.size()));
-  for (std::size_t joint = 0; joint < rover::kArmJoints; ++joint) {
-    if (!std::isfinite(situation.positions[joint]))
-      return wrong("from.positions: that of joint " + std::to_string(joint + 1) + " is not finite");
-  }
-  if (!std::isfinite(situation.base.x) || !std::isfinite(situation.base.y) ||
-      !std::isfinite(situation.base.theta))
-    return wrong("from.base must consist of finite numbers");
-  std::set<std::int32_t> seen;
-  for (const BoxPose& box : situation.boxes) {
-    if (box.id < 0 || box.id >= static_cast<std::int32_t>(rover::kBoxes))
-      return wrong("there are boxes 0 to " + std::to_string(rover::kBoxes - 1) + ", not " +
-                   std::to_string(box.id));
-    if (!seen.insert(box.id).second) return wrong("box " + std::to_string(box.id) + " is there twice");
-    if (!finite(box.pose)) return wrong("the pose of box " + std::to_string(box.id) + " is not finite");
-  }
-  if (situation.held >= 0 && !seen.contains(situation.held))
-    return wrong("box " + std::to_string(situation.held) + " is held, but not among the boxes");
-  if (situation.held >= 0 && !finite(situation.grasp)) return wrong("from.grasp is not finite");
-  return {};
 }
 
 }  // namespace
@@ -104,8 +71,7 @@ void ArmScene::sort_shapes() {
   }
 }
 
-segue::Result<void> ArmScene::set(const Situation& situation) {
-  if (auto checked = check(situation); !checked) return checked;
+void ArmScene::set(const Situation& situation) {
   mju_copy(data_->qpos, model_->qpos0, model_->nq);
   base_ = Eigen::Isometry3d::Identity();
   base_.translate(Eigen::Vector3d(situation.base.x, situation.base.y, 0));
@@ -123,7 +89,6 @@ segue::Result<void> ArmScene::set(const Situation& situation) {
   hold(situation.held);
   grasp_ = frame_of(situation.grasp);
   move_to(situation.positions);
-  return {};
 }
 
 /// The box is one of what moves, and the fingers are as far apart as it is wide.

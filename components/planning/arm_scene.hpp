@@ -39,8 +39,8 @@ class ArmScene {
   /// Unsupported where MuJoCo does not take the model.
   static segue::Result<std::unique_ptr<ArmScene>> create();
 
-  /// InvalidArgument where a number of joints, an id or a number is wrong; the scene is as before then.
-  segue::Result<void> set(const Situation& situation);
+  /// Requires a situation that makes sense (plan_request.hpp).
+  void set(const Situation& situation);
 
   /// Of each joint, rad.
   [[nodiscard]] static std::vector<std::pair<double, double>> limits();

@@ -2,6 +2,7 @@
 #include "motion_plan.hpp"
 
 #include "path_search.hpp"
+#include "plan_request.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,19 +13,12 @@ namespace {
 
 constexpr double kClearance = 0.01;  // m
 // The tool, at most 0.82 m from the first axis, moves by less than the clearance from one check to the next.
-constexpr double kResolution = 0.012;  // rad
-constexpr double kLineStep = 0.01;     // m, between the points of a straight line
-constexpr double kLongestLine = 0.5;   // m
-constexpr double kLargestJump = 0.3;   // rad, of a joint on a step of a straight line
-constexpr double kSlack = 0.03;        // rad, by which an arm may be beyond its limits at the beginning
-constexpr std::size_t kMostGoals = 64;
-constexpr std::uint32_t kMostSteps = 1'000'000;
+constexpr double kResolution = 0.012;       // rad
+constexpr double kLineStep = 0.01;          // m, between the points of a straight line
+constexpr double kLargestJump = 0.3;        // rad, of a joint on a step of a straight line
+constexpr double kSlack = 0.03;             // rad, by which an arm may be beyond its limits at the beginning
 constexpr int kSeeds = 24;                  // configurations from which inverse kinematics begin
 constexpr std::size_t kConfigurations = 2;  // for each pose
-
-segue::Error refusal(std::string what) {
-  return {segue::ErrorCode::InvalidArgument, std::move(what), {}, {}, {}};
-}
 
 /// Where the tool is to be, and the goal of the request that says so.
 struct Target {
@@ -48,19 +42,13 @@ double farthest(const Positions& a, const Positions& b) {
   return largest;
 }
 
-const BoxPose* box_of(const Situation& situation, std::int32_t id) {
-  const auto found = std::ranges::find(situation.boxes, id, &BoxPose::id);
-  return found == situation.boxes.end() ? nullptr : &*found;
-}
-
 class MotionPlan {
  public:
   MotionPlan(ArmScene& scene, const PlanRequest& request)
       : scene_(scene), request_(request), random_(request.seed) {}
 
   segue::Result<PlanResult> run() {
-    if (auto set = scene_.set(request_.from); !set) return std::move(set.error());
-    if (auto checked = check(); !checked) return std::move(checked.error());
+    scene_.set(request_.from);
     if (const std::string why = begin(); !why.empty()) return nothing(why);
     for (const Target& target : targets())
       add_candidates(target);
@@ -75,50 +63,6 @@ class MotionPlan {
   }
 
  private:
-  segue::Result<void> check() const {
-    if (request_.goals.empty() || request_.goals.size() > kMostGoals)
-      return refusal("there must be 1 to 64 goals, not " + std::to_string(request_.goals.size()));
-    if (request_.budget < 1 || request_.budget > kMostSteps)
-      return refusal("budget must be from 1 to 1000000 steps");
-    for (const Eigen::Vector3d* line : {&request_.leave, &request_.approach}) {
-      if (!line->allFinite() || line->norm() > kLongestLine)
-        return refusal("leave and approach must be finite and no longer than half a metre");
-    }
-    const Situation& from = request_.from;
-    if (request_.take >= 0 && (box_of(from, request_.take) == nullptr || from.held >= 0))
-      return refusal("box " + std::to_string(request_.take) +
-                     " can be taken only if it is among the boxes and none is held");
-    if (request_.release && from.held < 0) return refusal("no box is held that could be released");
-    if (request_.release && request_.take >= 0) return refusal("a motion either takes or releases a box");
-    for (std::size_t index = 0; index < request_.goals.size(); ++index) {
-      if (auto checked = check(request_.goals[index]); !checked) {
-        return refusal("goals, entry " + std::to_string(index + 1) + ": " + checked.error().message);
-      }
-    }
-    return {};
-  }
-
-  segue::Result<void> check(const Goal& goal) const {
-    if (!goal.positions.empty()) {
-      if (goal.positions.size() != rover::kArmJoints)
-        return refusal("the arm has 6 joints, not " + std::to_string(goal.positions.size()));
-      const auto limits = ArmScene::limits();
-      for (std::size_t joint = 0; joint < limits.size(); ++joint) {
-        const double position = goal.positions[joint];
-        if (!(position >= limits[joint].first && position <= limits[joint].second))
-          return refusal("joint " + std::to_string(joint + 1) + " does not reach that far");
-      }
-      return {};
-    }
-    if (!goal.pose.position.allFinite() || !goal.pose.orientation.coeffs().allFinite() ||
-        !(goal.pose.orientation.norm() > 1e-6))
-      return refusal("the pose must consist of finite numbers and have an orientation that is not zero");
-    if (goal.of_held && request_.from.held < 0) return refusal("of_held, but no box is held");
-    if (goal.relative_to >= 0 && box_of(request_.from, goal.relative_to) == nullptr)
-      return refusal("box " + std::to_string(goal.relative_to) + " is not among the boxes");
-    return {};
-  }
-
   static segue::Error nothing(const std::string& why) {
     return {segue::ErrorCode::NotFound, "there is no path: " + why, {}, {}, {}};
   }
@@ -315,6 +259,7 @@ class MotionPlan {
 }  // namespace
 
 segue::Result<PlanResult> plan_motion(ArmScene& scene, const PlanRequest& request) {
+  if (auto checked = check(request); !checked) return std::move(checked.error());
   return MotionPlan(scene, request).run();
 }
 
