@@ -192,6 +192,20 @@ TEST_F(WrongOdometry, AnotherTaskGoesOnWithTheCorrection) {
   EXPECT_NEAR(estimate.pose.theta, 0.5, 1e-6);
 }
 
+TEST_F(Navigation, ThePlannerWaitsForTheFirstMap) {
+  network.start("planner");
+  ASSERT_TRUE(
+      network.call("planner", "set_goal", Value::map({{"goal", Value::map({{"x", 3.0}, {"y", 1.0}})}})));
+  run(0.5, [] { return false; });
+  EXPECT_EQ(state("planner"), "waiting");
+  PlanStatus status;
+  vehicle.status.read(status);
+  EXPECT_NE(status.problem, PlanProblem::None);
+  network.start("mapper");
+  run(1, [] { return false; });
+  EXPECT_EQ(state("planner"), "planned");
+}
+
 TEST_F(Navigation, SaysWhyThereIsNoPathAndStands) {
   for (const char* task : {"mapper", "planner", "follower"})
     network.start(task);

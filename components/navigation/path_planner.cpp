@@ -18,7 +18,7 @@ class PathPlanner final : public Component {
   PathPlanner() {
     doc("Finds the path to a goal in a map, or says why there is none");
     default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(100)});
-    declare_states({"idle", "planned", "no_path"});
+    declare_states({"idle", "waiting", "planned", "no_path"});
   }
 
  private:
@@ -85,10 +85,14 @@ class PathPlanner final : public Component {
     report(problem);
   }
 
+  /// What has not arrived yet is no reason to give up.
+  static bool is_waiting(PlanProblem problem) {
+    return problem == PlanProblem::NoPose || problem == PlanProblem::NoMap;
+  }
   void report(PlanProblem problem) {
     const bool found = problem == PlanProblem::None;
     if (!found) path_.poses.clear();
-    if (goal_) set_state(found ? "planned" : "no_path");
+    if (goal_) set_state(found ? "planned" : is_waiting(problem) ? "waiting" : "no_path");
     if (!found && problem != reported_ && goal_) log(segue::LogLevel::Warning, explain(problem));
     reported_ = problem;
     double length = 0;
