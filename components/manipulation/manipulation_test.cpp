@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace manipulation {
 namespace {
@@ -264,6 +265,34 @@ TEST_F(Arm, PlaysAScriptLikeA3DMouse) {
   EXPECT_EQ(state("generator"), "holding");
   const Eigen::Vector3d moved = tip().position - before.position;
   EXPECT_LT((moved - Eigen::Vector3d(0.05, 0, -0.1)).norm(), 0.015) << moved.transpose();
+}
+
+TEST_F(Arm, AGeneratorMayGoByTheTimeOfASimulatedArm) {
+  struct : segue::task::Component {
+    segue::task::OutputPort<messages::JointCommand> command{*this, "command"};
+  } hand;
+  arm.add("slow", "manipulation::TrajectoryGenerator",
+          Value::map({{"limits", value_of(test::seven_limits())}, {"robot_time", true}}));
+  arm.connect(arm.driver.joints, arm.input("slow", "joints"));
+  arm.connect(arm.output("slow", "set_points"), arm.driver.set_points);
+  arm.connect(hand.command, arm.input("slow", "command"));
+  arm.start("slow");
+  std::vector<double> target = test::bent();
+  target[0] += 1;
+  hand.command.write({0, target, {}});
+  // The arm's time is a quarter of the computer's.
+  double before = arm.state.positions[0];
+  for (int i = 0; i < 400; ++i) {
+    arm.state.time += 0.0025;
+    arm.driver.joints.write(arm.state);
+    arm.advance(std::chrono::milliseconds(10));
+    arm.driver.set_points.read(arm.command);
+    EXPECT_NEAR(arm.command.time, arm.state.time, 1e-9);
+    const double step = arm.command.positions[0] - std::exchange(before, arm.command.positions[0]);
+    ASSERT_LE(std::abs(step), 0.0025 * test::seven_joints()[0].velocity + 1e-9);
+  }
+  EXPECT_GT(before - arm.state.positions[0], 0.3) << "it has moved for a second";
+  EXPECT_LT(before, target[0]);
 }
 
 /// A 3D mouse whose velocities are dealt out; what the vehicle gets can be read.

@@ -22,6 +22,7 @@ class TrajectoryGenerator final : public Component {
   TrajectoryGenerator() {
     doc("Turns commands into set points that keep all limits of the joints, with bounded jerk");
     default_activity({.trigger = segue::Trigger::Periodic, .period = std::chrono::milliseconds(10)});
+    trigger_on({"joints"});  // where a network makes it port driven
     declare_states({"waiting", "holding", "moving"});
   }
 
@@ -48,17 +49,14 @@ class TrajectoryGenerator final : public Component {
     joints_.begin(trajectory_->size());
     moving_arm_ = std::exchange(restored_, false);
     mode_ = Mode::Hold;
-    last_update_ = now();
+    time_.reset();
+    if (!*robot_time_) time_ = seconds(now());
     return {};
   }
 
   void on_update() override {
-    // After a longer pause it goes on where it was.
-    constexpr double kLongestStep = 0.1;  // s
-    const double step = std::chrono::duration<double>(now() - last_update_).count();
-    last_update_ = now();
     const bool joints_known = joints_.read(now(), kAnyAge);
-    if (!moving_arm_ && !joints_known) {
+    if (!joints_known && (!moving_arm_ || *robot_time_)) {
       set_state("waiting");
       return;
     }
@@ -69,7 +67,7 @@ class TrajectoryGenerator final : public Component {
       trajectory_->stop();
       mode_ = Mode::Hold;
     }
-    trajectory_->step(std::min(step, kLongestStep));
+    trajectory_->step(passed());
     publish();
   }
 
@@ -104,6 +102,17 @@ class TrajectoryGenerator final : public Component {
     return {};
   }
 
+  static double seconds(segue::TimePoint time) {
+    return std::chrono::duration<double>(time.time_since_epoch()).count();
+  }
+  /// The time since the last update, s. After a longer pause it goes on where it was.
+  double passed() {
+    constexpr double kLongest = 0.1;  // s
+    const double time = *robot_time_ ? joints_.time() : seconds(now());
+    const double before = std::exchange(time_, time).value_or(time);
+    return std::clamp(time - before, 0.0, kLongest);
+  }
+
   /// From where the arm is.
   void begin() {
     std::array<JointMotion, kMostJoints> motions{};
@@ -134,7 +143,7 @@ class TrajectoryGenerator final : public Component {
       set_points_.positions[i] = trajectory_->motion(i).position;
       set_points_.velocities[i] = trajectory_->motion(i).velocity;
     }
-    set_points_.time = std::chrono::duration<double>(now().time_since_epoch()).count();
+    set_points_.time = *time_;
     set_points_out_.write(set_points_);
     set_state(trajectory_->at_rest() ? "holding" : "moving");
   }
@@ -154,13 +163,19 @@ class TrajectoryGenerator final : public Component {
       std::chrono::milliseconds(200),
       {.live = true, .doc = "comes to rest after this time without another command of velocities"}};
 
+  Property<bool> robot_time_{
+      *this,
+      "robot_time",
+      false,
+      {.doc = "go by the time in joints, as for a simulated arm, which may be slower than the clock"}};
+
   std::optional<Trajectory> trajectory_;
   messages::JointCommand set_points_;
   std::vector<double> target_;
   Mode mode_ = Mode::Hold;
   bool moving_arm_ = false;  ///< the trajectory has begun
   bool restored_ = false;
-  segue::TimePoint last_update_;
+  std::optional<double> time_;  ///< s, of the last update
   segue::TimePoint command_time_;
 };
 
