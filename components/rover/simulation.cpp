@@ -43,6 +43,7 @@ class Simulation final : public Component {
   segue::Result<void> on_start() override {
     next_scan_ = rover_->time();
     last_command_ = rover_->time();
+    ages_ = {};
     return {};
   }
 
@@ -61,15 +62,24 @@ class Simulation final : public Component {
 
  private:
   void take_commands() {
+    ++ages_.wheels;
+    ++ages_.arm;
     if (wheels_in_.read(wheels_) == ReadStatus::NewData) {
       last_command_ = rover_->time();
       rover_->command_wheels(wheels_);
+      ages_.wheels = 0;
     } else if (rover_->time() - last_command_ > std::chrono::duration<double>(*timeout_).count()) {
       wheels_.speeds = {};
       rover_->command_wheels(wheels_);
     }
-    if (const auto command = arm_in_.take()) rover_->command_arm(command->positions);
+    if (const auto command = arm_in_.take()) {
+      rover_->command_arm(command->positions);
+      ages_.arm = 0;
+    }
     if (gripper_in_.read(gripper_) == ReadStatus::NewData) rover_->command_gripper(gripper_.opening);
+    ages_.time = rover_->time();
+    ages_.clock = std::chrono::duration<double>(now().time_since_epoch()).count();
+    ages_out_.write(ages_);
   }
 
   void write_scan() {
@@ -143,6 +153,8 @@ class Simulation final : public Component {
       *this, "pose", {.doc = "where the rover really is, in the frame of the room"}};
   OutputPort<messages::Markers> boxes_out_{
       *this, "boxes", {.doc = "where the centres of the boxes really are, in the frame of the room"}};
+  OutputPort<SetPointAges> ages_out_{
+      *this, "set_point_ages", {.doc = "how old what this update went by was"}};
   OutputPort<double> time_out_{*this, "time", {.doc = "the robot's clock, s"}};
   Property<std::chrono::milliseconds> step_{*this,
                                             "step",
@@ -176,6 +188,7 @@ class Simulation final : public Component {
   double next_scan_ = 0;
   double last_command_ = 0;
   WheelCommand wheels_;
+  SetPointAges ages_;
   GripperCommand gripper_;
   messages::Imu imu_;
   messages::Markers boxes_;

@@ -4,6 +4,7 @@
 #include <segue/type/describe.hpp>
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 /// A simulated rover with six wheels, an arm and cameras. Units and frames: messages/geometry.hpp.
@@ -27,6 +28,15 @@ struct SceneState {
   std::vector<double> positions;  ///< in the order of the model's joints (mjData::qpos)
 };
 
+/// What an update of the simulation went by: how many updates ago the set points arrived, which is 0 where
+/// drivers keep up.
+struct SetPointAges {
+  double time = 0;   ///< s, the robot's clock before the update
+  double clock = 0;  ///< s, the computer's clock then
+  std::uint32_t wheels = 0;
+  std::uint32_t arm = 0;
+};
+
 /// A velocity to be commanded for some time.
 struct Leg {
   double duration = 0;  ///< s
@@ -39,4 +49,5 @@ struct Leg {
 SEGUE_TYPE(rover::WheelCommand, time, steering, speeds)
 SEGUE_TYPE(rover::GripperCommand, time, opening)
 SEGUE_TYPE(rover::SceneState, time, positions)
+SEGUE_TYPE(rover::SetPointAges, time, clock, wheels, arm)
 SEGUE_TYPE(rover::Leg, duration, linear, angular)
