@@ -224,14 +224,13 @@ segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>
 }
 
 double PathTiming::duration() const {
-  return period_ * (static_cast<double>(set_points_.size() / joints_) - 1);
+  return period_ * static_cast<double>(last());
 }
 
 void PathTiming::at(double time, std::span<double> positions) const {
-  const double last = static_cast<double>(set_points_.size() / joints_) - 1;
-  const double place = std::clamp(time / period_, 0.0, last);
+  const double place = std::clamp(time / period_, 0.0, static_cast<double>(last()));
   const auto before = static_cast<std::size_t>(place);
-  const std::size_t after = std::min(before + 1, static_cast<std::size_t>(last));
+  const std::size_t after = std::min(before + 1, last());
   const double part = place - static_cast<double>(before);
   for (std::size_t joint = 0; joint < joints_; ++joint) {
     const double from = set_points_[before * joints_ + joint];

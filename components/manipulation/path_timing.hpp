@@ -35,6 +35,8 @@ class PathTiming {
 
  private:
   PathTiming(std::size_t joints, double period) : joints_(joints), period_(period) {}
+  /// The number of the last set point.
+  [[nodiscard]] std::size_t last() const { return set_points_.size() / joints_ - 1; }
 
   std::size_t joints_;
   double period_;

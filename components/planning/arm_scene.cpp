@@ -11,12 +11,13 @@ namespace {
 constexpr double kMargin = 0.02;  // m; contacts that are farther apart are not looked at
 constexpr double kSelfClearance = 0.005;
 
-Eigen::Vector3d vector_at(const mjtNum* numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
+/// The vector of one of MuJoCo's objects, where those of all follow each other.
+Eigen::Vector3d vector_of(const mjtNum* vectors, std::ptrdiff_t object) {
+  return Eigen::Map<const Eigen::Vector3d>(vectors + 3 * object);
 }
 
-Eigen::Matrix3d matrix_at(const mjtNum* numbers) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers);
+Eigen::Matrix3d matrix_of(const mjtNum* matrices, std::ptrdiff_t object) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrices + 9 * object);
 }
 
 }  // namespace
@@ -128,8 +129,8 @@ void ArmScene::move_to(const Positions& positions) {
 Eigen::Isometry3d ArmScene::tool(const Positions& positions) {
   move_to(positions);
   Eigen::Isometry3d in_room = Eigen::Isometry3d::Identity();
-  in_room.translate(vector_at(data_->site_xpos + 3 * tool_));
-  in_room.rotate(matrix_at(data_->site_xmat + 9 * tool_));
+  in_room.translate(vector_of(data_->site_xpos, tool_));
+  in_room.rotate(matrix_of(data_->site_xmat, tool_));
   return base_.inverse() * in_room;
 }
 
@@ -193,10 +194,10 @@ std::optional<Positions> ArmScene::reach(const Eigen::Isometry3d& pose, const Po
         base_.linear() * (turn.angle() * turn.axis());
     if (error.head<3>().norm() < kClose && error.tail<3>().norm() < kClose) return positions;
     Jacobian jacobian;
-    const Eigen::Vector3d tip = vector_at(data_->site_xpos + 3 * tool_);
+    const Eigen::Vector3d tip = vector_of(data_->site_xpos, tool_);
     for (std::size_t joint = 0; joint < arm_.size(); ++joint) {
-      const Eigen::Vector3d axis = vector_at(data_->xaxis + 3 * arm_.at(joint));
-      const Eigen::Vector3d lever = tip - vector_at(data_->xanchor + 3 * arm_.at(joint));
+      const Eigen::Vector3d axis = vector_of(data_->xaxis, arm_.at(joint));
+      const Eigen::Vector3d lever = tip - vector_of(data_->xanchor, arm_.at(joint));
       jacobian.col(static_cast<int>(joint)) << axis.cross(lever), axis;
     }
     const Eigen::Matrix<double, 6, 6> damped =
