@@ -139,6 +139,33 @@ TEST(DriveKinematics, every_velocity_has_steering_with_which_the_wheels_move_as_
   }
 }
 
+TEST(SimulatedBoxes, lie_scattered_about_as_their_seed_says) {
+  const auto boxes = [](std::uint64_t seed, const messages::Pose2D& scatter) {
+    SimulationOptions options = without_noise();
+    options.seed = seed;
+    options.scatter = scatter;
+    const auto rover = make(options);
+    std::vector<messages::Pose> poses;
+    for (std::size_t number = 0; number < kBoxes; ++number)
+      poses.push_back(rover->box(number));
+    return poses;
+  };
+  const auto usual = boxes(1, {});
+  const auto scattered = boxes(1, {0.03, 0.04, 0.5});
+  const auto again = boxes(1, {0.03, 0.04, 0.5});
+  const auto other = boxes(2, {0.03, 0.04, 0.5});
+  for (std::size_t number = 0; number < kBoxes; ++number) {
+    const Eigen::Vector3d moved = scattered[number].position - usual[number].position;
+    EXPECT_LT(std::abs(moved.x()), 0.031);
+    EXPECT_LT(std::abs(moved.y()), 0.041);
+    EXPECT_LT(std::abs(moved.z()), 0.001) << "still on the table";
+    EXPECT_LT(scattered[number].orientation.angularDistance(usual[number].orientation), 0.51);
+    EXPECT_GT(moved.norm(), 0.001);
+    EXPECT_EQ(scattered[number].position, again[number].position);
+    EXPECT_NE(scattered[number].position, other[number].position);
+  }
+}
+
 double largest_error(const messages::JointState& state, std::span<const double> wanted) {
   double largest = 0;
   for (std::size_t index = 0; index < wanted.size(); ++index)
