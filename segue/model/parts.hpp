@@ -36,6 +36,8 @@ void warn_of_sections(const Network& network, std::string_view values, const Sou
 /// An error where the network has the key `include`, which would leave it incomplete.
 void refuse_include(Fields& fields, const Source& source);
 
+/// From the keys component, config_names, properties, activity, exclusive, on_failure.
+void read_definition(Fields& fields, Task& task, const Source& source);
 /// A task from its entry in `tasks`, its id being the key.
 Task read_task(const std::string& id, const type::Value& value, const Source& source);
 type::Value write_task(const Task& task);

@@ -194,17 +194,9 @@ void refuse_include(Fields& fields, const Source& source) {
                *include);
 }
 
-Task read_task(const std::string& id, const Value& value, const Source& source) {
-  Fields fields(value, "task " + quote(id), source);
-  check_name(id, "task " + quote(id), value, source);
-  Task task;
-  task.id = TaskId(id);
-  task.where = source.at(value);
-  if (fields.is_map() || value.is_null()) {
+void read_definition(Fields& fields, Task& task, const Source& source) {
+  if (fields.is_map() || fields.value().is_null()) {
     task.component = ComponentName(fields.required_name("component", "name its component"));
-  }
-  if (auto state = fields.choice("state", kTaskStateNames, "bad-state")) {
-    task.state = static_cast<TaskState>(*state);
   }
   task.config_names = fields.texts("config_names");
   if (const Value* properties = fields.find("properties", Value::Kind::Map)) task.properties = *properties;
@@ -212,8 +204,20 @@ Task read_task(const std::string& id, const Value& value, const Source& source) 
     task.activity = read_activity(*activity, fields.what(), source);
   }
   task.exclusive = fields.texts("exclusive");
-  if (const std::string old = fields.name("takes_over"); !old.empty()) task.takes_over = TaskId(old);
   task.on_failure = read_failure_policy(fields);
+}
+
+Task read_task(const std::string& id, const Value& value, const Source& source) {
+  Fields fields(value, "task " + quote(id), source);
+  check_name(id, "task " + quote(id), value, source);
+  Task task;
+  task.id = TaskId(id);
+  task.where = source.at(value);
+  read_definition(fields, task, source);
+  if (auto state = fields.choice("state", kTaskStateNames, "bad-state")) {
+    task.state = static_cast<TaskState>(*state);
+  }
+  if (const std::string old = fields.name("takes_over"); !old.empty()) task.takes_over = TaskId(old);
   fields.finish();
   return task;
 }

@@ -45,6 +45,24 @@ struct LookAhead {
   friend bool operator==(const LookAhead&, const LookAhead&) = default;
 };
 
+/// Equal tasks, each in a process of its own, that run beside every controller. Switches leave them alone;
+/// the runtime restarts those that fail. Missions call their operations.
+struct Pool {
+  std::string name;
+  int size = 1;
+  Task task;           ///< each instance, but for its id
+  Deployment process;  ///< each one's process, but for its name and tasks
+  SourceLocation where;
+  friend bool operator==(const Pool& a, const Pool& b) {
+    return a.name == b.name && a.size == b.size && a.task == b.task && a.process == b.process;
+  }
+};
+inline constexpr int kLargestPool = 256;
+/// "planner_2": the task of the second instance, counted from 1, and its process.
+TaskId instance_of(const Pool& pool, int number);
+/// All instances of all pools; without a name.
+Network pool_network(const std::vector<Pool>& pools);
+
 /// A robot file: its hosts, libraries, controllers and missions. Paths are relative to `folder`.
 struct Robot {
   std::string name;
@@ -56,6 +74,7 @@ struct Robot {
   std::optional<NetworkName> fallback;
   Policies policies;
   LookAhead look_ahead;
+  std::vector<Pool> pools;
   std::filesystem::path folder;
   SourceLocation where;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/model/files.hpp>
 #include <segue/model/parts.hpp>
+#include <segue/model/pools.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -124,6 +125,7 @@ Robot read_robot_body(const Value& root, const Source& source) {
   }
   read_policies(fields, robot, source);
   read_look_ahead(fields, robot, source);
+  robot.pools = detail::read_pools(fields, source);
   fields.finish();
   return robot;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/model/network_index.hpp>
+#include <segue/model/pools.hpp>
 #include <segue/model/validate.hpp>
 
 #include <algorithm>
@@ -107,7 +108,9 @@ Diagnostics validate(const Robot& robot, const std::vector<Network>& networks) {
     }
     check_network_hosts(robot, network, diagnostics);
     check_fallback_users(robot, network, diagnostics);
+    detail::check_pools(robot.pools, network, diagnostics);
   }
+  check_network_hosts(robot, pool_network(robot.pools), diagnostics);
   diagnostics.sort();
   return diagnostics;
 }

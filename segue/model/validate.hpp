@@ -25,7 +25,8 @@ Diagnostics validate(const Network& network, const ComponentCatalog& catalog, De
 /// could not be read.
 Diagnostics validate_references(const Network& parts, const ComponentCatalog& catalog, Depth depth);
 
-/// All problems of a robot and its networks together: unknown hosts, controllers of one name ...
+/// All problems of a robot and its networks together: unknown hosts, controllers of one name, tasks and
+/// processes that belong to a pool ...
 Diagnostics validate(const Robot& robot, const std::vector<Network>& networks);
 
 }  // namespace segue::model

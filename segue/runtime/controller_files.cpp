@@ -157,6 +157,7 @@ void ControllerFiles::check_robot(const model::Robot& now, Diagnostics& diagnost
   check(now.models == robot_.models, "models");
   check(now.policies == robot_.policies, "policies");
   check(now.look_ahead == robot_.look_ahead, "look_ahead");
+  check(now.pools == robot_.pools, "pools");
 }
 
 void ControllerFiles::keep_models(std::vector<LoadedFile>& files, Diagnostics& diagnostics) const {

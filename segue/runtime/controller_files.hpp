@@ -48,9 +48,9 @@ class ControllerFiles {
   ControllerFiles(std::filesystem::path file, const RobotFiles& started);
 
   /// The files as they are now, checked one by one and together (model::validate() of the robot). Nothing
-  /// where there are errors. What a running robot cannot take (hosts, libraries, models, policies and the
-  /// limits of look-ahead of the robot file; component model files) is a warning, `needs-restart`; another
-  /// name is an error.
+  /// where there are errors. What a running robot cannot take (hosts, libraries, models, policies, pools and
+  /// the limits of look-ahead of the robot file; component model files) is a warning, `needs-restart`;
+  /// another name is an error.
   [[nodiscard]] std::optional<ControllerSet> read(Diagnostics& diagnostics) const;
 
   /// The files whose content is no longer that of `loaded`, those that are gone, and new ones that match the
