@@ -3,6 +3,7 @@
 
 #include <segue/type/describe.hpp>
 
+#include <string>
 #include <vector>
 
 /// A small two-wheeled robot in a room with round obstacles, to try out switching between controllers.
@@ -40,6 +41,13 @@ struct Obstacle {
   double radius = 0.5;
 };
 
+/// A way through the room.
+struct Route {
+  std::string outcome;  ///< "found" or "no_route"
+  std::vector<Point> points;
+  double length = 0;  ///< m
+};
+
 }  // namespace demo
 
 SEGUE_TYPE(demo::Pose, x, y, theta)
@@ -47,3 +55,4 @@ SEGUE_TYPE(demo::Velocity, forward, turn)
 SEGUE_TYPE(demo::Scan, first_angle, step, ranges)
 SEGUE_TYPE(demo::Point, x, y)
 SEGUE_TYPE(demo::Obstacle, x, y, radius)
+SEGUE_TYPE(demo::Route, outcome, points, length)
