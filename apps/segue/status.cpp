@@ -16,13 +16,40 @@ namespace {
 
 using type::Value;
 
+/// How many tasks belong to pools of processes: no network names them.
+std::int64_t tasks_of_pools(const Value& status) {
+  std::int64_t count = 0;
+  for (const Value& pool : list_at(status, "pools")) {
+    for (const Value& one : list_at(pool, "instances"))
+      count += number_at(one, "pid") == 0 ? 0 : 1;
+  }
+  return count;
+}
+
+/// How many instances of pools are ready, and why others are not.
+std::string pools_text(const Value& status) {
+  std::string text;
+  for (const Value& pool : list_at(status, "pools")) {
+    text += fmt::format("pool {}: {} of {} ready\n", text_at(pool, "pool"), number_at(pool, "ready"),
+                        number_at(pool, "size"));
+    for (const Value& one : list_at(pool, "instances")) {
+      const std::string reason = text_at(one, "reason");
+      if (!reason.empty()) {
+        text += coloured(Colour::Red, text_at(one, "task") + ": ") + printable(reason) + '\n';
+      }
+    }
+  }
+  return text;
+}
+
 std::string status_heading(const Value& status) {
   const std::string controller = text_at(status, "controller");
+  const auto tasks = static_cast<std::int64_t>(list_at(status, "tasks").size());
   return fmt::format("robot {} (pid {}, up {}): {}, {}\n", coloured(Colour::Bold, text_at(status, "robot")),
                      number_at(status, "pid"), format_seconds(number_at(status, "uptime_s")),
-                     !controller.empty()                ? "controller " + coloured(Colour::Green, controller)
-                     : list_at(status, "tasks").empty() ? "the empty network"
-                                                        : "an unnamed network",
+                     !controller.empty()               ? "controller " + coloured(Colour::Green, controller)
+                     : tasks == tasks_of_pools(status) ? "the empty network"
+                                                       : "an unnamed network",
                      text_at(status, "state"));
 }
 
@@ -116,7 +143,7 @@ int show_status(control::RobotService& robot, const Context& context) {
     return kDone;
   }
   print(status_heading(*status) + commander_text(*status) + other_controllers(*status) + files_text(*status) +
-        hosts_text(*status));
+        pools_text(*status) + hosts_text(*status));
   if (!list_at(*status, "tasks").empty()) print('\n' + task_table(*status, false));
   print(connections_text(*status));
   for (const Value& difference : list_at(*status, "differences")) {

@@ -62,9 +62,8 @@ class RobotService {
  public:
   virtual ~RobotService() = default;
 
-  /// {"robot", "controller", "version", "loaded_version", "changed_files", "state", "controllers", "pid",
-  /// "uptime_s", "tasks", "connections", "differences",
-  /// "commanded_by", "doing"}
+  /// {"robot", "controller", "version", "loaded_version", "changed_files", "state", "controllers", "pools",
+  /// "pid", "uptime_s", "tasks", "connections", "differences", "commanded_by", "doing"}
   virtual Result<type::Value> status() = 0;
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing"}
   virtual Result<type::Value> task(std::string_view id) = 0;

@@ -11,6 +11,7 @@
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
 #include <segue/runtime/host_places.hpp>
+#include <segue/runtime/planning.hpp>
 #include <segue/runtime/robot_tasks.hpp>
 #include <segue/task/realtime_log.hpp>
 
@@ -134,9 +135,15 @@ void EmbeddedRobot::Implementation::start(ControllerSet controllers, host::Local
   for (const auto& network : controllers.controllers) {
     tasks->host().expect(network);
   }
-  runtime = std::make_unique<Runtime>(
-      robot.name, tasks->host(), catalog,
-      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead, journal_path(options, diagnostics)});
+  const model::Network pools = model::pool_network(robot.pools);
+  tasks->host().expect(pools);
+  diagnostics.append(detail::check_runnable(pools, tasks->host(), catalog));
+  if (diagnostics.has_errors()) {
+    return;
+  }
+  runtime = std::make_unique<Runtime>(robot.name, tasks->host(), catalog,
+                                      RuntimeOptions{robot.fallback, robot.policies, robot.look_ahead,
+                                                     journal_path(options, diagnostics), robot.pools});
   diagnostics.append(runtime->load(std::move(controllers)));
   if (!runtime->belief().empty()) {
     runtime->reset_belief();  // adopted deployments: find the name of the controller that they run
@@ -205,10 +212,12 @@ ApplyResult EmbeddedRobot::apply(RequestOptions options) {
 
 SwitchResult EmbeddedRobot::shut_down() {
   implementation_->runtime->prepare({});  // end standby
-  SwitchResult result = implementation_->runtime->switch_to(model::Network{});
+  RequestOptions all;
+  all.end_pools = true;
+  SwitchResult result = implementation_->runtime->switch_to(model::Network{}, all);
   if (result.outcome != Outcome::Done) {
     // The new snapshot shows what failed, such as a task that hangs, so another transition may succeed.
-    result = implementation_->runtime->switch_to(model::Network{});
+    result = implementation_->runtime->switch_to(model::Network{}, all);
   }
   if (result.outcome != Outcome::Done) {
     implementation_->tasks->end_processes();

@@ -69,8 +69,9 @@ class EmbeddedRobot {
   /// Reads all files of the robot as they are now, and applies them (Runtime::apply()); a result with
   /// diagnostics where they have errors. Blocks.
   ApplyResult apply(RequestOptions options = {});
-  /// Switches to the empty network: stops and cleans up every task and ends every deployment process. After a
-  /// failure it tries once more and then kills the processes; the result says what failed. Blocks.
+  /// Switches to the empty network, without process pools: stops and cleans up every task and ends every
+  /// deployment process. After a failure it tries once more and then kills the processes; the result says
+  /// what failed. Blocks.
   SwitchResult shut_down();
 
   /// Ends this process with `status` if one of its tasks hangs: the destructor would wait for it for ever.

@@ -173,7 +173,7 @@ Result<model::Network> variant_of(model::Network network, const std::vector<Prop
 }
 
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const model::Network& keep, const host::TaskHost& host,
+                                               const Beside& beside, const host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
                                                solve::Options options) {
   if (auto refusal = refusal_for(host.condensed(controller), host, catalog)) {
@@ -184,7 +184,8 @@ tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, mo
     return tl::unexpected(std::move(*refusal));
   }
   auto lost = unreachable_hosts(host);
-  model::Network target = unite(without_hosts(controller, lost), already_present(keep, current));
+  model::Network target = unite(without_hosts(controller, lost), already_present(beside.keep, current));
+  target = unite(std::move(target), beside.pools);
   auto transition = solve_from_observed(current, target, catalog, std::move(options));
   if (!transition) {
     return tl::unexpected(refuse(std::move(transition.error())));

@@ -54,10 +54,15 @@ Result<model::Transition> solve_from_observed(const model::Network& current, con
 Result<model::Network> variant_of(model::Network network, const std::vector<PropertySetting>& properties,
                                   const model::ComponentCatalog& catalog);
 
-/// Validates `controller` to the depth that the host requires and solves from `current`. Parts of `keep` that
-/// exist in `current` stay.
+/// What stays beside a controller.
+struct Beside {
+  model::Network keep;   ///< those parts of it that exist
+  model::Network pools;  ///< parts of the present network, as they are
+};
+
+/// Validates `controller` to the depth that the host requires and solves from `current`.
 tl::expected<SwitchPlan, Refusal> plan_network(const model::Network& current, model::Network controller,
-                                               const model::Network& keep, const host::TaskHost& host,
+                                               const Beside& beside, const host::TaskHost& host,
                                                const model::ComponentCatalog& catalog,
                                                solve::Options options);
 

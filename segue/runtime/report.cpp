@@ -249,6 +249,20 @@ Value to_value(const host::ConnectionReport& report) {
                      {"dropped", report.dropped}});
 }
 
+Value to_value(const PoolReport& pool) {
+  const auto ready = std::ranges::count_if(pool.instances, &PoolInstance::ready);
+  return Value::map({{"pool", pool.pool},
+                     {"size", static_cast<std::int64_t>(pool.instances.size())},
+                     {"ready", static_cast<std::int64_t>(ready)},
+                     {"instances", list_of(pool.instances, [](const PoolInstance& one) {
+                        return Value::map({{"task", one.task.str()},
+                                           {"ready", one.ready},
+                                           {"pid", one.pid},
+                                           {"given_up", one.given_up},
+                                           {"reason", one.reason}});
+                      })}});
+}
+
 Value status_of(Runtime& runtime) {
   const auto controller = runtime.belief().name;
   const auto loaded = runtime.controller(controller);
@@ -264,6 +278,7 @@ Value status_of(Runtime& runtime) {
        {"controllers",
         list_of(runtime.controllers(), [](const model::NetworkName& name) { return Value(name.str()); })},
        {"ready", list_of(runtime.readiness(), [](const Readiness& one) { return to_value(one); })},
+       {"pools", list_of(runtime.pools(), [](const PoolReport& pool) { return to_value(pool); })},
        {"hosts", list_of(runtime.host().computers(), [](const auto& report) { return to_value(report); })},
        {"tasks", list_of(runtime.host().tasks(), [](const auto& report) { return to_value(report); })},
        {"connections",

@@ -32,6 +32,10 @@ type::Value to_value(const FileChange& change);
 /// A list of {"severity", "code", "message", "file", "line", "column"}
 type::Value to_value(const Diagnostics& diagnostics);
 
+/// {"pool", "size", "ready" (how many instances are), "instances" (a list of {"task", "ready", "pid",
+/// "given_up", "reason"})}
+type::Value to_value(const PoolReport& pool);
+
 /// {"controller", "ready", "prepared", "tasks", "reason"}
 type::Value to_value(const Readiness& readiness);
 
@@ -48,8 +52,8 @@ type::Value to_value(const host::ComputerReport& report);
 type::Value to_value(const host::ConnectionReport& report);
 
 /// {"robot", "controller", "version" (of what runs), "loaded_version" (of the controller of that name; null:
-/// the robot has none), "state", "controllers", "ready" (a list as above), "tasks", "connections",
-/// "differences"}: a robot at a glance.
+/// the robot has none), "state", "controllers", "ready" (a list as above), "pools", "tasks",
+/// "connections", "differences"}: a robot at a glance.
 type::Value status_of(Runtime& runtime);
 
 /// One task: the fields of its report, "ports", "properties", "operations", "timing". NotFound if there is

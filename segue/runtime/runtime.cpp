@@ -44,8 +44,8 @@ std::string_view to_string(EventKind kind) {
 }
 
 std::string_view to_string(Cause cause) {
-  static constexpr std::array<std::string_view, 6> kNames = {"request",    "repair", "fallback",
-                                                             "look_ahead", "tidy",   "apply"};
+  static constexpr std::array<std::string_view, 7> kNames = {"request", "repair", "fallback", "look_ahead",
+                                                             "tidy",    "apply",  "pool"};
   return kNames.at(static_cast<std::size_t>(cause));
 }
 
@@ -169,6 +169,10 @@ std::vector<Readiness> Runtime::readiness() const {
 std::map<model::DeploymentKey, std::string> Runtime::ended_processes() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->ended;
+}
+
+std::vector<PoolReport> Runtime::pools() const {
+  return implementation_->report_pools();
 }
 
 std::vector<std::string> Runtime::unresolved() const {

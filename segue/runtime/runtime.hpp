@@ -11,6 +11,7 @@
 #include <segue/model/transition.hpp>
 #include <segue/runtime/controller_set.hpp>
 #include <segue/runtime/event.hpp>
+#include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/switch_result.hpp>
 #include <segue/solve/combine.hpp>
 #include <segue/solve/solve.hpp>
@@ -66,14 +67,17 @@ struct RequestOptions {
   /// unless they take the robot over.
   std::uint64_t lease = 0;
   bool take_over = false;
+  /// Process pools end, too, and are not started again before the next request.
+  bool end_pools = false;
 };
 
 struct RuntimeOptions {
   /// The controller to switch to if a failed transition cannot be undone; nothing: keep what then runs.
   std::optional<model::NetworkName> fallback;
-  model::Policies policies;       ///< for faults of the running controller
-  model::LookAhead look_ahead;    ///< resource limits of standby controllers
-  std::filesystem::path journal;  ///< the journal file (journal/journal.hpp); empty: none is kept
+  model::Policies policies;          ///< for faults of the running controller
+  model::LookAhead look_ahead;       ///< resource limits of standby controllers
+  std::filesystem::path journal;     ///< the journal file (journal/journal.hpp); empty: none is kept
+  std::vector<model::Pool> pools{};  ///< run beside every controller
 };
 
 /// How far a standby controller is prepared.
@@ -169,6 +173,8 @@ class Runtime {
   /// Processes of the running controller that have ended and are still missing: why, and the last lines of
   /// their logs.
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
+  /// The pools of RuntimeOptions as they are now. Blocks while the host is asked.
+  [[nodiscard]] std::vector<PoolReport> pools() const;
   /// Faults and leftovers that lasted longer than the policies permit attempts, as sentences. From the last
   /// supervision.
   [[nodiscard]] std::vector<std::string> unresolved() const;

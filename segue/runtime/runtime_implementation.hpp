@@ -6,12 +6,14 @@
 #include <segue/runtime/journaling.hpp>
 #include <segue/runtime/leases.hpp>
 #include <segue/runtime/look_ahead.hpp>
+#include <segue/runtime/pending.hpp>
 #include <segue/runtime/planning.hpp>
 #include <segue/runtime/runtime.hpp>
 #include <segue/runtime/supervision.hpp>
 #include <segue/runtime/transaction.hpp>
 #include <segue/solve/repair.hpp>
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -31,31 +33,6 @@ inline constexpr Duration kLongestDeadline = std::chrono::hours(24);
 
 /// Whether the robot runs neither the old network nor the requested one nor its fallback.
 bool is_unrecovered(const SwitchResult& result);
-
-/// The controllers that can be requested, and where they came from.
-struct Definitions {
-  Controllers controllers;
-  std::set<model::NetworkName> loaded;  ///< those that came from files, which the next files replace
-  std::optional<model::NetworkName> fallback;
-  std::vector<LoadedFile> files;
-};
-
-/// Applied files whose running controller has not gone to its new version yet.
-struct PendingApply {
-  std::uint64_t number = 0;
-  Definitions before;  ///< in force again if the transition fails
-  std::vector<ControllerChange> changes;
-  RequestOptions options;
-  std::promise<ApplyResult> promise;
-};
-
-/// A request that waits for the worker, with the promise of its result.
-struct PendingRequest {
-  std::uint64_t number = 0;
-  Request request;
-  RequestOptions options;
-  std::promise<SwitchResult> promise;
-};
 
 }  // namespace detail
 
@@ -130,6 +107,20 @@ struct Runtime::Implementation {
   void on_event(const host::ComputerEvent& event);
   void wake_worker();
 
+  // Pools of processes (runtime_pools.cpp)
+  /// What of the network belongs to pools that run, as it is there; and all else.
+  [[nodiscard]] model::Network pool_part(const model::Network& network) const;
+  [[nodiscard]] model::Network without_pools(const model::Network& network) const;
+  /// Why a network cannot be requested: it names what belongs to a pool.
+  [[nodiscard]] std::optional<detail::Refusal> refusal_for_pools(const model::Network& network) const;
+  /// Starts instances that do not run, each by a transition of its own.
+  void look_after_pools();
+  /// Takes a snapshot, and notes which instances run.
+  std::vector<detail::DetectedFault> find_pool_faults();
+  void start_instance(const detail::DetectedFault& fault);
+  void note_pool_faults(const std::vector<detail::DetectedFault>& faults);
+  [[nodiscard]] std::vector<PoolReport> report_pools() const;
+
   // Supervision between requests, in the worker thread (runtime_supervise.cpp)
   /// Takes a snapshot, repairs faults, removes leftovers and prepares standby controllers. Blocks.
   void supervise();
@@ -143,8 +134,10 @@ struct Runtime::Implementation {
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
   void fall_back(const detail::Observation& seen);
   void look_ahead();
-  /// Executes the part of the transition to the desired network that concerns `scope`.
-  void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope);
+  /// Executes the part of the transition to the desired network, beside which `pools_part` runs, that
+  /// concerns `scope`.
+  void repair(Cause cause, const detail::Observation& seen, const solve::RepairScope& scope,
+              const model::Network& pools_part);
   [[nodiscard]] std::vector<detail::PrepareRequest> known_prepare_requests() const;
   [[nodiscard]] detail::LookAheadPlan plan_ahead(const model::Network& controller) const;
   [[nodiscard]] TimePoint next_supervision() const;
@@ -155,6 +148,7 @@ struct Runtime::Implementation {
   host::TaskHost& host;
   const model::ComponentCatalog& catalog;
   const RuntimeOptions options;
+  const model::Network pools = model::pool_network(options.pools);
   detail::EventLog log;
   detail::Leases leases{log};
   detail::JournalKeeper journal{options.journal, log};
@@ -185,9 +179,15 @@ struct Runtime::Implementation {
   std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
 
+  std::map<model::TaskId, PoolInstance> pool_faults;  ///< instances of pools that do not run
+
+  std::atomic<bool> pools_run = true;  ///< since the last request; until the next one
+
   // Used by the worker thread only.
   detail::RepairScheduler repairs{options.policies.restart, detail::AfterLimit::GiveUp};
   detail::RepairScheduler leftover_repairs{options.policies.restart, detail::AfterLimit::GoOn};
+  detail::RepairScheduler pool_repairs{options.policies.restart, detail::AfterLimit::GoOn};
+  std::set<model::TaskId> pool_instances_seen;  ///< those that have run
   /// Not reachable since the start, while nothing has been requested: what they hold is not known.
   std::set<model::HostName> unseen_hosts;
   std::set<std::string> reported_differences;  ///< differences that last and were reported

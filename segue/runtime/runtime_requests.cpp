@@ -84,6 +84,7 @@ std::future<SwitchResult> Runtime::Implementation::accept(Request request, Reque
 SwitchResult Runtime::Implementation::serve(const PendingRequest& job) {
   const TimePoint begin = RealClock::instance().now();
   SwitchResult result = new_result(job);
+  pools_run = !job.options.end_pools;
   const auto [current, plan] = plan_from_now(job.request, job.options);
   result.from = current.network.name;
   result.from_version = belief.version();
@@ -144,8 +145,11 @@ tl::expected<detail::SwitchPlan, detail::Refusal> Runtime::Implementation::plan(
   if (!network) {
     return tl::unexpected(detail::Refusal{std::move(network.error()), {}});
   }
-  const model::Network keep = plan_ahead(host.expanded(*network)).standby;
-  return detail::plan_network(current, std::move(*network), keep, host, catalog, std::move(how));
+  if (auto refusal = refusal_for_pools(*network)) {
+    return tl::unexpected(std::move(*refusal));
+  }
+  const detail::Beside beside{plan_ahead(host.expanded(*network)).standby, pool_part(current)};
+  return detail::plan_network(current, std::move(*network), beside, host, catalog, std::move(how));
 }
 
 Result<model::Network> Runtime::Implementation::resolve(const model::NetworkName& wanted) const {

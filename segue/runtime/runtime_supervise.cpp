@@ -99,7 +99,7 @@ SwitchResult unrequested_result(Cause cause, const model::NetworkName& from, con
 
 TimePoint Runtime::Implementation::next_supervision() const {
   TimePoint next = next_observation;
-  for (const auto* one : {&repairs, &leftover_repairs}) {
+  for (const auto* one : {&repairs, &leftover_repairs, &pool_repairs}) {
     if (const auto due = one->next()) {
       next = std::min(next, *due);
     }
@@ -131,6 +131,7 @@ void Runtime::Implementation::supervise() {
   bring_back(returned, seen);
   auto left = handle_faults(seen);
   auto leftovers = collect_leftovers(seen);
+  look_after_pools();
   left.insert(left.end(), std::make_move_iterator(leftovers.begin()),
               std::make_move_iterator(leftovers.end()));
   bool due = false;
@@ -145,9 +146,12 @@ void Runtime::Implementation::supervise() {
 }
 
 void Runtime::Implementation::forget_ended(const model::Network& observed) {
+  const model::Network desired = belief.held().desired();
   std::set<model::DeploymentKey> missing;
-  for (const auto& deployment : belief.held().desired().deployments) {
-    missing.insert(deployment.key());
+  for (const auto* network : {&desired, &pools}) {
+    for (const auto& deployment : network->deployments) {
+      missing.insert(deployment.key());
+    }
   }
   for (const auto& deployment : observed.deployments) {
     missing.erase(deployment.key());
@@ -186,7 +190,7 @@ void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts,
       }
     }
   }
-  repair(Cause::Repair, seen, scope);
+  repair(Cause::Repair, seen, scope, pool_part(seen.network));
 }
 
 std::vector<std::string> Runtime::Implementation::handle_faults(const Observation& seen) {
@@ -205,7 +209,7 @@ std::vector<std::string> Runtime::Implementation::handle_faults(const Observatio
     for (const auto& fault : decision.repair) {
       journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
     }
-    repair(Cause::Repair, seen, scope_of(decision.repair));
+    repair(Cause::Repair, seen, scope_of(decision.repair), pool_part(seen.network));
   }
   return sentences(faults, repairs);
 }
@@ -228,8 +232,8 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
   if (!fallback || fallback->name == held.controller.name) {
     return;  // its differences have been reported
   }
-  const auto plan = detail::plan_network(seen.network, *fallback, {}, host, catalog,
-                                         detail::solve_options(host, model::Order::Seamless, false));
+  const auto plan = detail::plan_network(seen.network, *fallback, {{}, pool_part(seen.network)}, host,
+                                         catalog, detail::solve_options(host, model::Order::Seamless, false));
   if (!plan) {
     log.add(EventKind::TransitionFailed, fallback->name.str(), to_string(plan.error().error));
     return;
@@ -244,7 +248,8 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
 
 /// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
 std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observation& seen) {
-  const model::Network left = model::subtract(belief.held().extra, standby);
+  const model::Network extra = belief.held().extra;
+  const model::Network left = model::subtract(pools_run ? without_pools(extra) : extra, standby);
   std::vector<DetectedFault> faults;
   for (const auto& task : left.tasks) {
     faults.push_back({task.id, model::FailurePolicy::Restart, "was left over", false});
@@ -259,17 +264,19 @@ std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observ
                 " attempts to remove it; further attempts follow at longer intervals");
   }
   if (!decision.repair.empty()) {
-    repair(Cause::Collect, seen, scope_of(decision.repair));
+    repair(Cause::Collect, seen, scope_of(decision.repair), pool_part(seen.network));
   }
   return sentences(faults, leftover_repairs);
 }
 
-void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope) {
+void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope,
+                                     const model::Network& pools_part) {
   const auto held = belief.held();
   SwitchPlan plan;
   plan.controller = held.wanted.value_or(held.controller);
   plan.lost = detail::unreachable_hosts(host);
-  plan.target = model::without_hosts(model::unite(plan.controller, standby), plan.lost);
+  plan.target =
+      model::without_hosts(model::unite(model::unite(plan.controller, standby), pools_part), plan.lost);
   auto transition = solve::repair(seen.network, plan.target, catalog,
                                   detail::solve_options(host, model::Order::Seamless, false), scope);
   if (!transition) {
@@ -318,6 +325,7 @@ void Runtime::Implementation::look_ahead() {
   plan.lost = detail::unreachable_hosts(host);
   plan.target = model::without_hosts(
       model::unite(detail::with_properties_of(seen.network, plan.controller), ahead.standby), plan.lost);
+  plan.target = model::unite(std::move(plan.target), pool_part(seen.network));
   auto how = detail::solve_options(host, model::Order::Seamless, false);
   how.idle = detail::idle_tasks(seen.network, held.controller);
   auto transition = detail::solve_from_observed(seen.network, plan.target, catalog, std::move(how));

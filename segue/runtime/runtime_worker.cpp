@@ -29,8 +29,7 @@ Runtime::Implementation::Implementation(std::string robot, host::TaskHost& task_
   });
   unseen_hosts = detail::unreachable_hosts(host);
   const Observation seen = belief.observe();
-  const model::Network all = seen.network;
-  adopt(seen, all, std::nullopt);
+  adopt(seen, without_pools(seen.network), std::nullopt);
   worker = std::thread([this] { work(); });
 }
 
@@ -130,8 +129,12 @@ void Runtime::Implementation::carry_out(const model::Network& current, const Swi
                               : std::string(to_string(result.cause));
   log.add(EventKind::TransitionStarted, plan.controller.name.str(),
           way + ": " + std::to_string(plan.transition.actions.size()) + " actions");
+  auto way_out = expanded(fallback());
+  if (way_out) {
+    way_out = model::unite(*std::move(way_out), pool_part(current));
+  }
   const auto running = std::make_shared<detail::Transaction>(
-      context, current, plan, detail::Transaction::Options{action_deadline, expanded(fallback())});
+      context, current, plan, detail::Transaction::Options{action_deadline, std::move(way_out)});
   {
     const std::lock_guard lock(mutex);
     transaction = running;
@@ -168,7 +171,7 @@ void Runtime::Implementation::conclude(const SwitchPlan& plan, SwitchResult& res
       leftover_repairs.reset();
       unseen_hosts.clear();
     }
-    standby = model::subtract(plan.target, plan.controller);
+    standby = model::subtract(without_pools(plan.target), plan.controller);
     note_differences(seen.network);
     log.add(EventKind::TransitionDone, result.to.str(),
             "now runs " + quoted_name(result.to) + " after " + std::to_string(result.actions.size()) +
@@ -190,12 +193,12 @@ void Runtime::Implementation::conclude_failed(const SwitchPlan& plan, const Obse
     adopt(seen, fallback, fallback);
     runs = "it could not be undone: the robot now runs its fallback " + quoted_name(fallback.name);
   } else {
-    model::Network all = seen.network;
+    model::Network all = without_pools(seen.network);
     all.name = name_of_running(all, held.controller, plan.controller);
     runs = "the robot now runs " + detail::summary(all) +
            (all.name.empty() ? "" : " as " + quoted_name(all.name) + " names it");
-    note_differences(all);
-    adopt({all, seen.task_events, seen.adoptions}, all, std::nullopt);
+    note_differences(seen.network);
+    adopt(seen, all, std::nullopt);
   }
   Error cause = std::move(*result.error);
   const ErrorCode code = cause.code;
@@ -331,10 +334,10 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     belief.adopt_assumed(std::move(*network));
   } else {
     const auto held = belief.held();
-    Observation now = belief.observe();
-    now.network.name = name_of_running(now.network, held.wanted.value_or(held.controller), {});
-    log.add(EventKind::BeliefReset, now.network.name.str(), "observed: " + detail::summary(now.network));
-    const model::Network all = now.network;
+    const Observation now = belief.observe();
+    model::Network all = without_pools(now.network);
+    all.name = name_of_running(all, held.wanted.value_or(held.controller), {});
+    log.add(EventKind::BeliefReset, all.name.str(), "observed: " + detail::summary(all));
     adopt(now, all, expanded(known(all.name)));
   }
   const std::lock_guard lock(mutex);

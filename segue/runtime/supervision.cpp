@@ -168,6 +168,7 @@ void RepairScheduler::consider(const DetectedFault& fault, TimePoint now, Decisi
 
 RepairScheduler::Decision RepairScheduler::decide(const std::vector<DetectedFault>& faults, TimePoint now) {
   Decision decision;
+  decided_ = now;
   forget_recovered(now);
   for (const auto& fault : faults) {
     if (fault.policy == FailurePolicy::Fallback) {
@@ -182,7 +183,7 @@ RepairScheduler::Decision RepairScheduler::decide(const std::vector<DetectedFaul
 std::optional<TimePoint> RepairScheduler::next() const {
   std::optional<TimePoint> first;
   for (const auto& [name, one] : cases_) {
-    if (may_try(one) && (!first || one.next < *first)) {
+    if (one.last_seen == decided_ && may_try(one) && (!first || one.next < *first)) {
       first = one.next;
     }
   }

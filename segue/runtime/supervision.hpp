@@ -51,7 +51,7 @@ class RepairScheduler {
   };
   /// Takes all present faults. Each one that is returned in `repair` counts as an attempt.
   Decision decide(const std::vector<DetectedFault>& faults, TimePoint now);
-  /// When the next attempt is due; nothing if none is pending.
+  /// When the next attempt is due for a fault that decide() was given last; nothing if none is.
   [[nodiscard]] std::optional<TimePoint> next() const;
   /// The number of repair attempts for the fault's subject.
   [[nodiscard]] int attempts(const DetectedFault& fault) const;
@@ -78,6 +78,7 @@ class RepairScheduler {
   const model::RestartPolicy restart_;
   const AfterLimit after_limit_;
   std::map<std::string, Case> cases_;  ///< by name
+  TimePoint decided_;                  ///< when decide() was called last
 };
 
 }  // namespace segue::runtime::detail

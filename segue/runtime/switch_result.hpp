@@ -38,7 +38,8 @@ enum class Cause {
   Fallback,   ///< a part failed whose failure policy is `fallback`
   LookAhead,  ///< another controller is prepared for standby
   Collect,    ///< leftovers are removed; "tidy" in JSON
-  Apply       ///< the running controller goes to its version in files that were applied
+  Apply,      ///< the running controller goes to its version in files that were applied
+  Pool        ///< an instance of a pool of processes is started, for the first time or again
 };
 std::string_view to_string(Cause cause);
 

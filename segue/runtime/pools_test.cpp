@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/runtime/runtime.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <thread>
+
+#include "test_support.hpp"
+
+namespace segue::runtime {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using testing::network_of;
+using ::testing::Not;
+using testing::StandInRobot;
+
+const char* const kWithA = "network: with_a\ntasks: {a: {component: \"x::A\"}}\n";
+const char* const kWithB = "network: with_b\ntasks: {b: {component: \"x::A\"}}\n";
+
+model::Pool pool_of(int size, const std::string& properties = "{}") {
+  Diagnostics diagnostics;
+  const auto robot = model::read_robot("robot: r\npools: {planner: {component: \"x::Planner\", size: " +
+                                           std::to_string(size) + ", properties: " + properties + "}}\n",
+                                       "robot.yaml", diagnostics);
+  EXPECT_TRUE(robot) << to_string(diagnostics);
+  return robot ? robot->pools.at(0) : model::Pool{};
+}
+
+RuntimeOptions with_pool(model::Pool pool) {
+  RuntimeOptions options;
+  options.policies.restart = {.max = 2, .backoff = 1ms};
+  options.policies.watch = 5ms;
+  options.pools.push_back(std::move(pool));
+  return options;
+}
+
+template <class Condition>
+bool before_long(const Condition& condition) {
+  const TimePoint deadline = RealClock::instance().now() + 60s;
+  while (!condition() && RealClock::instance().now() < deadline)
+    std::this_thread::sleep_for(1ms);
+  return condition();
+}
+
+bool all_ready(const Runtime& runtime) {
+  const auto pools = runtime.pools();
+  return !pools.empty() && std::ranges::all_of(pools[0].instances, &PoolInstance::ready);
+}
+
+std::vector<std::string> labels(const SwitchResult& result) {
+  std::vector<std::string> all;
+  for (const auto& record : result.actions)
+    all.push_back(record.action.label());
+  return all;
+}
+
+TEST(RobotPools, RunBesideEveryController) {
+  StandInRobot robot(with_pool(pool_of(2)));
+  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  EXPECT_TRUE(robot.runtime.belief().empty()) << "they are part of no controller";
+  for (const char* text : {kWithA, kWithB, kWithA}) {
+    const auto result = robot.runtime.switch_to(network_of(text));
+    ASSERT_EQ(result.outcome, Outcome::Done) << testing::why(result);
+    EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
+    EXPECT_TRUE(all_ready(robot.runtime));
+  }
+  EXPECT_EQ(robot.runtime.switch_to(model::NetworkName("")).outcome, Outcome::Done);
+  EXPECT_TRUE(all_ready(robot.runtime));
+  EXPECT_THAT(robot.runtime.observed_differences(), ::testing::IsEmpty());
+  EXPECT_EQ(robot.host.tasks().size(), 2U);
+}
+
+TEST(RobotPools, EndWithARequestThatSaysSo) {
+  StandInRobot robot(with_pool(pool_of(2)));
+  ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
+  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  RequestOptions all;
+  all.end_pools = true;
+  ASSERT_EQ(robot.runtime.switch_to(model::Network{}, all).outcome, Outcome::Done);
+  EXPECT_TRUE(robot.host.tasks().empty());
+  ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
+  EXPECT_TRUE(before_long([&] { return all_ready(robot.runtime); })) << "the next request has them again";
+}
+
+TEST(RobotPools, SurviveATransitionThatIsUndone) {
+  StandInRobot robot(with_pool(pool_of(2)));
+  ASSERT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
+  ASSERT_TRUE(before_long([&] { return all_ready(robot.runtime); }));
+  robot.asking.ask([&](const model::Action& action) -> Result<void> {
+    return action.label() == "start b" ? Result<void>(fail(ErrorCode::HookFailed, "refuses"))
+                                       : Result<void>();
+  });
+  const auto result = robot.runtime.switch_to(network_of(kWithB));
+  ASSERT_EQ(result.outcome, Outcome::Failed);
+  ASSERT_TRUE(result.undo);
+  EXPECT_TRUE(result.undo->restored);
+  EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
+  EXPECT_TRUE(all_ready(robot.runtime));
+}
+
+TEST(RobotPools, FailWithoutTheControllers) {
+  StandInRobot robot(with_pool(pool_of(1, "{stand_in: {rate: 1000, fail: [update]}}")));
+  const auto given_up = [&] { return robot.runtime.pools().at(0).instances.at(0).given_up; };
+  ASSERT_TRUE(before_long(given_up));
+  for (const char* text : {kWithA, kWithB}) {
+    const auto result = robot.runtime.switch_to(network_of(text));
+    ASSERT_EQ(result.outcome, Outcome::Done) << testing::why(result);
+    EXPECT_THAT(labels(result), Each(Not(HasSubstr("planner"))));
+  }
+  EXPECT_THAT(robot.runtime.unresolved(), ::testing::IsEmpty());
+  EXPECT_TRUE(before_long(given_up));
+}
+
+TEST(RobotPools, WhoseInstancesCannotStartSayWhy) {
+  StandInRobot robot(with_pool(pool_of(2, "{stand_in: {fail: [configure]}}")));
+  ASSERT_TRUE(before_long([&] { return robot.runtime.pools().at(0).instances.at(1).given_up; }));
+  const auto report = robot.runtime.pools().at(0);
+  EXPECT_FALSE(report.instances[1].ready);
+  EXPECT_THAT(report.instances[1].reason, HasSubstr("attempts to start it have not helped"));
+  EXPECT_EQ(robot.runtime.switch_to(network_of(kWithA)).outcome, Outcome::Done);
+}
+
+TEST(RobotPools, KeepTheirNames) {
+  StandInRobot robot(with_pool(pool_of(2)));
+  const auto result =
+      robot.runtime.switch_to(network_of("network: x\ntasks: {planner_2: {component: \"x::A\"}}\n"));
+  EXPECT_EQ(result.outcome, Outcome::Refused);
+  EXPECT_THAT(testing::why(result), HasSubstr("task 'planner_2' belongs to the robot's pool 'planner'"));
+}
+
+}  // namespace
+}  // namespace segue::runtime

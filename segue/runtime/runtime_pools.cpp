@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/model/network_sets.hpp>
+#include <segue/model/pools.hpp>
+#include <segue/runtime/runtime_implementation.hpp>
+
+#include <algorithm>
+#include <utility>
+
+/// Pools are no part of what is requested. Whatever of them is there stays as it is in each transition
+/// (Beside::pools), so no switch waits for an instance, or fails with one; starting them is the business of
+/// supervision alone.
+namespace segue::runtime {
+
+using detail::DetectedFault;
+using detail::Observation;
+
+namespace {
+
+/// The instance that a fault concerns: its process has the name of its task.
+model::TaskId instance_of(const DetectedFault& fault) {
+  const auto* task = std::get_if<model::TaskId>(&fault.subject);
+  return task != nullptr ? *task : model::TaskId(std::get<model::DeploymentKey>(fault.subject).process.str());
+}
+
+/// The network of one instance.
+model::Network only(const model::TaskId& instance, const model::Network& pools) {
+  model::Network one;
+  std::ranges::copy_if(pools.tasks, std::back_inserter(one.tasks),
+                       [&](const model::Task& task) { return task.id == instance; });
+  std::ranges::copy_if(pools.deployments, std::back_inserter(one.deployments),
+                       [&](const auto& deployment) { return deployment.process.str() == instance.str(); });
+  return one;
+}
+
+/// One that only reports, or that shall keep its process, is left as it is once it has run.
+bool is_left_alone(const DetectedFault& fault) {
+  return fault.policy == model::FailurePolicy::Report ||
+         (fault.policy == model::FailurePolicy::Recover && fault.needs_process);
+}
+
+}  // namespace
+
+model::Network Runtime::Implementation::pool_part(const model::Network& network) const {
+  return pools_run && !pools.empty() ? model::subtract(network, model::subtract(network, pools))
+                                     : model::Network{};
+}
+
+model::Network Runtime::Implementation::without_pools(const model::Network& network) const {
+  if (pools.empty()) {
+    return network;
+  }
+  model::Network rest = model::subtract(network, pools);
+  rest.name = network.name;
+  return rest;
+}
+
+std::optional<detail::Refusal> Runtime::Implementation::refusal_for_pools(
+    const model::Network& network) const {
+  Diagnostics findings;
+  model::detail::check_pools(options.pools, network, findings);
+  if (!findings.has_errors()) {
+    return std::nullopt;
+  }
+  Error error = findings.to_error();
+  return detail::Refusal{std::move(error), std::move(findings)};
+}
+
+std::vector<DetectedFault> Runtime::Implementation::find_pool_faults() {
+  const Observation seen = belief.observe();
+  for (const auto& task : pool_part(seen.network).tasks) {
+    if (task.state == TaskState::Running) {
+      pool_instances_seen.insert(task.id);
+    }
+  }
+  auto faults =
+      detail::find_faults(detail::reachable_part(pools, host), seen.network, model::FailurePolicy::Report);
+  for (DetectedFault& fault : faults) {
+    if (!pool_instances_seen.contains(instance_of(fault))) {
+      fault.policy = model::FailurePolicy::Restart;  // whatever shall happen when it fails, it begins
+      fault.symptom = "has not been started yet";
+    }
+  }
+  return faults;
+}
+
+void Runtime::Implementation::look_after_pools() {
+  if (pools.empty() || !pools_run) {
+    return;
+  }
+  const auto faults = find_pool_faults();
+  std::vector<DetectedFault> to_start;
+  std::ranges::remove_copy_if(faults, std::back_inserter(to_start), is_left_alone);
+  const auto decision = pool_repairs.decide(to_start, RealClock::instance().now());
+  for (const auto& fault : decision.given_up) {
+    log.add(EventKind::GivenUp, fault.name(),
+            fault.symptom + ", after " + std::to_string(pool_repairs.attempts(fault)) +
+                " attempts to start it; further attempts follow at longer intervals");
+  }
+  for (const auto& fault : decision.repair) {
+    start_instance(fault);
+  }
+  note_pool_faults(decision.repair.empty() ? faults : find_pool_faults());
+}
+
+void Runtime::Implementation::start_instance(const DetectedFault& fault) {
+  const Observation seen = belief.observe();
+  const model::TaskId instance = instance_of(fault);
+  solve::RepairScope scope;
+  if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
+    scope.processes.push_back(*process);
+  } else {
+    scope.tasks.push_back(instance);
+  }
+  log.add(EventKind::Repair, instance.str(), fault.name() + " " + fault.symptom);
+  if (pool_instances_seen.contains(instance)) {
+    journal.drifted(fault.name(), fault.name() + " " + fault.symptom, "repaired");
+  }
+  repair(Cause::Pool, seen, scope, model::unite(only(instance, pools), pool_part(seen.network)));
+}
+
+void Runtime::Implementation::note_pool_faults(const std::vector<DetectedFault>& faults) {
+  const std::lock_guard lock(mutex);
+  pool_faults.clear();
+  for (const auto& fault : faults) {
+    std::string why = fault.symptom;
+    if (const auto* process = std::get_if<model::DeploymentKey>(&fault.subject)) {
+      const auto found = ended.find(*process);
+      why = "its process " + why + (found == ended.end() ? "" : " (" + found->second + ")");
+    }
+    if (is_left_alone(fault)) {
+      why += ", and is left so, as its 'on_failure' says";
+    } else if (const int attempts = pool_repairs.attempts(fault); attempts > 0) {
+      why += "; " + std::to_string(attempts) + (attempts == 1 ? " attempt" : " attempts") +
+             " to start it have not helped";
+    }
+    const bool given_up =
+        is_left_alone(fault) || pool_repairs.attempts(fault) >= options.policies.restart.max;
+    const model::TaskId instance = instance_of(fault);
+    pool_faults.insert_or_assign(instance, PoolInstance{instance, false, 0, given_up, std::move(why)});
+  }
+}
+
+std::vector<PoolReport> Runtime::Implementation::report_pools() const {
+  std::vector<PoolReport> all;
+  if (options.pools.empty()) {
+    return all;
+  }
+  std::map<model::TaskId, host::TaskReport> tasks;
+  for (auto& report : host.tasks()) {
+    tasks.insert_or_assign(report.id, std::move(report));
+  }
+  const std::lock_guard lock(mutex);
+  for (const auto& pool : options.pools) {
+    PoolReport& report = all.emplace_back(PoolReport{pool.name, {}});
+    for (int number = 1; number <= pool.size; ++number) {
+      PoolInstance& one = report.instances.emplace_back();
+      one.task = model::instance_of(pool, number);
+      const auto task = tasks.find(one.task);
+      const auto fault = pool_faults.find(one.task);
+      if (task != tasks.end()) {
+        one.pid = task->second.pid;
+        one.ready = task->second.state == TaskState::Running && !task->second.unknown;
+      }
+      if (one.ready) {
+        continue;
+      }
+      one.given_up = fault != pool_faults.end() && fault->second.given_up;
+      one.reason = fault != pool_faults.end() ? fault->second.reason
+                   : task != tasks.end()      ? "is " + std::string(to_string(task->second.state)) +
+                                               (task->second.error.empty() ? "" : ": " + task->second.error)
+                                         : "does not run";
+    }
+  }
+  return all;
+}
+
+}  // namespace segue::runtime
