@@ -171,7 +171,7 @@ class Checker {
         if (networks == nullptr) {
           missions_.check(path, diagnostics_);
         } else {
-          const RobotControllers known{*networks, catalog_};
+          const RobotControllers known{*networks, robot.pools, catalog_};
           missions_.check(path, diagnostics_, &known);
         }
       }
@@ -180,7 +180,9 @@ class Checker {
 
   /// Where something could not be read, that a host or controller is missing may follow from it.
   void check_robot(const model::Robot& robot, const std::vector<model::Network>& networks, bool complete) {
-    const Diagnostics found = model::validate(robot, networks);
+    Diagnostics found = model::validate(robot, networks);
+    const auto depth = options_.structure ? Depth::Structure : Depth::Full;
+    found.append(model::validate(model::pool_network(robot.pools), catalog_, depth));
     for (const Diagnostic& item : found.items()) {
       const bool may_follow = (item.code == "unknown-host" && robot.hosts.empty()) ||
                               item.code == "unknown-controller" || item.code == "no-fallback";

@@ -3,6 +3,7 @@
 
 #include <segue/draw/diagram.hpp>
 #include <segue/mission/controllers.hpp>
+#include <segue/mission/pools.hpp>
 #include <segue/session/session.hpp>
 
 #include <utility>
@@ -17,8 +18,11 @@ void CheckedMissions::check(const std::filesystem::path& file, Diagnostics& diag
                             const RobotControllers* robot) {
   const auto plan = session::Session::load(file, libraries_, diagnostics);
   if (!plan) return;
-  if (robot != nullptr && plan->program() != nullptr)
-    mission::check_controllers(plan->program()->mission(), robot->networks, robot->catalog, diagnostics);
+  if (robot != nullptr && plan->program() != nullptr) {
+    const mission::Mission& mission = plan->program()->mission();
+    mission::check_controllers(mission, robot->networks, robot->catalog, diagnostics);
+    mission::check_pools(mission, robot->pools, robot->catalog, diagnostics);
+  }
   auto found = plan->ahead_of_failures();
   if (!found) return diagnostics.error("invalid-mission", found.error().message, {file.string(), 0, 0});
   if (!found->pairs.empty() || !found->complete) entries_.push_back({file.string(), std::move(*found)});

@@ -5,6 +5,7 @@
 #include <segue/convert/ahead.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/network.hpp>
+#include <segue/model/robot.hpp>
 #include <segue/type/value.hpp>
 
 #include <filesystem>
@@ -13,9 +14,10 @@
 
 namespace segue::cli {
 
-/// The controllers of the robot that runs a mission, and the models of their components.
+/// The controllers and pools of the robot that runs a mission, and the models of their components.
 struct RobotControllers {
   const std::vector<model::Network>& networks;
+  const std::vector<model::Pool>& pools;
   const model::ComponentCatalog& catalog;
 };
 
@@ -25,7 +27,7 @@ class CheckedMissions {
  public:
   explicit CheckedMissions(const std::vector<std::string>& libraries) : libraries_(libraries) {}
 
-  /// Reads and validates the file; blocks. With `robot`, what the mission asks of its controllers too.
+  /// Reads and validates the file; blocks. With `robot`, what the mission asks of it too.
   void check(const std::filesystem::path& file, Diagnostics& diagnostics,
              const RobotControllers* robot = nullptr);
   /// What may happen, for people.

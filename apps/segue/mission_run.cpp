@@ -4,6 +4,8 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_runner.hpp>
 #include <segue/mission/controllers.hpp>
+#include <segue/mission/pool_runner.hpp>
+#include <segue/mission/pools.hpp>
 #include <segue/robot/served_robot.hpp>
 #include <segue/session/session.hpp>
 #include <segue/type/yaml.hpp>
@@ -125,7 +127,8 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
 
 bool needs_robot(const session::Session& plan, const MissionOptions& options) {
   return plan.program() != nullptr && !options.simulate &&
-         mission::uses_controllers(plan.program()->mission());
+         (mission::uses_controllers(plan.program()->mission()) ||
+          mission::uses_pools(plan.program()->mission()));
 }
 
 void show_executions(const FinishedRun& run) {
@@ -239,6 +242,20 @@ int run_and_show(const session::Session& plan, const RunRequest& request, const 
   return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
 }
 
+/// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
+/// user has said how many.
+Result<void> add_pools(RunRequest& request, const session::Session& plan,
+                       const std::shared_ptr<robot::ServedRobot>& robot) {
+  if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
+  const auto pools = robot->pools();
+  if (!pools) return pools.error();
+  const auto units = mission::pool_units(plan.program()->mission(), *pools);
+  if (!units) return units.error();
+  request.resources.insert(request.resources.begin(), units->begin(), units->end());
+  request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot));
+  return {};
+}
+
 /// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
 int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
                  const Context& context) {
@@ -252,6 +269,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   Diagnostics diagnostics;
   const auto plan = session::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
   if (!plan) return report_failure(context, diagnostics);
+  if (auto units = add_pools(request, *plan, robot); !units) return failed(context, units.error());
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));

@@ -6,6 +6,7 @@
 #include <segue/base/error.hpp>
 #include <segue/base/id.hpp>
 #include <segue/mission/controller_use.hpp>
+#include <segue/mission/pool_call.hpp>
 #include <segue/mission/port.hpp>
 #include <segue/type/value.hpp>
 
@@ -104,7 +105,8 @@ struct Decision {
   friend bool operator==(const Decision&, const Decision&) = default;
 };
 
-using Procedure = std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse>;
+using Procedure =
+    std::variant<std::monostate, Callback, Script, Simulated, Decision, ControllerUse, PoolCall>;
 
 /// What a leaf of the state machine does, and what is declared about it.
 struct Action {

@@ -265,11 +265,15 @@ Procedure read_run(Fields& action, const Source& source) {
     ++ways;
     run = read_controller(fields, source);
   }
+  if (fields.find("pool") != nullptr) {
+    ++ways;
+    run = read_pool_call(fields, source);
+  }
   fields.finish();
   if (ways != 1) {
     source.error(
         "bad-run",
-        fields.what() + ": expected exactly one of callback, python, simulated, decide and controller",
+        fields.what() + ": expected exactly one of callback, python, simulated, decide, controller and pool",
         *value);
   }
   return run;

@@ -26,6 +26,21 @@ const Value& ActionCall::input(std::string_view name) const {
   return found ? inputs()[*found] : kNull;
 }
 
+Value ActionCall::filled(const Value& value) const {
+  if (const auto name = parameter_input(value)) return input(*name);
+  if (value.is_list()) {
+    Value::List list;
+    for (const Value& item : value.as_list())
+      list.push_back(filled(item));
+    return list;
+  }
+  if (!value.is_map()) return value;
+  type::ValueMap map;
+  for (const auto& [key, item] : value.as_map())
+    map.append(key, filled(item));
+  return map;
+}
+
 bool ActionCall::set_output(std::string_view name, Value value) {
   const auto found = position(action().outputs, name);
   if (found) outputs()[*found] = std::move(value);
@@ -130,6 +145,9 @@ void Runners::set_scripts(std::shared_ptr<ActionRunner> runner) {
 void Runners::set_controllers(std::shared_ptr<ActionRunner> runner) {
   controllers_ = std::move(runner);
 }
+void Runners::set_pools(std::shared_ptr<ActionRunner> runner) {
+  pools_ = std::move(runner);
+}
 void Runners::simulate_all() {
   simulate_all_ = true;
 }
@@ -160,6 +178,8 @@ std::string_view why_not(const Procedure& run) {
   if (std::holds_alternative<Script>(run)) return ": this program runs no scripts; simulate it";
   if (std::holds_alternative<ControllerUse>(run))
     return ": it is a controller, and there is no robot; run the mission with --robot, or simulate it";
+  if (std::holds_alternative<PoolCall>(run))
+    return ": it is a call of a pool, and there is no robot; run the mission with --robot, or simulate it";
   return " does not say under 'run' how it runs; simulate it, or say it";
 }
 
@@ -180,6 +200,7 @@ Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) c
   }
   if (std::holds_alternative<Script>(action.run) && scripts_) return scripts_;
   if (std::holds_alternative<ControllerUse>(action.run) && controllers_) return controllers_;
+  if (std::holds_alternative<PoolCall>(action.run) && pools_) return pools_;
   return fail(ErrorCode::NotFound, what + std::string(why_not(action.run)), action.name.str(), action.where);
 }
 

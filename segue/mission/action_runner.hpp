@@ -96,6 +96,8 @@ class ActionCall {
   [[nodiscard]] const type::Value& input(std::string_view name) const;
   /// False if there is no such output.
   bool set_output(std::string_view name, type::Value value);
+  /// The value with those of inputs in place of the texts "{input}" in it, at any depth.
+  [[nodiscard]] type::Value filled(const type::Value& value) const;
   /// The number of the outcome of that name; nothing if there is none.
   [[nodiscard]] std::optional<Outcome> outcome(std::string_view name) const;
 
@@ -130,6 +132,8 @@ class Runners {
   void set_scripts(std::shared_ptr<ActionRunner> runner);
   /// The runner of all actions that are controllers, such as a ControllerRunner.
   void set_controllers(std::shared_ptr<ActionRunner> runner);
+  /// The runner of all actions that are calls of a pool, such as a PoolRunner.
+  void set_pools(std::shared_ptr<ActionRunner> runner);
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
   /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
@@ -146,6 +150,7 @@ class Runners {
   std::unordered_map<std::string, std::shared_ptr<ActionRunner>> callbacks_;
   std::shared_ptr<ActionRunner> scripts_;
   std::shared_ptr<ActionRunner> controllers_;
+  std::shared_ptr<ActionRunner> pools_;
   std::shared_ptr<ActionRunner> simulation_;
   std::shared_ptr<ActionRunner> expectation_;
   std::shared_ptr<ActionRunner> decisions_;

@@ -69,6 +69,10 @@ Value write_run(const ControllerUse& use) {
   return write_controller(use);
 }
 
+Value write_run(const PoolCall& call) {
+  return write_pool_call(call);
+}
+
 Value write_run(std::monostate /*nothing*/) {
   return {};
 }

@@ -22,6 +22,11 @@ void check_facts(const Mission& mission, Diagnostics& diagnostics);
 void check_resources(const Mission& mission, Diagnostics& diagnostics);
 /// What actions that are controllers say about their inputs, outputs and outcomes.
 void check_controllers(const Mission& mission, Diagnostics& diagnostics);
+/// What actions that are calls of a pool say about their inputs and outputs.
+void check_pools(const Mission& mission, Diagnostics& diagnostics);
+/// Inputs that "{input}" names anywhere in the value, which the action does not have.
+void check_inputs(const Action& action, const type::Value& value, const SourcePlace& where,
+                  Diagnostics& diagnostics);
 /// States that begin only when too few units are left for them. Requires a mission without errors.
 void check_units(const MissionIndex& index, Diagnostics& diagnostics);
 /// Names, transitions, reachability, deciders, recursion of libraries.

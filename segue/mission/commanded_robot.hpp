@@ -57,6 +57,19 @@ struct ControllerTrouble {
   bool taken_over = false;  ///< somebody else commands the robot now
 };
 
+/// An instance of a pool of processes.
+struct PoolInstanceView {
+  std::string task;
+  int pid = 0;            ///< tells one life of its process from the next
+  bool ready = false;     ///< its operations can be called
+  bool given_up = false;  ///< it is not likely to become ready again
+  std::string reason{};   ///< why it is not ready
+};
+struct PoolView {
+  std::string name;
+  std::vector<PoolInstanceView> instances;
+};
+
 /// The robot as missions command it: it runs in this process or in another one, or is simulated. Functions
 /// may be called from any thread; they block until the robot has answered, until their deadline at most where
 /// they have one.
@@ -73,6 +86,8 @@ class CommandedRobot {
   virtual Result<ControllerTrouble> trouble(std::string_view controller) = 0;
   /// Of all controllers of the robot.
   virtual Result<ControllerConflicts> conflicts() = 0;
+  /// Its pools of processes.
+  virtual Result<std::vector<PoolView>> pools() { return std::vector<PoolView>{}; }
   /// Keeps these prepared beside what runs, the likeliest first, in place of those named before, as far as
   /// the robot's budget permits. Returns when that is done; a request comes first.
   virtual Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;

@@ -4,18 +4,18 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_union.hpp>
 #include <segue/mission/controllers.hpp>
+#include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
 #include <segue/model/reader.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
-#include <list>
 #include <map>
 #include <mutex>
 #include <stop_token>
-#include <thread>
 #include <utility>
 
 namespace segue::mission {
@@ -26,22 +26,6 @@ namespace {
 
 TimePoint now() {
   return RealClock::instance().now();
-}
-
-/// With the values of inputs in place of "{input}".
-Value filled(const Value& value, const ActionCall& call) {
-  if (const auto name = parameter_input(value)) return call.input(*name);
-  if (value.is_list()) {
-    Value::List list;
-    for (const Value& item : value.as_list())
-      list.push_back(filled(item, call));
-    return list;
-  }
-  if (!value.is_map()) return value;
-  type::ValueMap map;
-  for (const auto& [key, item] : value.as_map())
-    map.append(key, filled(item, call));
-  return map;
 }
 
 /// The name of a controller with the values of inputs in it.
@@ -56,7 +40,7 @@ Result<std::string> filled_name(std::string name, const ActionCall& call) {
 ControllerUse filled(ControllerUse use, const ActionCall& call) {
   for (auto* values : {&use.set, &use.call, &use.write}) {
     for (MemberValue& one : *values)
-      one.value = filled(one.value, call);
+      one.value = call.filled(one.value);
   }
   return use;
 }
@@ -92,8 +76,7 @@ class ControlledRun {
  public:
   struct Task {
     ControllerUse use;
-    std::vector<Outcome> outcomes;  ///< of each of `use.until`
-    std::vector<Value> outputs;     ///< as declared; in place of those of `use.outputs` comes what is read
+    std::vector<Outcome> outcomes;           ///< of each of `use.until`
     std::vector<std::size_t> output_places;  ///< of each of `use.outputs`
     std::uint64_t number = 0;                ///< of the execution
     std::vector<UpcomingController> ahead{};
@@ -107,25 +90,24 @@ class ControlledRun {
         use_(task_.use) {}
 
   /// Blocks until the action has ended.
-  Ending run(const std::stop_token& stop) {
+  Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
     if (stop.stop_requested()) return {kPreempted, {}};
     if (auto runs = shared_.controllers.begin(use_.controller, use_.set); !runs) return aborted(runs.error());
     shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
-    Ending ending = carry_out(stop);
+    Ending ending = carry_out(stop, outputs);
     shared_.prepared.ended(task_.number);
     const auto ended = shared_.controllers.end(use_.controller, !use_.stop);
     if (!ended && ending.outcome >= 0) return aborted(ended.error());
     return ending;
   }
-  std::vector<Value> take_outputs() { return std::move(task_.outputs); }
 
  private:
-  Ending carry_out(const std::stop_token& stop) {
+  Ending carry_out(const std::stop_token& stop, std::vector<Value>& outputs) {
     if (auto told = tell(); !told) return aborted_by(told.error());
     begin_ = now();
     Ending ending = watch(stop);
     if (ending.outcome < 0) return ending;
-    if (auto read = read_outputs(stop); !read) return aborted_by(read.error());
+    if (auto read = read_outputs(stop, outputs); !read) return aborted_by(read.error());
     return ending;
   }
 
@@ -252,7 +234,7 @@ class ControlledRun {
     return {};
   }
 
-  Result<void> read_outputs(const std::stop_token& stop) {
+  Result<void> read_outputs(const std::stop_token& stop, std::vector<Value>& outputs) {
     const TimePoint deadline = answer_by();
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
       Feed& one = *feed(use_.outputs[i].port);
@@ -265,7 +247,7 @@ class ControlledRun {
         }
         wait(stop);
       }
-      task_.outputs[task_.output_places[i]] = *one.last;
+      outputs[task_.output_places[i]] = *one.last;
     }
     return {};
   }
@@ -294,16 +276,12 @@ class ControllerRunner::Implementation {
  public:
   Implementation(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
       : shared_(std::move(robot), options) {}
-  ~Implementation() {
-    for (Job& job : jobs_)
-      job.stop.request_stop();
-  }
 
   std::optional<Ending> start(ActionCall& call) {
     const auto& use = std::get<ControllerUse>(call.action().run);
     auto name = filled_name(use.controller, call);
     if (!name) return aborted(name.error());
-    ControlledRun::Task task{filled(use, call), {}, {call.outputs().begin(), call.outputs().end()}, {}};
+    ControlledRun::Task task{filled(use, call), {}, {}, ++executions_};
     task.use.controller = std::move(*name);
     for (const EndCondition& condition : use.until)
       task.outcomes.push_back(condition.outcome.empty() ? 0
@@ -311,31 +289,17 @@ class ControllerRunner::Implementation {
     for (const OutputSource& one : use.outputs)
       task.output_places.push_back(position(call.action().outputs, one.output).value_or(0));
     if (shared_.options.look_ahead > 0) task.ahead = upcoming_controllers(call.program(), call.state());
-    const std::lock_guard lock(mutex_);
-    task.number = ++executions_;
-    std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
-    Job& job = jobs_.emplace_back();
-    const auto completed = call.defer([stop = job.stop]() mutable { stop.request_stop(); });
-    job.thread = std::jthread([this, &job, completed, task = std::move(task)]() mutable {
-      ControlledRun execution(shared_, std::move(task));
-      Ending ending = execution.run(job.stop.get_token());
-      completed(std::move(ending), execution.take_outputs());
-      job.ended = true;
-    });
+    threads_.start(call,
+                   [this, task = std::move(task)](const std::stop_token& stop, std::vector<Value>& outputs) {
+                     return ControlledRun(shared_, task).run(stop, outputs);
+                   });
     return std::nullopt;
   }
 
  private:
-  struct Job {
-    std::stop_source stop;
-    std::atomic<bool> ended = false;
-    std::jthread thread;
-  };
-
   Shared shared_;
-  std::mutex mutex_;  ///< protects the members below
-  std::uint64_t executions_ = 0;
-  std::list<Job> jobs_;
+  std::atomic<std::uint64_t> executions_ = 0;
+  ExecutionThreads threads_;  // destroyed first: they use the others
 };
 
 ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)

@@ -36,6 +36,8 @@ Procedure read_run(Fields& action, const Source& source);
 Action read_action(const std::string& name, const type::Value& value, const Source& source);
 /// Reads 'run' of an action that is a controller.
 ControllerUse read_controller(Fields& fields, const Source& source);
+/// Reads 'run' of an action that is a call of a pool.
+PoolCall read_pool_call(Fields& fields, const Source& source);
 Resource read_resource(const std::string& name, const type::Value& value, const Source& source);
 
 /// The writers append nothing for empty lists.
@@ -46,6 +48,7 @@ void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
                  const std::vector<ResourceUse>& resources);
 type::Value write_action(const Action& action);
 type::Value write_controller(const ControllerUse& use);
+type::Value write_pool_call(const PoolCall& call);
 type::Value write_resource(const Resource& resource);
 
 }  // namespace segue::mission::detail

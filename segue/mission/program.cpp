@@ -5,6 +5,7 @@
 #include <segue/mission/files.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/kept_units.hpp>
+#include <segue/mission/pools.hpp>
 #include <segue/mission/program.hpp>
 
 #include <algorithm>
@@ -169,6 +170,7 @@ Result<std::shared_ptr<const Program>> Program::compile(Mission mission,
   if (problems.has_errors()) return problems.to_error();
   Compiler(index, program->nodes_).run();
   claim_controllers(program->mission_, conflicts);
+  claim_pools(program->mission_);
   move_kept_units(program->mission_);
   return std::shared_ptr<const Program>(std::move(program));
 }

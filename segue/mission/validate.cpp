@@ -35,6 +35,7 @@ Diagnostics validate(const MissionIndex& index) {
   check_actions(index.mission(), diagnostics);
   check_facts(index.mission(), diagnostics);
   check_resources(index.mission(), diagnostics);
+  check_pools(index.mission(), diagnostics);
   check_controllers(index.mission(), diagnostics);
   check_control(index, diagnostics);
   check_data(index, diagnostics);

@@ -12,6 +12,15 @@ using type::Value;
 
 namespace {
 
+void check_input(const Action& action, const std::string& name, const SourcePlace& where,
+                 Diagnostics& diagnostics) {
+  if (position(action.inputs, name)) return;
+  diagnostics.error("unknown-port",
+                    "action " + quote(action.name.str()) + ": it uses the input " + quote(name) +
+                        ", which it does not have" + suggestion(action.inputs, name),
+                    where);
+}
+
 class ControllerCheck {
  public:
   ControllerCheck(const Action& action, const ControllerUse& use, Diagnostics& diagnostics)
@@ -19,10 +28,10 @@ class ControllerCheck {
 
   void run() {
     for (const std::string& name : placeholders(use_.controller))
-      check_input(name, action_.where);
+      check_input(action_, name, action_.where, diagnostics_);
     for (const auto* values : {&use_.set, &use_.call, &use_.write}) {
       for (const MemberValue& one : *values)
-        check_inputs(one.value, one.where);
+        detail::check_inputs(action_, one.value, one.where, diagnostics_);
     }
     for (const EndCondition& condition : use_.until)
       check_outcome(condition);
@@ -36,24 +45,6 @@ class ControllerCheck {
  private:
   void error(std::string code, const std::string& message, const SourcePlace& where) {
     diagnostics_.error(std::move(code), what_ + ": " + message, where);
-  }
-
-  void check_input(const std::string& name, const SourcePlace& where) {
-    if (position(action_.inputs, name)) return;
-    error("unknown-port",
-          "it uses the input " + quote(name) + ", which it does not have" + suggestion(action_.inputs, name),
-          where);
-  }
-
-  void check_inputs(const Value& value, const SourcePlace& where) {
-    if (const auto name = parameter_input(value)) return check_input(*name, where);
-    if (value.is_list()) {
-      for (const Value& item : value.as_list())
-        check_inputs(item, where);
-    } else if (value.is_map()) {
-      for (const auto& [key, item] : value.as_map())
-        check_inputs(item, where);
-    }
   }
 
   void check_outcome(const EndCondition& condition) {
@@ -81,6 +72,18 @@ class ControllerCheck {
 };
 
 }  // namespace
+
+void check_inputs(const Action& action, const Value& value, const SourcePlace& where,
+                  Diagnostics& diagnostics) {
+  if (const auto name = parameter_input(value)) return check_input(action, *name, where, diagnostics);
+  if (value.is_list()) {
+    for (const Value& item : value.as_list())
+      check_inputs(action, item, where, diagnostics);
+  } else if (value.is_map()) {
+    for (const auto& [key, item] : value.as_map())
+      check_inputs(action, item, where, diagnostics);
+  }
+}
 
 void check_controllers(const Mission& mission, Diagnostics& diagnostics) {
   for (const Action& action : mission.actions) {

@@ -22,6 +22,16 @@ std::string text_at(const Value& value, std::string_view key) {
   return found == nullptr || !found->is_string() ? std::string() : found->as_string();
 }
 
+Value::List list_at(const Value& value, std::string_view key) {
+  const Value* found = value.find(key);
+  return found == nullptr || !found->is_list() ? Value::List() : found->as_list();
+}
+
+bool is_true(const Value& value, std::string_view key) {
+  const Value* found = value.find(key);
+  return found != nullptr && found->is_bool() && found->as_bool();
+}
+
 std::string name_of(std::string_view controller) {
   return controller.empty() ? "the empty network" : "controller " + quote(controller);
 }
@@ -121,12 +131,26 @@ Result<mission::ControllerConflicts> ServedRobot::conflicts() {
   for (const Value& name : names->as_list())
     conflicts.controllers.push_back(name.is_string() ? name.as_string() : std::string());
   for (const Value& pair : pairs->as_list()) {
-    const Value* influence = pair.find("influence");
-    const bool is_influence = influence != nullptr && influence->is_bool() && influence->as_bool();
-    (is_influence ? conflicts.influences : conflicts.pairs)
+    (is_true(pair, "influence") ? conflicts.influences : conflicts.pairs)
         .push_back({text_at(pair, "a"), text_at(pair, "b"), text_at(pair, "what")});
   }
   return conflicts;
+}
+
+Result<std::vector<mission::PoolView>> ServedRobot::pools() {
+  const auto status = service_.status();
+  if (!status) return status.error();
+  std::vector<mission::PoolView> pools;
+  for (const Value& pool : list_at(*status, "pools")) {
+    mission::PoolView& view = pools.emplace_back(mission::PoolView{text_at(pool, "pool"), {}});
+    for (const Value& one : list_at(pool, "instances")) {
+      const Value* pid = one.find("pid");
+      view.instances.push_back({text_at(one, "task"),
+                                pid != nullptr && pid->is_integer() ? static_cast<int>(pid->as_int()) : 0,
+                                is_true(one, "ready"), is_true(one, "given_up"), text_at(one, "reason")});
+    }
+  }
+  return pools;
 }
 
 Result<void> ServedRobot::prepare(const std::vector<std::string>& controllers, TimePoint deadline) {

@@ -29,6 +29,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
   Result<mission::ControllerConflicts> conflicts() override;
+  Result<std::vector<mission::PoolView>> pools() override;
   Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            TimePoint deadline) override;

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/action_runner.hpp>
+
+#include <atomic>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+namespace segue::mission {
+
+/// Executions of actions that block, each in a thread of its own. The destructor ends them as preempted, and
+/// waits for them. Thread safe.
+class ExecutionThreads {
+ public:
+  /// What an execution does until it ends or is asked to stop. It writes its outputs, which have their
+  /// defaults at first.
+  using Body = std::function<Ending(const std::stop_token& stop, std::vector<type::Value>& outputs)>;
+
+  ExecutionThreads() = default;
+  ~ExecutionThreads();
+  ExecutionThreads(const ExecutionThreads&) = delete;
+  ExecutionThreads& operator=(const ExecutionThreads&) = delete;
+
+  /// Defers the end of the call to that of `body`.
+  void start(ActionCall& call, Body body);
+
+ private:
+  struct Job {
+    std::stop_source stop;
+    std::atomic<bool> ended = false;
+    std::jthread thread;
+  };
+
+  std::mutex mutex_;  ///< protects the list
+  std::list<Job> jobs_;
+};
+
+}  // namespace segue::mission

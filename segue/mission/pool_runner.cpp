@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/pool_runner.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/mission/execution_threads.hpp>
+#include <segue/mission/index.hpp>
+#include <segue/mission/pool_call.hpp>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <utility>
+
+namespace segue::mission {
+
+using type::Value;
+
+namespace {
+
+TimePoint time_now() {
+  return RealClock::instance().now();
+}
+
+std::string why_none(const PoolView& pool) {
+  std::string text = "no instance of pool " + quote(pool.name) + " is ready";
+  for (const PoolInstanceView& one : pool.instances)
+    text += (&one == &pool.instances.front() ? ": " : "; ") + one.task + ": " + one.reason;
+  return text;
+}
+
+/// Gives instances of pools to executions, one at a time. Thread safe.
+class Instances {
+ public:
+  Instances(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
+      : robot_(std::move(robot)), options_(options) {}
+
+  Result<PoolView> look(const std::string& pool) const {
+    const auto pools = robot_->pools();
+    if (!pools) return pools.error();
+    const auto found = std::ranges::find(*pools, pool, &PoolView::name);
+    if (found != pools->end()) return *found;
+    return fail(ErrorCode::NotFound, "the robot has no pool " + quote(pool));
+  }
+
+  /// Blocks until an instance is ready and free. Cancelled when asked to stop.
+  Result<PoolInstanceView> take(const std::string& pool, const std::stop_token& stop) {
+    TimePoint give_up = time_now() + options_.ready_deadline;
+    while (!stop.stop_requested()) {
+      const auto view = look(pool);
+      if (!view) return view.error();
+      std::unique_lock lock(mutex_);
+      bool any_ready = false;
+      for (const PoolInstanceView& one : view->instances) {
+        any_ready = any_ready || one.ready;
+        if (one.ready && busy_.insert(one.task).second) return one;
+      }
+      const bool hopeless = std::ranges::all_of(view->instances, &PoolInstanceView::given_up);
+      if (hopeless || (!any_ready && time_now() > give_up))
+        return fail(ErrorCode::Unavailable, why_none(*view));
+      if (any_ready) give_up = time_now() + options_.ready_deadline;
+      freed_.wait_for(lock, stop, options_.period, [] { return false; });
+    }
+    return fail(ErrorCode::Cancelled, "it was preempted");
+  }
+
+  void give_back(const PoolInstanceView& instance) {
+    const std::lock_guard lock(mutex_);
+    busy_.erase(instance.task);
+    freed_.notify_all();
+  }
+
+  /// Whether that is why it did not answer. The robot may need a moment to notice.
+  bool is_lost(const std::string& pool, const PoolInstanceView& instance, const Error& error) const {
+    if (error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed) return false;
+    const TimePoint give_up = time_now() + options_.notice;
+    while (true) {
+      const auto view = look(pool);
+      if (!view) return false;
+      const auto now = std::ranges::find(view->instances, instance.task, &PoolInstanceView::task);
+      if (now == view->instances.end() || !now->ready || now->pid != instance.pid) return true;
+      if (error.code != ErrorCode::Unavailable || time_now() > give_up) return false;
+      RealClock::instance().sleep_until(time_now() + options_.period);
+    }
+  }
+
+ private:
+  const std::shared_ptr<CommandedRobot> robot_;
+  const PoolOptions options_;
+  std::mutex mutex_;  ///< protects the members below; not held while the robot is asked
+  std::condition_variable_any freed_;
+  std::set<std::string> busy_;
+};
+
+/// One execution of an action.
+class PoolExecution {
+ public:
+  PoolExecution(const ActionCall& call)
+      : call_(std::get<PoolCall>(call.action().run)),
+        arguments_(call.filled(call_.arguments)),
+        outcomes_(call.action().outcomes),
+        may_repeat_(call.action().pure) {
+    for (const ResultField& one : call_.outputs)
+      output_places_.push_back(position(call.action().outputs, one.output).value_or(0));
+  }
+
+  /// Blocks until the action has ended.
+  Ending run(CommandedRobot& robot, Instances& instances, const std::stop_token& stop,
+             std::vector<Value>& outputs) const {
+    for (std::size_t attempt = 1;; ++attempt) {
+      const auto instance = instances.take(call_.pool, stop);
+      if (!instance) return stop.stop_requested() ? Ending{kPreempted, {}} : aborted_by(instance.error());
+      const auto answer =
+          robot.call({instance->task, call_.operation}, arguments_, time_now() + call_.timeout);
+      const bool lost = !answer && instances.is_lost(call_.pool, *instance, answer.error());
+      instances.give_back(*instance);
+      if (stop.stop_requested()) return {kPreempted, {}};
+      if (answer) return ended_with(*answer, outputs);
+      if (!lost) return aborted_by(answer.error());
+      const auto pool = instances.look(call_.pool);
+      if (!pool || !may_repeat_ || attempt > pool->instances.size())
+        return aborted_by(
+            fail(ErrorCode::Unavailable, lost_text(*instance, attempt)).because_of(answer.error()));
+    }
+  }
+
+ private:
+  static Ending aborted_by(const Error& error) { return {kAborted, to_string(error)}; }
+
+  [[nodiscard]] std::string lost_text(const PoolInstanceView& instance, std::size_t attempts) const {
+    return instance.task + " was lost while it worked" +
+           (attempts == 1 ? std::string()
+                          : ", as were others before: " + std::to_string(attempts) + " attempts have failed");
+  }
+
+  Ending ended_with(const Value& answer, std::vector<Value>& outputs) const {
+    for (std::size_t i = 0; i < call_.outputs.size(); ++i) {
+      const Value* part = field_of(answer, call_.outputs[i].field);
+      if (part == nullptr) return without(call_.outputs[i].field);
+      outputs[output_places_[i]] = *part;
+    }
+    if (call_.outcome_from.empty()) return {0, {}};
+    const Value* outcome = field_of(answer, call_.outcome_from);
+    if (outcome == nullptr || !outcome->is_string()) return without(call_.outcome_from);
+    const auto found = std::ranges::find(outcomes_, outcome->as_string());
+    if (found != outcomes_.end()) return {static_cast<Outcome>(found - outcomes_.begin()), {}};
+    return {kAborted, call_.pool + "." + call_.operation + " answered " + quote(outcome->as_string()) +
+                          " as " + quote(call_.outcome_from) +
+                          (outcome->as_string() == kAbortedName ? "" : ", which is none of its outcomes")};
+  }
+
+  [[nodiscard]] Ending without(const std::string& field) const {
+    return {kAborted, "the answer of " + call_.pool + "." + call_.operation + " has no field " +
+                          quote(field) + (field == call_.outcome_from ? " with a text" : "")};
+  }
+
+  const PoolCall call_;
+  const Value arguments_;
+  const std::vector<std::string> outcomes_;
+  const bool may_repeat_;
+  std::vector<std::size_t> output_places_;
+};
+
+}  // namespace
+
+class PoolRunner::Implementation {
+ public:
+  Implementation(std::shared_ptr<CommandedRobot> robot, const PoolOptions& options)
+      : robot_(std::move(robot)), instances_(robot_, options) {}
+
+  void start(ActionCall& call) {
+    threads_.start(call, [this, execution = PoolExecution(call)](const std::stop_token& stop,
+                                                                 std::vector<Value>& outputs) {
+      return execution.run(*robot_, instances_, stop, outputs);
+    });
+  }
+
+ private:
+  const std::shared_ptr<CommandedRobot> robot_;
+  Instances instances_;
+  ExecutionThreads threads_;  // destroyed first: they use the others
+};
+
+PoolRunner::PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options)
+    : implementation_(std::make_unique<Implementation>(std::move(robot), options)) {}
+PoolRunner::~PoolRunner() = default;
+
+std::optional<Ending> PoolRunner::start(ActionCall& call) {
+  if (call.backward()) return Ending{};
+  implementation_->start(call);
+  return std::nullopt;
+}
+
+}  // namespace segue::mission

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/commanded_robot.hpp>
+
+#include <memory>
+#include <optional>
+
+namespace segue::mission {
+
+struct PoolOptions {
+  /// How often it is looked whether an instance is ready, while an action waits for one.
+  Duration period = std::chrono::milliseconds(50);
+  /// How long an action waits while no instance of its pool is ready, before it aborts.
+  Duration ready_deadline = std::chrono::seconds(30);
+  /// How long it may take the robot to notice that an instance is lost whose connection broke.
+  Duration notice = std::chrono::seconds(3);
+};
+
+/// Carries out actions that are calls of a pool of processes (PoolCall), each in a thread of its own and on
+/// an instance of its own. Where an instance is lost while it works for a pure action, another one takes its
+/// place: as often as there are instances, and once more. An action that is preempted ends when its instance
+/// has answered, since that is not free before; the answer is dropped.
+class PoolRunner final : public ActionRunner {
+ public:
+  explicit PoolRunner(std::shared_ptr<CommandedRobot> robot, PoolOptions options = {});
+  /// Ends what is under way as preempted; blocks until the instances have answered.
+  ~PoolRunner() override;
+  PoolRunner(const PoolRunner&) = delete;
+  PoolRunner& operator=(const PoolRunner&) = delete;
+
+  std::optional<Ending> start(ActionCall& call) override;
+
+ private:
+  class Implementation;
+  const std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::mission

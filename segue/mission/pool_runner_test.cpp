@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/engine.hpp>
+#include <segue/mission/files.hpp>
+#include <segue/mission/pool_runner.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <thread>
+
+namespace segue::mission {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using type::Value;
+
+/// Has a pool of two planners; a function of the test answers.
+class PlanningRobot final : public CommandedRobot {
+ public:
+  using Answer = std::function<Result<Value>(const std::string& instance, const Value& arguments)>;
+
+  explicit PlanningRobot(Answer answer) : answer_(std::move(answer)) {}
+
+  Result<void> request(const ControllerRequest& /*what*/, TimePoint /*deadline*/) override { return {}; }
+  Result<ControllerTrouble> trouble(std::string_view /*controller*/) override { return ControllerTrouble{}; }
+  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
+  Result<void> prepare(const std::vector<std::string>& /*names*/, TimePoint /*deadline*/) override {
+    return {};
+  }
+  Result<std::vector<PoolView>> pools() override {
+    const std::lock_guard lock(mutex_);
+    return std::vector{PoolView{"planner", {instances_.begin(), instances_.end()}}};
+  }
+  Result<Value> call(const Member& operation, const Value& arguments, TimePoint /*deadline*/) override {
+    {
+      const std::lock_guard lock(mutex_);
+      called_.push_back(operation.task);
+    }
+    return answer_(operation.task, arguments);
+  }
+  Result<void> write(const Member& /*port*/, const Value& /*value*/, TimePoint /*deadline*/) override {
+    return {};
+  }
+  Result<TaskView> task(std::string_view /*id*/) override { return TaskView{}; }
+  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
+    return fail(ErrorCode::NotFound, to_string(port));
+  }
+
+  void lose(const std::string& instance, bool for_good = false) {
+    change(instance, [&](PoolInstanceView& one) {
+      one.ready = false;
+      one.given_up = for_good;
+      one.reason = "its process is gone";
+    });
+  }
+  void start_again(const std::string& instance) {
+    change(instance, [](PoolInstanceView& one) { one = {one.task, one.pid + 100, true, false, ""}; });
+  }
+  std::vector<std::string> called() {
+    const std::lock_guard lock(mutex_);
+    return called_;
+  }
+
+ private:
+  void change(const std::string& instance, const std::function<void(PoolInstanceView&)>& how) {
+    const std::lock_guard lock(mutex_);
+    for (PoolInstanceView& one : instances_) {
+      if (one.task == instance) how(one);
+    }
+  }
+
+  const Answer answer_;
+  std::mutex mutex_;  ///< protects all below
+  std::vector<PoolInstanceView> instances_{{"planner_1", 1, true}, {"planner_2", 2, true}};
+  std::vector<std::string> called_;
+};
+
+Value route(const char* outcome) {
+  return Value::map({{"outcome", outcome}, {"path", Value::map({{"length", 7}})}});
+}
+Error connection_broke() {
+  return fail(ErrorCode::Unavailable, "the connection is closed");
+}
+
+class PoolCalls : public ::testing::Test {
+ protected:
+  /// A mission of one action with these declarations.
+  void begin(PlanningRobot::Answer answer, const std::string& declared = "pure: true") {
+    robot_ = std::make_shared<PlanningRobot>(std::move(answer));
+    Diagnostics diagnostics;
+    auto mission = read_mission(
+        "mission: m\n"
+        "actions:\n"
+        "  plan:\n"
+        "    inputs: {to: {type: text, default: home}}\n"
+        "    outputs: {length: any, all: any}\n"
+        "    outcomes: [found, no_route]\n"
+        "    " +
+            declared +
+            "\n"
+            "    run: {pool: planner, call: {plan: {to: '{to}'}}, outcome_from: outcome,\n"
+            "          outputs: {length: path.length, all: value}}\n"
+            "outcomes: [found, no_route]\n"
+            "outputs: {length: any}\n"
+            "start: plan\n"
+            "flows: [plan.length -> outputs.length]\n"
+            "states: {plan: {on: {found: return found, no_route: return no_route}}}\n",
+        "m.yaml", diagnostics);
+    ASSERT_TRUE(mission) << to_string(diagnostics);
+    auto program = Program::compile(std::move(*mission));
+    ASSERT_TRUE(program) << to_string(program.error());
+    Runners runners;
+    runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
+    auto engine = Engine::create(*program, runners);
+    ASSERT_TRUE(engine) << to_string(engine.error());
+    engine_ = std::move(*engine);
+    thread_ = std::jthread([this] { engine_->run(); });
+  }
+  const MissionResult& ended() {
+    thread_.join();
+    return engine_->result();
+  }
+
+  std::shared_ptr<PlanningRobot> robot_;
+  std::unique_ptr<Engine> engine_;
+  std::jthread thread_;
+};
+
+TEST_F(PoolCalls, EndAsTheAnswerSays) {
+  begin([](const std::string&, const Value& arguments) {
+    EXPECT_EQ(arguments, Value::map({{"to", "home"}}));
+    return route("found");
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_EQ(engine_->result().outputs[0], Value(7));
+  begin([](const std::string&, const Value&) { return route("no_route"); });
+  EXPECT_EQ(ended().outcome_name, "no_route");
+}
+
+TEST_F(PoolCalls, AbortWithTheErrorOfTheOperation) {
+  begin([](const std::string&, const Value&) -> Result<Value> {
+    return fail(ErrorCode::InvalidArgument, "the goal is outside of the map");
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("the goal is outside of the map"));
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1"));
+}
+
+TEST_F(PoolCalls, AbortWhereTheAnswerIsNotAsExpected) {
+  begin([](const std::string&, const Value&) { return route("perhaps"); });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("'perhaps' as 'outcome', which is none of its outcomes"));
+  begin([](const std::string&, const Value&) { return Value::map({{"outcome", "found"}}); });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("has no field 'path.length'"));
+}
+
+TEST_F(PoolCalls, AreRepeatedByAnotherInstanceWhereOneIsLost) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    if (instance == "planner_2") return route("found");
+    robot_->lose(instance);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2"));
+}
+
+TEST_F(PoolCalls, WaitUntilAnInstanceIsThereAgain) {
+  int calls = 0;
+  begin([this, &calls](const std::string& instance, const Value&) -> Result<Value> {
+    if (++calls == 3) return route("found");
+    robot_->lose(instance);
+    if (calls == 2) robot_->start_again("planner_1");
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "found");
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1", "planner_2", "planner_1"));
+}
+
+TEST_F(PoolCalls, AreRepeatedABoundedNumberOfTimes) {
+  begin([this](const std::string& instance, const Value&) -> Result<Value> {
+    robot_->lose(instance);
+    robot_->start_again(instance);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("3 attempts have failed"));
+  EXPECT_EQ(robot_->called().size(), 3U);
+}
+
+TEST_F(PoolCalls, AreNotRepeatedUnlessTheActionIsPure) {
+  begin(
+      [this](const std::string& instance, const Value&) -> Result<Value> {
+        robot_->lose(instance);
+        return connection_broke();
+      },
+      "strict: true");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("planner_1 was lost while it worked"));
+  EXPECT_THAT(robot_->called(), ElementsAre("planner_1"));
+}
+
+TEST_F(PoolCalls, AbortAtOnceWhereNoInstanceComesBack) {
+  begin([this](const std::string&, const Value&) -> Result<Value> {
+    robot_->lose("planner_1", true);
+    robot_->lose("planner_2", true);
+    return connection_broke();
+  });
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(
+      engine_->result().error,
+      HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone; planner_2: "));
+}
+
+TEST_F(PoolCalls, ArePreemptedWhenTheirInstanceHasAnswered) {
+  std::mutex mutex;
+  std::condition_variable stopped;
+  bool is_stopped = false;
+  bool is_called = false;
+  begin([&](const std::string&, const Value&) {
+    std::unique_lock lock(mutex);
+    is_called = true;
+    stopped.notify_all();
+    EXPECT_TRUE(stopped.wait_for(lock, 60s, [&] { return is_stopped; }));
+    return route("found");
+  });
+  {
+    std::unique_lock lock(mutex);
+    ASSERT_TRUE(stopped.wait_for(lock, 60s, [&] { return is_called; }));
+  }
+  engine_->stop();
+  {
+    const std::lock_guard lock(mutex);
+    is_stopped = true;
+  }
+  stopped.notify_all();
+  EXPECT_EQ(ended().outcome_name, "preempted");
+}
+
+}  // namespace
+}  // namespace segue::mission

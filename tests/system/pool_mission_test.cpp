@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Missions whose actions are calls of a robot's pool of processes.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+
+#include "system_test.hpp"
+
+namespace segue::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Plans a route.
+constexpr const char* kPlan = R"(mission: plan
+actions:
+  plan:
+    outputs: {points: list}
+    outcomes: [found, no_route]
+    pure: true
+    run:
+      pool: planner
+      call: {plan: {from: {x: 0.0, y: 0.0}, to: {x: 1.0, y: 0.0}}}
+      outcome_from: outcome
+      outputs: {points: points}
+      timeout: 10min
+outcomes: [found, no_route]
+outputs: {points: list}
+flows: [plan.points -> outputs.points]
+start: plan
+states: {plan: {on: {found: return found, no_route: return no_route}}}
+)";
+
+class PoolMission : public SystemTest {
+ protected:
+  /// A robot whose planners take very long.
+  void start_with_pool(const std::string& size, const std::string& more = "") {
+    ASSERT_EQ(segue({"init", "rover"}).status, 0);
+    std::ifstream robot(folder_ / "rover/robot.yaml");
+    const std::string file((std::istreambuf_iterator<char>(robot)), std::istreambuf_iterator<char>());
+    write("rover/robot.yaml", file + "pools: {planner: {component: \"demo::RoutePlanner\", size: " + size +
+                                  ", properties: {effort: 1h}" + more + "}}\n");
+    start();
+    write("plan.yaml", kPlan);
+    wait_until([&] { return pool().find("ready")->as_int() == pool().find("size")->as_int(); });
+  }
+  type::Value pool() { return json({"status"}).find("pools")->as_list().at(0); }
+  void kill_first() {
+    const auto instances = pool().find("instances")->as_list();
+    ::kill(static_cast<int>(instances.at(0).find("pid")->as_int()), SIGKILL);
+  }
+  void wait_until_planning() {
+    wait_until([&] {
+      return segue({"mission", "status"}).output.find("under way: plan") != std::string::npos;
+    });
+  }
+  template <class Condition>
+  void wait_until(const Condition& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (!condition()) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << segue({"status"}).output;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+};
+
+TEST_F(PoolMission, GoesOnWithAnotherInstanceWhereOneIsKilled) {
+  start_with_pool("2");
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    ASSERT_EQ(segue({"set", "planner_2.effort=0ms"}).status, 0);
+    Process mission(command({"mission", "run", "plan.yaml", "--mode", mode}), folder_);
+    wait_until_planning();
+    kill_first();
+    const auto finished = mission.wait();
+    EXPECT_EQ(finished.status, 0) << finished.errors;
+    EXPECT_THAT(finished.output, HasSubstr("plan: found"));
+    wait_until([&] { return pool().find("ready")->as_int() == 2; });
+  }
+  EXPECT_EQ(segue({"switch", "explore"}).status, 0);
+  EXPECT_EQ(pool().find("ready")->as_int(), 2);
+}
+
+TEST_F(PoolMission, SaysWhyWhereNoInstanceIsLeft) {
+  start_with_pool("1", ", on_failure: report");
+  Process mission(command({"mission", "run", "plan.yaml"}), folder_);
+  wait_until_planning();
+  kill_first();
+  const auto finished = mission.wait();
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.errors + finished.output,
+              HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone"));
+  EXPECT_THAT(segue({"status"}).output, HasSubstr("pool planner: 0 of 1 ready"));
+  EXPECT_EQ(segue({"switch", "explore"}).status, 0) << "the controllers do not depend on it";
+}
+
+TEST_F(PoolMission, NeedsAPoolOfTheRobot) {
+  start();
+  write("plan.yaml", kPlan);
+  const auto refused = segue({"mission", "run", "plan.yaml"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.errors, HasSubstr("the robot has no pool 'planner'"));
+}
+
+}  // namespace
+}  // namespace segue::testing
