@@ -4,6 +4,7 @@
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_runner.hpp>
 #include <segue/mission/controllers.hpp>
+#include <segue/mission/fact_observer.hpp>
 #include <segue/mission/pool_runner.hpp>
 #include <segue/mission/pools.hpp>
 #include <segue/robot/served_robot.hpp>
@@ -126,9 +127,7 @@ Result<std::unique_ptr<FinishedRun>> run_with_progress(const session::Session& p
 }
 
 bool needs_robot(const session::Session& plan, const MissionOptions& options) {
-  return plan.program() != nullptr && !options.simulate &&
-         (mission::uses_controllers(plan.program()->mission()) ||
-          mission::uses_pools(plan.program()->mission()));
+  return plan.program() != nullptr && !options.simulate && mission::needs_robot(plan.program()->mission());
 }
 
 void show_executions(const FinishedRun& run) {
@@ -273,6 +272,9 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
+  if (const auto& observed = plan->program()->mission().observed; !observed.empty())
+    request.runners.set_observer(
+        std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));
   session::PauseControl pause;
   request.pause = &pause;
   MissionRemote remote(*robot, plan->name(), pause, stop);

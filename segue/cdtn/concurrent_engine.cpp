@@ -89,6 +89,7 @@ void ConcurrentEngine::Implementation::adopt_node(NodeId node) {
   state.claims = !network_.claims(node).empty();
   state.reads_world = record.reads_world && !irreversible(node);
   state.reads_beside = record.reads_beside && !irreversible(node);
+  state.observes = !irreversible(node) && network_.observes(node);
   for (const Dependency& dependency : order_.before(node))
     count(state, dependency);
   if (state.commit_gate == 0 || (!irreversible(node) && state.start_gate == 0)) work_.push_back(node);

@@ -56,7 +56,8 @@ void ConcurrentEngine::Implementation::check(NodeId node) {
   }
   const bool in_order = takes_in_order(node);  // what does cannot be repeated
   if (state.reads_beside && in_order && !turn_has_come(node)) return;
-  if (state.start_gate == 0 && (settled(node) || (options_.speculate && !in_order))) try_start(node);
+  const bool runs_ahead = options_.speculate && !in_order && !state.observes;
+  if (state.start_gate == 0 && (settled(node) || runs_ahead)) try_start(node);
 }
 
 /// Likewise, of a node that has got further than to wait for its gates; true if it waits for them again.
@@ -254,11 +255,12 @@ void ConcurrentEngine::Implementation::take_waiting() {
   }
 }
 
-/// The first precondition that is false, in reality or, for a pure node, as projected.
+/// The first precondition that is false, in reality or, for a pure node, as projected. Those that are
+/// observed are left to the environment.
 const Access* ConcurrentEngine::Implementation::false_precondition(NodeId node) const {
   const bool pure = network_[node].kind == ActionClass::Pure;
   for (const Access& access : network_.accesses(node)) {
-    if (!access.reads) continue;
+    if (!access.reads || network_.facts.is_observed(access.fact)) continue;
     if ((pure ? projected(access) : world_.holds(access.fact)) != access.needed) return &access;
   }
   return nullptr;

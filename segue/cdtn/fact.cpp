@@ -193,6 +193,11 @@ Result<Literal> FactTable::intern_literal(std::string_view text) {
   return Literal{*fact, value};
 }
 
+void FactTable::mark_observed(FactId fact) {
+  if (observed_.size() <= index(fact)) observed_.resize(index(fact) + 1);
+  observed_[index(fact)] = true;
+}
+
 std::optional<FactId> FactTable::find(std::string_view text) const {
   const auto fact = parse(text);
   if (!fact) return std::nullopt;

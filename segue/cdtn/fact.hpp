@@ -47,6 +47,13 @@ class FactTable {
   /// The fact, or nullopt if it is not interned.
   [[nodiscard]] std::optional<FactId> find(std::string_view text) const;
 
+  /// The fact changes by itself: whoever executes nodes compares it with reality, and the network only says
+  /// who comes after whom.
+  void mark_observed(FactId fact);
+  [[nodiscard]] bool is_observed(FactId fact) const {
+    return index(fact) < observed_.size() && observed_[index(fact)];
+  }
+
   /// "p(a,b)", "p()".
   [[nodiscard]] const std::string& text(FactId fact) const { return facts_.name(index(fact)); }
   [[nodiscard]] std::string text(const Literal& literal) const;
@@ -67,6 +74,7 @@ class FactTable {
   NameTable predicate_names_;
   std::vector<Predicate> predicates_;
   NameTable facts_;
+  std::vector<bool> observed_;  ///< by fact; may be shorter
 };
 
 }  // namespace segue::cdtn

@@ -47,6 +47,7 @@ struct NodeState {
   bool claims = false;        ///< some units
   bool reads_world = false;   ///< and may do so again
   bool reads_beside = false;  ///< likewise
+  bool observes : 1 = false;  ///< TaskNetwork::observes(), and it is not irreversible
   bool passed : 1 = false;
   bool announced : 1 = false;    ///< consumers know that there are outputs
   bool began : 1 = false;        ///< later users of its resources know that it has started

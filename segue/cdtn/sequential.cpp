@@ -79,7 +79,8 @@ class SequentialRun {
   [[nodiscard]] const Access* false_precondition(NodeId node) const {
     const auto accesses = network_.accesses(node);
     const auto found = std::ranges::find_if(accesses, [&](const Access& access) {
-      return access.reads && result_.world.holds(access.fact) != access.needed;
+      return access.reads && !network_.facts.is_observed(access.fact) &&
+             result_.world.holds(access.fact) != access.needed;
     });
     return found == accesses.end() ? nullptr : &*found;
   }

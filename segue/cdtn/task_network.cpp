@@ -12,6 +12,12 @@ TaskNetwork::TaskNetwork() {
   nodes_.emplace_back();
 }
 
+bool TaskNetwork::observes(NodeId node) const {
+  return std::ranges::any_of(accesses(node), [this](const Access& access) {
+    return access.reads && facts.is_observed(access.fact);
+  });
+}
+
 std::string TaskNetwork::label(NodeId node) const {
   const std::uint32_t iteration = (*this)[node].iteration;
   return iteration == 0 ? name_of(node) : name_of(node) + '#' + std::to_string(iteration);

@@ -122,6 +122,8 @@ class TaskNetwork {
   [[nodiscard]] std::span<const Access> accesses(NodeId node) const {
     return part(accesses_, node, &NodeRecord::first_access);
   }
+  /// Whether the node relies on facts that are observed: it begins only once all it depends on has happened.
+  [[nodiscard]] bool observes(NodeId node) const;
   [[nodiscard]] std::span<const Claim> claims(NodeId node) const {
     return part(claims_, node, &NodeRecord::first_claim);
   }

@@ -5,6 +5,7 @@
 #include <segue/convert/fault.hpp>
 #include <segue/convert/subtree_watch.hpp>
 #include <segue/convert/world_views.hpp>
+#include <segue/mission/fact_observer.hpp>
 #include <segue/mission/index.hpp>
 
 #include <algorithm>
@@ -124,6 +125,9 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   [[nodiscard]] std::span<const mission::BranchResult> branches() const override { return branches_; }
   [[nodiscard]] std::uint64_t iteration() const override {
     return planned_.counts ? static_cast<std::uint64_t>(reporter_->count) : planned_.iteration;
+  }
+  [[nodiscard]] const mission::ObservedNeeds* observed() const override {
+    return environment_.runners_.observer() ? planned_.observed.get() : nullptr;
   }
   [[nodiscard]] bool backward() const override { return false; }
 
@@ -326,6 +330,11 @@ bool ActionEnvironment::replay(NodeContext& context, Completions& completions) {
   for (const auto& [state, count] : end->begun) {
     if (state < iterations_->size()) (*iterations_)[state] = count;
   }
+  const PlannedNode& planned = plan_[context.node()];
+  const bool as_foreseen = end->outcome >= 0 && reports->outcomes[static_cast<std::size_t>(end->outcome)] ==
+                                                    plan_.network()[context.node()].expected;
+  if (runners_.observer() && planned.observed && as_foreseen)
+    runners_.observer()->assume(planned.observed->effects);
   const bool waits = end->outcome == kPreempted;  // until the race is lost again
   const auto again = [&completions, node = context.node(), attempt = context.attempt(), reports,
                       end = std::move(*end)] {

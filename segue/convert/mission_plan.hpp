@@ -82,6 +82,7 @@ struct PlannedNode {
   std::string global;
   std::string refused;                ///< why the action can never begin
   mission::SurroundingsPtr around{};  ///< OpaqueSubtree: what is declared around it
+  mission::ObservedNeedsPtr observed{};
 };
 
 /// Names of outputs in addition to those of ports.

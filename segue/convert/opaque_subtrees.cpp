@@ -20,7 +20,8 @@ using Kind = OpaqueSubtreeReason::Kind;
 namespace {
 
 bool declares_footprint(const Action& action) {
-  return !action.preconditions.empty() || !action.effects.empty() || !action.resources.empty();
+  return !action.preconditions.empty() || !action.during.empty() || !action.effects.empty() ||
+         !action.resources.empty();
 }
 
 /// A fact or resource that an action touches. The name may have placeholders.
@@ -177,8 +178,10 @@ class Search {
   }
 
   bool collect(const Action& action, std::vector<Touched>& touched) const {
-    for (const mission::Fact& fact : action.preconditions)
-      touched.push_back({"fact " + to_string(fact), false});
+    for (const auto* facts : {&action.preconditions, &action.during}) {
+      for (const mission::Fact& fact : *facts)
+        touched.push_back({"fact " + to_string(fact), false});
+    }
     for (const mission::Fact& fact : action.effects)
       touched.push_back({"fact " + to_string(fact), true});
     for (const mission::ResourceUse& use : action.resources) {

@@ -3,6 +3,7 @@
 #include <segue/convert/run.hpp>
 #include <segue/convert/unfinished_outputs.hpp>
 #include <segue/convert/world_views.hpp>
+#include <segue/mission/fact_observer.hpp>
 
 #include <algorithm>
 #include <mutex>
@@ -64,6 +65,14 @@ mission::ActionObserver one_at_a_time(mission::ActionObserver observe) {
     const std::lock_guard lock(*mutex);
     observe(event);
   };
+}
+
+void mark_observed(const mission::Mission& mission, cdtn::FactTable& facts) {
+  for (const mission::ObservedFact& one : mission.observed) {
+    const auto grounded = mission::ground(one.fact);
+    const auto fact = grounded ? facts.intern_named(grounded->text) : grounded.error();
+    if (fact) facts.mark_observed(*fact);
+  }
 }
 
 }  // namespace
@@ -144,6 +153,11 @@ Result<std::unique_ptr<Run>> Run::create(std::shared_ptr<const mission::Program>
   if (!plan) return plan.error();
   auto& network = (*plan)->network();
   attach(network.initial_world, network.facts, options.world_data);
+  if (runners.observer()) {
+    const mission::Mission& mission = (*plan)->program().mission();
+    if (const auto facts = mission::initial_facts(mission, options.facts)) runners.observer()->begin(*facts);
+    mark_observed(mission, network.facts);
+  }
   return std::unique_ptr<Run>(
       new Run(std::make_unique<Implementation>(std::move(*plan), runners, std::move(*assigned), options)));
 }

@@ -21,6 +21,7 @@ struct Touch {
   std::vector<cdtn::Literal> preconditions{};
   std::vector<cdtn::Literal> effects{};
   std::vector<cdtn::Claim> claims{};
+  mission::ObservedNeedsPtr observed{};
 };
 
 /// Walks through a mission as the reference engine would, along all ways at once. States of a hierarchy are

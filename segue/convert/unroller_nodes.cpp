@@ -162,6 +162,7 @@ void Unroller::declare(const StateEntry& entry, NodeSpec& spec, PlannedNode& pla
   spec.preconditions = touch.preconditions;
   spec.effects = touch.effects;
   spec.claims = touch.claims;
+  planned.observed = touch.observed;
   if (entry.memberships != nullptr)
     spec.claims.insert(spec.claims.end(), entry.memberships->begin(), entry.memberships->end());
 }
@@ -193,6 +194,7 @@ void Unroller::look_up(const mission::Needs& needs, Touch& touch) {
   };
   literals(needs.preconditions, touch.preconditions);
   if (!planted(ConversionFault::ForgetsEffects)) literals(needs.effects, touch.effects);
+  touch.observed = needs.observed;
   touch.claims.clear();
   const auto varies = [&](const std::string& name) {
     return std::ranges::any_of(varying_, [&](const auto& pattern) { return matches_glob(pattern, name); });

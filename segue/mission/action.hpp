@@ -116,6 +116,7 @@ struct Action {
   std::vector<Port> outputs;
   std::vector<std::string> outcomes{"success"};
   std::vector<Fact> preconditions;
+  std::vector<Fact> during;  ///< as `preconditions`; observed ones (ObservedFact) must hold all along
   std::vector<Fact> effects;
   std::vector<ResourceUse> resources;
   bool pure = false;         ///< its result can be discarded; otherwise it is potentially irreversible

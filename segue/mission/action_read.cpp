@@ -231,6 +231,7 @@ void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& reso
 
 void read_declarations(Action& action, Fields& fields, const Source& source) {
   read_needs(action.preconditions, action.resources, fields, source);
+  read_facts(action.during, fields, "while", "!", source);
   read_facts(action.effects, fields, "effects", "+-", source);
   action.pure = fields.boolean("pure", false);
   action.sensing = fields.boolean("sensing", false);

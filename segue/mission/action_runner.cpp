@@ -3,6 +3,7 @@
 #include <segue/base/varied_duration.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/index.hpp>
+#include <segue/mission/observing_runner.hpp>
 
 #include <algorithm>
 #include <unordered_set>
@@ -148,6 +149,9 @@ void Runners::set_controllers(std::shared_ptr<ActionRunner> runner) {
 void Runners::set_pools(std::shared_ptr<ActionRunner> runner) {
   pools_ = std::move(runner);
 }
+void Runners::set_observer(std::shared_ptr<FactObserver> observer) {
+  observer_ = std::move(observer);
+}
 void Runners::simulate_all() {
   simulate_all_ = true;
 }
@@ -166,6 +170,7 @@ Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission
     if (checked.insert(runner->get()).second) {
       if (auto usable = (*runner)->check(); !usable) return usable.error();
     }
+    if (observer_) *runner = std::make_shared<ObservingRunner>(std::move(*runner), observer_);
     result.push_back(std::move(*runner));
   }
   return result;

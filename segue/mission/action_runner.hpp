@@ -6,6 +6,7 @@
 #include <segue/base/result.hpp>
 #include <segue/mission/globals.hpp>
 #include <segue/mission/program.hpp>
+#include <segue/mission/surroundings.hpp>
 #include <segue/mission/world_view.hpp>
 
 #include <cstdint>
@@ -82,11 +83,14 @@ class ActionCall {
   [[nodiscard]] virtual std::span<const BranchResult> branches() const = 0;
   /// How often this state had begun before.
   [[nodiscard]] virtual std::uint64_t iteration() const = 0;
+  /// Which of its facts are observed; null: none, or the run is not observed.
+  [[nodiscard]] virtual const ObservedNeeds* observed() const { return nullptr; }
   /// The action is to be undone; one that cannot be undone simply ends.
   [[nodiscard]] virtual bool backward() const = 0;
 
-  /// Lets the execution continue after start() has returned nothing. `preempt` is called at most once, on the
-  /// engine's thread, when the execution must end early; it must not block.
+  /// Lets the execution continue after start() has returned nothing. `preempt` is called at most once, when
+  /// the execution must end early: on the engine's thread, or where an observed fact ends it on another one.
+  /// It must not block.
   virtual Completer defer(std::function<void()> preempt) = 0;
   /// Ends the execution after `duration` on the engine's clock, or immediately when it is preempted.
   virtual void end_after(Duration duration, Ending ending) = 0;
@@ -119,6 +123,8 @@ class ActionRunner {
 /// An action as a C++ function that has ended when it returns. An exception aborts it.
 using Function = std::function<Ending(ActionCall&)>;
 
+class FactObserver;
+
 /// Assigns runners to actions: callbacks by name; simulated actions and decisions are built in. Copies share
 /// the runners.
 class Runners {
@@ -134,6 +140,11 @@ class Runners {
   void set_controllers(std::shared_ptr<ActionRunner> runner);
   /// The runner of all actions that are calls of a pool, such as a PoolRunner.
   void set_pools(std::shared_ptr<ActionRunner> runner);
+  /// Compares observed facts with a robot (ObservedFact); without an observer they are facts like all others.
+  /// It must outlive the runs.
+  void set_observer(std::shared_ptr<FactObserver> observer);
+  /// Null: none.
+  [[nodiscard]] const std::shared_ptr<FactObserver>& observer() const { return observer_; }
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
   /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
@@ -154,6 +165,7 @@ class Runners {
   std::shared_ptr<ActionRunner> simulation_;
   std::shared_ptr<ActionRunner> expectation_;
   std::shared_ptr<ActionRunner> decisions_;
+  std::shared_ptr<FactObserver> observer_;
   bool simulate_all_ = false;
 };
 

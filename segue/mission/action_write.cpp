@@ -121,6 +121,7 @@ Value write_action(const Action& action) {
   write_ports(map, "outputs", action.outputs);
   write_outcomes(map, action.outcomes);
   write_needs(map, action.preconditions, action.resources);
+  if (!action.during.empty()) map.append("while", write_facts(action.during, "", "!"));
   if (!action.effects.empty()) map.append("effects", write_facts(action.effects, "+", "-"));
   if (action.pure) map.append("pure", true);
   if (action.sensing) map.append("sensing", true);

@@ -66,6 +66,7 @@ struct Activation {
   std::string error;                ///< the error of this state, or of its last child
   std::string error_before;         ///< leaves: the error of the preceding state
   std::vector<GroundFact> effects;  ///< leaves: applied if they end as expected
+  ObservedNeedsPtr observed;        ///< leaves: of its facts
   World::Changes changed{};         ///< leaves: the changes this made
   std::vector<UnitUse> asked;       ///< units that it needs
   UnitsUsed units;                  ///< those that it has taken

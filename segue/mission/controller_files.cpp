@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/mission/footprint.hpp>
 #include <segue/mission/parts.hpp>
 
 #include <utility>
@@ -45,16 +46,11 @@ std::vector<MemberValue> read_member_values(Fields& fields, std::string_view key
   return values;
 }
 
-/// What the keys of an entry of `until` say; nothing, with an error, unless exactly one way is given.
-std::optional<decltype(EndCondition::when)> read_when(Fields& fields, const Source& source) {
-  std::vector<decltype(EndCondition::when)> found;
-  if (const auto after = fields.duration("after")) {
-    if (*after < Duration::zero())
-      source.error("bad-duration", fields.what() + ": 'after' must not be negative", fields.value());
-    found.emplace_back(TimeIsUp{*after});
-  }
+/// The conditions on the robot that the keys of an entry of `until` or `observe` say.
+std::vector<RobotCondition> read_conditions(Fields& fields, const Source& source) {
+  std::vector<RobotCondition> found;
   if (fields.find("task") != nullptr) {
-    fields.require("state", "the state that ends the action");
+    fields.require("state", "the state that is meant");
     found.emplace_back(TaskReaches{fields.name("task"), fields.text("state")});
   }
   if (const Value* port = fields.find("port", Value::Kind::String)) {
@@ -65,12 +61,28 @@ std::optional<decltype(EndCondition::when)> read_when(Fields& fields, const Sour
                     what ? std::move(*what) : Condition{}});
   }
   if (const Value* operation = fields.find("call", Value::Kind::String)) {
-    const Value* is = fields.require("is", "the answer that ends the action");
+    const Value* is = fields.require("is", "the answer that is meant");
     found.emplace_back(OperationAnswers{
         read_member(operation->as_string(), "planner.failed", fields.what(), *operation, source),
         is == nullptr ? Value() : *is});
   }
-  if (found.size() == 1) return std::move(found.front());
+  return found;
+}
+
+Duration read_positive(Fields& fields, std::string_view key, Duration otherwise, const Source& source) {
+  const auto duration = fields.duration(key).value_or(otherwise);
+  if (duration < Duration::zero())
+    source.error("bad-duration", fields.what() + ": " + quote(key) + " must not be negative", fields.value());
+  return duration;
+}
+
+/// What the keys of an entry of `until` say; nothing, with an error, unless exactly one way is given.
+std::optional<decltype(EndCondition::when)> read_when(Fields& fields, const Source& source) {
+  std::vector<RobotCondition> found = read_conditions(fields, source);
+  const bool is_time = fields.find("after") != nullptr;
+  if (is_time && found.empty()) return TimeIsUp{read_positive(fields, "after", {}, source)};
+  if (!is_time && found.size() == 1) return std::move(found.front());
+  fields.ignore("after");
   source.error(
       "bad-until",
       fields.what() + ": expected exactly one of {task, state}, {port, where}, {call, is} and {after}",
@@ -122,6 +134,10 @@ Value write_when(const OperationAnswers& when) {
   return Value::map({{"call", to_string(when.operation)}, {"is", when.is}});
 }
 
+Value write_when(const RobotCondition& when) {
+  return std::visit([](const auto& one) { return write_when(one); }, when);
+}
+
 void write_member_values(ValueMap& map, std::string_view key, const std::vector<MemberValue>& values) {
   if (values.empty()) return;
   ValueMap entries;
@@ -130,7 +146,53 @@ void write_member_values(ValueMap& map, std::string_view key, const std::vector<
   map.append(std::string(key), std::move(entries));
 }
 
+ObservedFact read_observed_fact(const std::string& name, const Value& value, const Source& source) {
+  Fields fields(value, "the observed fact " + quote(name), source);
+  ObservedFact observed;
+  observed.where = source.at(value);
+  const auto fact = parse_fact(name, "");
+  if (fact && ground(*fact)) {
+    observed.fact = *fact;
+    observed.fact.where = observed.where;
+  } else {
+    source.error("bad-fact",
+                 fields.what() + ": expected a fact such as 'holding(box)', without a sign and inputs",
+                 value);
+  }
+  auto found = read_conditions(fields, source);
+  observed.settle = read_positive(fields, "settle", ObservedFact::kSettle, source);
+  fields.finish();
+  if (found.size() == 1) {
+    observed.when = std::move(found.front());
+  } else {
+    source.error("bad-observe",
+                 fields.what() + ": expected exactly one of {task, state}, {port, where} and {call, is}",
+                 value);
+  }
+  return observed;
+}
+
 }  // namespace
+
+std::vector<ObservedFact> read_observed(Fields& fields, const Source& source) {
+  std::vector<ObservedFact> all;
+  const Value* map = fields.find("observe", Value::Kind::Map);
+  if (map == nullptr) return all;
+  for (const auto& [name, value] : map->as_map())
+    all.push_back(read_observed_fact(name, value, source));
+  return all;
+}
+
+void write_observed(ValueMap& map, const std::vector<ObservedFact>& observed) {
+  if (observed.empty()) return;
+  ValueMap entries;
+  for (const ObservedFact& one : observed) {
+    Value entry = write_when(one.when);
+    if (one.settle != ObservedFact::kSettle) entry.as_map().append("settle", format_duration(one.settle));
+    entries.append(to_string(one.fact), std::move(entry));
+  }
+  map.append("observe", std::move(entries));
+}
 
 ControllerUse read_controller(Fields& fields, const Source& source) {
   ControllerUse use;

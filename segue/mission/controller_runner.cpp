@@ -7,6 +7,7 @@
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
+#include <segue/mission/robot_look.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
 #include <segue/model/reader.hpp>
 
@@ -48,14 +49,6 @@ ControllerUse filled(ControllerUse use, const ActionCall& call) {
 Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
 }
-
-/// Samples of one port, for conditions and outputs.
-struct Feed {
-  Member port;
-  std::unique_ptr<PortSamples> samples;
-  std::vector<Value> fresh{};  ///< since the last look
-  std::optional<Value> last{};
-};
 
 /// What all executions of a runner have to do with.
 struct Shared {
@@ -123,11 +116,13 @@ class ControlledRun {
       if (auto written = robot_.write(one.member, one.value, answer_by()); !written) return written;
     }
     for (const EndCondition& condition : use_.until) {
-      if (const auto* reaches = std::get_if<TaskReaches>(&condition.when)) {
+      const auto* seen = std::get_if<RobotCondition>(&condition.when);
+      if (seen == nullptr) continue;
+      if (const auto* reaches = std::get_if<TaskReaches>(seen)) {
         const auto task = robot_.task(reaches->task);
         if (!task) return task.error();
         told_.emplace(reaches->task, task->updates);
-      } else if (const auto* shows = std::get_if<SampleShows>(&condition.when)) {
+      } else if (const auto* shows = std::get_if<SampleShows>(seen)) {
         if (auto opened = open(shows->port); !opened) return opened;
       }
     }
@@ -139,14 +134,14 @@ class ControlledRun {
 
   Result<void> open(const Member& port) {
     if (feed(port) != nullptr) return {};
-    auto samples = robot_.open(port);
-    if (!samples) return samples.error();
-    feeds_.push_back({port, std::move(*samples)});
+    auto opened = PortFeed::open(robot_, port);
+    if (!opened) return opened.error();
+    feeds_.push_back(std::move(*opened));
     return {};
   }
 
-  Feed* feed(const Member& port) {
-    const auto found = std::ranges::find(feeds_, port, &Feed::port);
+  PortFeed* feed(const Member& port) {
+    const auto found = std::ranges::find(feeds_, port, &PortFeed::port);
     return found == feeds_.end() ? nullptr : &*found;
   }
 
@@ -195,24 +190,25 @@ class ControlledRun {
   }
 
   Result<bool> is_met(const TimeIsUp& when) const { return now() - begin_ >= when.after; }
+  Result<bool> is_met(const RobotCondition& when) {
+    return std::visit([this](const auto& one) { return is_met(one); }, when);
+  }
   Result<bool> is_met(const TaskReaches& when) {
     const auto task = robot_.task(when.task);
     if (!task) return task.error();
-    const bool is_there = task->state == when.state || task->state_name == when.state;
-    return is_there && (task->updates > told_.at(when.task) || task->state != "running");
+    return is_in(*task, when) && (task->updates > told_.at(when.task) || task->state != "running");
   }
   Result<bool> is_met(const SampleShows& when) {
     return std::ranges::any_of(feed(when.port)->fresh,
                                [&](const Value& sample) { return holds(when.what, sample); });
   }
-  Result<bool> is_met(const OperationAnswers& when) {
-    const auto answer = robot_.call(when.operation, type::ValueMap{}, answer_by());
-    if (!answer) return answer.error();
-    return *answer == when.is;
-  }
+  Result<bool> is_met(const OperationAnswers& when) { return holds(robot_, when, answer_by()); }
 
   static std::string sentence(const TimeIsUp& when) {
     return "it had not ended after " + format_duration(when.after);
+  }
+  static std::string sentence(const RobotCondition& when) {
+    return std::visit([](const auto& one) { return sentence(one); }, when);
   }
   static std::string sentence(const TaskReaches& when) {
     return "task " + quote(when.task) + " is " + when.state;
@@ -225,11 +221,8 @@ class ControlledRun {
   }
 
   Result<void> look_at_samples() {
-    for (Feed& one : feeds_) {
-      auto samples = one.samples->take();
-      if (!samples) return samples.error();
-      one.fresh = std::move(*samples);
-      if (!one.fresh.empty()) one.last = one.fresh.back();
+    for (PortFeed& one : feeds_) {
+      if (auto looked = one.look(); !looked) return looked;
     }
     return {};
   }
@@ -237,7 +230,7 @@ class ControlledRun {
   Result<void> read_outputs(const std::stop_token& stop, std::vector<Value>& outputs) {
     const TimePoint deadline = answer_by();
     for (std::size_t i = 0; i < use_.outputs.size(); ++i) {
-      Feed& one = *feed(use_.outputs[i].port);
+      PortFeed& one = *feed(use_.outputs[i].port);
       while (true) {
         if (auto looked = look_at_samples(); !looked) return looked;
         if (one.last) break;
@@ -267,7 +260,7 @@ class ControlledRun {
   const ControllerUse& use_;
   TimePoint begin_{};
   std::map<std::string, std::uint64_t> told_;  ///< how often each task had been updated then
-  std::vector<Feed> feeds_;
+  std::vector<PortFeed> feeds_;
 };
 
 }  // namespace

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/controller_runner.hpp>
 #include <segue/mission/engine.hpp>
+#include <segue/mission/fake_robot.hpp>
 #include <segue/mission/files.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <condition_variable>
-#include <functional>
-#include <mutex>
 #include <thread>
 
 namespace segue::mission {
@@ -19,128 +16,6 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using type::Value;
-
-/// Notes what it is asked, and is as the test says.
-class FakeRobot final : public CommandedRobot {
- public:
-  Result<void> request(const ControllerRequest& what, TimePoint /*deadline*/) override {
-    std::string text = "request";
-    for (const std::string& controller : what.controllers)
-      text += " " + controller;
-    for (const MemberValue& one : what.properties)
-      text += " " + to_string(one.member) + "=" + std::to_string(one.value.as_double());
-    note(text);
-    const std::lock_guard lock(mutex_);
-    if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
-    runs_ = what.controllers.empty() ? "" : what.controllers.front();
-    return {};
-  }
-  Result<ControllerTrouble> trouble(std::string_view controller) override {
-    const std::lock_guard lock(mutex_);
-    if (taken_over_) return ControllerTrouble{"somebody took the robot over", true};
-    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_};
-  }
-  Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
-  Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
-    return {};
-  }
-  Result<Value> call(const Member& operation, const Value& arguments, TimePoint /*deadline*/) override {
-    if (operation.name == "failed") {
-      const std::lock_guard lock(mutex_);
-      return Value(failed_);
-    }
-    const Value* goal = arguments.find("goal");
-    note("call " + to_string(operation) + (goal == nullptr ? "" : " " + goal->as_string()));
-    return Value();
-  }
-  Result<void> write(const Member& port, const Value& value, TimePoint /*deadline*/) override {
-    note("write " + to_string(port) + " " + value.as_string());
-    return {};
-  }
-  /// Each look is another update.
-  Result<TaskView> task(std::string_view id) override {
-    const std::lock_guard lock(mutex_);
-    if (id != "planner") return fail(ErrorCode::NotFound, "no task " + std::string(id) + " runs");
-    if (updates_) ++task_.updates;
-    return task_;
-  }
-  Result<std::unique_ptr<PortSamples>> open(const Member& port) override {
-    note("open " + to_string(port));
-    return std::make_unique<Samples>(*this);
-  }
-
-  void become(const std::string& state) {
-    change([&] { task_.state_name = state; });
-  }
-  void stand_still() {
-    change([&] { updates_ = false; });
-  }
-  void show(Value sample) {
-    change([&] { samples_.push_back(std::move(sample)); });
-  }
-  void fail_by_call() {
-    change([&] { failed_ = true; });
-  }
-  void lose(const std::string& why) {
-    change([&] { trouble_ = why; });
-  }
-  void switch_away() {
-    change([&] { runs_ = "explore"; });
-  }
-  void take_over() {
-    change([&] { taken_over_ = true; });
-  }
-  void refuse() {
-    change([&] { refuses_ = true; });
-  }
-  std::vector<std::string> asked() {
-    const std::lock_guard lock(mutex_);
-    return asked_;
-  }
-  void wait_until_asked(const std::string& what) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(asked_one_.wait_for(lock, 60s, [&] { return std::ranges::count(asked_, what) > 0; })) << what;
-  }
-
- private:
-  class Samples final : public PortSamples {
-   public:
-    explicit Samples(FakeRobot& robot) : robot_(robot) {}
-    Result<std::vector<Value>> take() override {
-      const std::lock_guard lock(robot_.mutex_);
-      std::vector<Value> samples(robot_.samples_.begin() + static_cast<std::ptrdiff_t>(taken_),
-                                 robot_.samples_.end());
-      taken_ = robot_.samples_.size();
-      return samples;
-    }
-
-   private:
-    FakeRobot& robot_;
-    std::size_t taken_ = 0;
-  };
-
-  void change(const std::function<void()>& how) {
-    const std::lock_guard lock(mutex_);
-    how();
-  }
-  void note(std::string what) {
-    const std::lock_guard lock(mutex_);
-    asked_.push_back(std::move(what));
-    asked_one_.notify_all();
-  }
-
-  std::mutex mutex_;  ///< protects all below
-  std::condition_variable asked_one_;
-  std::vector<std::string> asked_;
-  std::string runs_;
-  std::string trouble_;
-  TaskView task_{"running", "driving", 0};
-  bool updates_ = true;
-  bool failed_ = false;
-  bool refuses_ = false;
-  bool taken_over_ = false;
-  std::vector<Value> samples_;
-};
 
 class ControllerActions : public ::testing::Test {
  protected:

@@ -2,26 +2,15 @@
 #pragma once
 
 #include <segue/base/clock.hpp>
-#include <segue/mission/condition.hpp>
 #include <segue/mission/port.hpp>
+#include <segue/mission/robot_condition.hpp>
 #include <segue/type/value.hpp>
 
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
 namespace segue::mission {
-
-/// A port, a property or an operation of a task: "planner.speed.max" is `speed.max` of `planner`.
-struct Member {
-  std::string task;
-  std::string name;
-  friend bool operator==(const Member&, const Member&) = default;
-};
-/// Both parts are empty where the text has no dot.
-Member parse_member(std::string_view text);
-std::string to_string(const Member& member);
 
 /// What a property is set to, or an operation is called with. The text "{input}", at any depth, stands for
 /// the value of that input.
@@ -40,23 +29,6 @@ struct OutputSource {
   friend bool operator==(const OutputSource&, const OutputSource&) = default;
 };
 
-/// A task is in that state: one that its component declares ("arrived"), or "running", "stopped" and so on.
-struct TaskReaches {
-  std::string task;
-  std::string state;
-  friend bool operator==(const TaskReaches&, const TaskReaches&) = default;
-};
-struct SampleShows {
-  Member port;
-  Condition what;
-  friend bool operator==(const SampleShows&, const SampleShows&) = default;
-};
-/// An operation without arguments is called again and again until it answers that.
-struct OperationAnswers {
-  Member operation;
-  type::Value is;
-  friend bool operator==(const OperationAnswers&, const OperationAnswers&) = default;
-};
 /// Since the controller runs and has been told what to do.
 struct TimeIsUp {
   Duration after{};
@@ -65,7 +37,7 @@ struct TimeIsUp {
 
 /// Ends the action with `outcome`, which may be "aborted".
 struct EndCondition {
-  std::variant<TimeIsUp, TaskReaches, SampleShows, OperationAnswers> when;
+  std::variant<TimeIsUp, RobotCondition> when;
   std::string outcome;
   SourcePlace where;
   friend bool operator==(const EndCondition&, const EndCondition&) = default;

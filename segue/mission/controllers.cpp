@@ -118,6 +118,10 @@ bool uses_controllers(const Mission& mission) {
   });
 }
 
+bool needs_robot(const Mission& mission) {
+  return uses_controllers(mission) || uses_pools(mission) || !mission.observed.empty();
+}
+
 void claim_controllers(Mission& mission, const ControllerConflicts* conflicts) {
   if (!uses_controllers(mission)) return;
   std::vector<Exclusion> all;

@@ -21,6 +21,8 @@ namespace segue::mission {
 inline constexpr std::string_view kControllerResource = "the robot's controller";
 
 [[nodiscard]] bool uses_controllers(const Mission& mission);
+/// Whether it uses controllers, or observes facts.
+[[nodiscard]] bool needs_robot(const Mission& mission);
 
 /// ControllerUse::controller with the value of each input in place of "{input}"; nothing where one has none.
 [[nodiscard]] std::optional<std::string> controller_name(
@@ -30,8 +32,9 @@ inline constexpr std::string_view kControllerResource = "the robot's controller"
 [[nodiscard]] bool can_mean(std::string pattern, std::string_view controller);
 
 /// Whether a robot with these controllers has what actions ask of them: tasks, ports, properties, operations
-/// with their arguments, and states, in every controller that the name of an action can mean. Tasks of
-/// components that the catalog lacks may have anything.
+/// with their arguments, and states, in every controller that the name of an action can mean; and what its
+/// observed facts are bound to, in every controller that has that task. Tasks of components that the catalog
+/// lacks may have anything.
 void check_controllers(const Mission& mission, const std::vector<model::Network>& controllers,
                        const model::ComponentCatalog& catalog, Diagnostics& diagnostics);
 

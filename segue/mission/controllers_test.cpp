@@ -52,7 +52,7 @@ TEST(ControllerFile, IsReadAndWrittenBackEqual) {
   const auto& use = std::get<ControllerUse>(mission->actions[0].run);
   EXPECT_EQ(use.set[0].member, (Member{"planner", "speed.max"}));
   ASSERT_EQ(use.until.size(), 4U);
-  EXPECT_EQ(std::get<SampleShows>(use.until[1].when).what.all.size(), 2U);
+  EXPECT_EQ(std::get<SampleShows>(std::get<RobotCondition>(use.until[1].when)).what.all.size(), 2U);
   EXPECT_EQ(use.until[3].outcome, "aborted") << "that time is up is a failure, unless said otherwise";
   EXPECT_TRUE(use.stop);
   const auto copy = read_mission(write_mission(*mission), "copy.yaml", diagnostics);
@@ -246,7 +246,7 @@ TEST_F(RobotWithControllers, LacksWhatItLacksInEveryControllerThatIsMeant) {
   EXPECT_THAT(problems_of("controller: go_home, until: [{task: planner, state: arived}]"),
               HasSubstr("has no state 'arived', did you mean 'arrived'?"));
   EXPECT_THAT(problems_of("controller: go_home, until: [{call: planner.set_goal, is: true}]"),
-              HasSubstr("cannot be asked for the end of an action"));
+              HasSubstr("has arguments, so a condition cannot ask it"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/mission/engine_core.hpp>
+#include <segue/mission/fact_observer.hpp>
 
 #include <algorithm>
 
@@ -25,10 +26,12 @@ Result<std::unique_ptr<Engine>> Engine::create(std::shared_ptr<const Program> pr
   auto units = options.part ? Result<Units::Counts>(options.part->units)
                             : initial_units(program->mission(), options.resources);
   if (!units) return units.error();
+  if (runners.observer() && !options.part) runners.observer()->begin(*facts);
   World world(std::move(*facts), options.backward,
               options.part ? options.part->world.data() : options.world_data);
   auto core = std::make_unique<detail::EngineCore>(std::move(program), std::move(*assigned), std::move(world),
                                                    Units(*units), std::move(options));
+  core->observer = runners.observer();
   return std::unique_ptr<Engine>(new Engine(std::move(core)));
 }
 

@@ -27,7 +27,8 @@ EngineCore::EngineCore(std::shared_ptr<const Program> program_,
       around_root_(options.part ? options.part->around : nullptr),
       virtual_clock_(dynamic_cast<VirtualClock*>(options.clock)) {
   for (const Action& action : program->mission().actions)
-    touches_.push_back(!action.preconditions.empty() || !action.effects.empty() || !action.resources.empty());
+    touches_.push_back(!action.preconditions.empty() || !action.during.empty() || !action.effects.empty() ||
+                       !action.resources.empty());
 }
 
 void EngineCore::begin() {

@@ -45,6 +45,7 @@ class EngineCore {
 
   std::shared_ptr<const Program> program;
   std::vector<std::shared_ptr<ActionRunner>> runners;  ///< by action
+  std::shared_ptr<FactObserver> observer{};  ///< runners compare observed facts with it; null: none are
   EngineOptions options;
   Globals globals;
   World world;

@@ -40,6 +40,7 @@ void EngineCore::free(Activation& activation) {
   activation.children.clear();
   activation.branches.clear();
   activation.effects.clear();
+  activation.observed = nullptr;
   activation.asked.clear();
   activation.units = {};
   activation.around = activation.inside = nullptr;

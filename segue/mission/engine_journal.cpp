@@ -2,6 +2,7 @@
 //
 // Recording a run in its journal, and replaying the journal of an interrupted run.
 #include <segue/mission/engine_core.hpp>
+#include <segue/mission/fact_observer.hpp>
 
 namespace segue::mission::detail {
 
@@ -65,6 +66,10 @@ bool EngineCore::replay_next() {
   }
   leaf->preempted = end.preempted;
   leaf->replayed = true;
+  const Action& action = program->mission().actions[program->node(leaf->state).action];
+  if (observer && leaf->observed &&
+      program->outcome_name(leaf->state, end.outcome) == action.foreseen_outcome())
+    observer->assume(leaf->observed->effects);
   complete(*leaf, {end.outcome, end.error});
   return true;
 }

@@ -33,6 +33,9 @@ class EngineCore::LeafCall final : public ActionCall {
     return activation_.parent->branches;
   }
   [[nodiscard]] std::uint64_t iteration() const override { return activation_.iteration; }
+  [[nodiscard]] const ObservedNeeds* observed() const override {
+    return engine_.observer ? activation_.observed.get() : nullptr;
+  }
   [[nodiscard]] bool backward() const override { return engine_.backward_; }
 
   Completer defer(std::function<void()> preempt) override {

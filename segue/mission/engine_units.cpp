@@ -41,7 +41,10 @@ bool EngineCore::look_up(Activation& activation) {
     activation.error = own.error().message;
     return false;
   }
-  if (const GroundFact* lacking = world.first_false(own->preconditions)) {
+  const auto is_known = [&](const GroundFact& fact) {
+    return observer == nullptr || !is_observed(program->mission(), fact.text);
+  };
+  if (const GroundFact* lacking = world.first_false(own->preconditions, is_known)) {
     activation.error = precondition_error(*lacking);
     return false;
   }
@@ -55,6 +58,7 @@ bool EngineCore::look_up(Activation& activation) {
     }
   }
   activation.effects = std::move(own->effects);
+  activation.observed = std::move(own->observed);
   return true;
 }
 

@@ -43,16 +43,12 @@ class Grounding {
 
   Result<Footprint> run() {
     Footprint footprint;
+    for (const Fact& fact : action_.during) {
+      if (auto added = add_required(fact, footprint.during); !added) return added.error();
+    }
+    footprint.preconditions = footprint.during;
     for (const Fact& fact : action_.preconditions) {
-      auto text = named(fact);
-      if (!text) return text.error();
-      const auto known = std::ranges::find(footprint.preconditions, *text, &GroundFact::text);
-      if (known == footprint.preconditions.end()) {
-        footprint.preconditions.push_back({std::move(*text), fact.positive});
-      } else if (known->holds != fact.positive) {
-        return fail(ErrorCode::InvalidArgument,
-                    where() + ": its preconditions " + *text + " and !" + *text + " contradict each other");
-      }
+      if (auto added = add_required(fact, footprint.preconditions); !added) return added.error();
     }
     for (const Fact& fact : action_.effects) {
       auto text = named(fact);
@@ -76,6 +72,19 @@ class Grounding {
  private:
   [[nodiscard]] std::string where() const {
     return path_.empty() ? "action " + quote(action_.name.str()) : std::string(path_);
+  }
+
+  Result<void> add_required(const Fact& fact, std::vector<GroundFact>& facts) {
+    auto text = named(fact);
+    if (!text) return text.error();
+    const auto known = std::ranges::find(facts, *text, &GroundFact::text);
+    if (known == facts.end()) {
+      facts.push_back({std::move(*text), fact.positive});
+    } else if (known->holds != fact.positive) {
+      return fail(ErrorCode::InvalidArgument,
+                  where() + ": its preconditions " + *text + " and !" + *text + " contradict each other");
+    }
+    return {};
   }
 
   Result<std::string> named(const Fact& fact) {
@@ -166,7 +175,7 @@ std::vector<std::size_t> naming_inputs(const Action& action) {
     for (const std::string& name : placeholders(text))
       add_input(name);
   };
-  for (const auto* facts : {&action.preconditions, &action.effects}) {
+  for (const auto* facts : {&action.preconditions, &action.during, &action.effects}) {
     for (const Fact& fact : *facts) {
       for (const std::string& argument : fact.arguments)
         add(argument);
@@ -196,6 +205,12 @@ Result<GroundFact> ground(const Fact& fact) {
   if (fits) return GroundFact{ground_text(fact.predicate, fact.arguments), fact.positive};
   return fail(ErrorCode::InvalidArgument,
               quote(to_string(fact)) + " is not a fact such as 'at(robot,table)'");
+}
+
+bool is_observed(const Mission& mission, std::string_view fact) {
+  return std::ranges::any_of(mission.observed, [&](const ObservedFact& one) {
+    return ground_text(one.fact.predicate, one.fact.arguments) == fact;
+  });
 }
 
 Result<Fact> parse_initial_fact(std::string_view text) {

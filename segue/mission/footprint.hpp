@@ -20,7 +20,8 @@ struct GroundFact {
 
 /// What one execution of an action relies on and what it changes.
 struct Footprint {
-  std::vector<GroundFact> preconditions;  ///< no duplicates
+  std::vector<GroundFact> preconditions;  ///< no duplicates; with those of `while`
+  std::vector<GroundFact> during;         ///< those of `while`, no duplicates
   std::vector<GroundFact>
       effects;  ///< no duplicates; of contradicting ones, the one that makes the fact true
   std::vector<std::string> resources;  ///< names, in the order in which the action declares them
@@ -42,6 +43,9 @@ std::string precondition_error(const GroundFact& precondition);
 /// A fact without inputs in its canonical form: "at(robot,table)", "ready()". InvalidArgument if it is
 /// malformed or refers to an input.
 Result<GroundFact> ground(const Fact& fact);
+
+/// Whether the mission binds that fact, "at(robot,table)", to the robot.
+[[nodiscard]] bool is_observed(const Mission& mission, std::string_view fact);
 
 /// Parses "p(a)" or "!p(a)": a fact that holds, or does not, at the beginning of a run. ParseError.
 Result<Fact> parse_initial_fact(std::string_view text);

@@ -113,6 +113,18 @@ struct Library {
   friend bool operator==(const Library&, const Library&) = default;
 };
 
+/// A fact that changes by itself: it holds where the robot is like that. What relies on it is compared with
+/// the robot, and so are effects on it, which must show within `settle`. While it cannot be observed, since
+/// its task does not run, it keeps the value that was observed last, and effects change it like other facts.
+struct ObservedFact {
+  static constexpr Duration kSettle = std::chrono::seconds(1);
+  Fact fact;  ///< without inputs
+  RobotCondition when;
+  Duration settle = kSettle;
+  SourcePlace where;
+  friend bool operator==(const ObservedFact&, const ObservedFact&) = default;
+};
+
 /// A mission as it is written. All states are in one list, parents before their children, so that any depth
 /// of nesting can be handled without recursion. References are names, which validate() checks. Not thread
 /// safe.
@@ -120,14 +132,16 @@ struct Mission {
   std::string name;
   std::vector<Port> globals;
   std::vector<Fact> world;  ///< the facts that hold at the beginning, without inputs
+  std::vector<ObservedFact> observed;
   std::vector<Resource> resources;
   std::vector<Action> actions;
   std::vector<State> states;  ///< states[0] is the root
   std::vector<Library> libraries;
   std::string file;
   friend bool operator==(const Mission& a, const Mission& b) {
-    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.resources == b.resources &&
-           a.actions == b.actions && a.states == b.states && a.libraries == b.libraries;
+    return a.name == b.name && a.globals == b.globals && a.world == b.world && a.observed == b.observed &&
+           a.resources == b.resources && a.actions == b.actions && a.states == b.states &&
+           a.libraries == b.libraries;
   }
 
   [[nodiscard]] const State& root() const { return states.front(); }

@@ -26,6 +26,8 @@ std::vector<PortValue> read_values(Fields& fields, std::string_view key, const S
 std::vector<std::string> read_outcomes(Fields& fields, const Source& source);
 /// Reads "world": facts without inputs.
 std::vector<Fact> read_world(Fields& fields, const Source& source);
+/// Reads "observe": facts without inputs, and what they are bound to.
+std::vector<ObservedFact> read_observed(Fields& fields, const Source& source);
 /// Reads "preconditions" and "resources", of an action or a container.
 void read_needs(std::vector<Fact>& preconditions, std::vector<ResourceUse>& resources, Fields& fields,
                 const Source& source);
@@ -49,6 +51,7 @@ void write_needs(type::ValueMap& map, const std::vector<Fact>& preconditions,
 type::Value write_action(const Action& action);
 type::Value write_controller(const ControllerUse& use);
 type::Value write_pool_call(const PoolCall& call);
+void write_observed(type::ValueMap& map, const std::vector<ObservedFact>& observed);
 type::Value write_resource(const Resource& resource);
 
 }  // namespace segue::mission::detail

@@ -18,10 +18,6 @@ using type::Value;
 
 namespace {
 
-TimePoint time_now() {
-  return RealClock::instance().now();
-}
-
 std::string why_none(const PoolView& pool) {
   std::string text = "no instance of pool " + quote(pool.name) + " is ready";
   for (const PoolInstanceView& one : pool.instances)
@@ -45,7 +41,7 @@ class Instances {
 
   /// Blocks until an instance is ready and free. Cancelled when asked to stop.
   Result<PoolInstanceView> take(const std::string& pool, const std::stop_token& stop) {
-    TimePoint give_up = time_now() + options_.ready_deadline;
+    TimePoint give_up = RealClock::instance().now() + options_.ready_deadline;
     while (!stop.stop_requested()) {
       const auto view = look(pool);
       if (!view) return view.error();
@@ -56,9 +52,9 @@ class Instances {
         if (one.ready && busy_.insert(one.task).second) return one;
       }
       const bool hopeless = std::ranges::all_of(view->instances, &PoolInstanceView::given_up);
-      if (hopeless || (!any_ready && time_now() > give_up))
+      if (hopeless || (!any_ready && RealClock::instance().now() > give_up))
         return fail(ErrorCode::Unavailable, why_none(*view));
-      if (any_ready) give_up = time_now() + options_.ready_deadline;
+      if (any_ready) give_up = RealClock::instance().now() + options_.ready_deadline;
       freed_.wait_for(lock, stop, options_.period, [] { return false; });
     }
     return fail(ErrorCode::Cancelled, "it was preempted");
@@ -73,14 +69,14 @@ class Instances {
   /// Whether that is why it did not answer. The robot may need a moment to notice.
   bool is_lost(const std::string& pool, const PoolInstanceView& instance, const Error& error) const {
     if (error.code == ErrorCode::DeadlineExceeded || error.code == ErrorCode::HookFailed) return false;
-    const TimePoint give_up = time_now() + options_.notice;
+    const TimePoint give_up = RealClock::instance().now() + options_.notice;
     while (true) {
       const auto view = look(pool);
       if (!view) return false;
       const auto now = std::ranges::find(view->instances, instance.task, &PoolInstanceView::task);
       if (now == view->instances.end() || !now->ready || now->pid != instance.pid) return true;
-      if (error.code != ErrorCode::Unavailable || time_now() > give_up) return false;
-      RealClock::instance().sleep_until(time_now() + options_.period);
+      if (error.code != ErrorCode::Unavailable || RealClock::instance().now() > give_up) return false;
+      RealClock::instance().sleep_until(RealClock::instance().now() + options_.period);
     }
   }
 
@@ -110,8 +106,8 @@ class PoolExecution {
     for (std::size_t attempt = 1;; ++attempt) {
       const auto instance = instances.take(call_.pool, stop);
       if (!instance) return stop.stop_requested() ? Ending{kPreempted, {}} : aborted_by(instance.error());
-      const auto answer =
-          robot.call({instance->task, call_.operation}, arguments_, time_now() + call_.timeout);
+      const auto answer = robot.call({instance->task, call_.operation}, arguments_,
+                                     RealClock::instance().now() + call_.timeout);
       const bool lost = !answer && instances.is_lost(call_.pool, *instance, answer.error());
       instances.give_back(*instance);
       if (stop.stop_requested()) return {kPreempted, {}};

@@ -3,6 +3,7 @@
 #include <segue/mission/surroundings.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace segue::mission {
@@ -23,6 +24,23 @@ Result<void> add_required(std::vector<GroundFact>& preconditions, const Surround
   return {};
 }
 
+/// Those of the facts that the mission observes.
+std::vector<GroundFact> observed_of(const Mission& mission, const std::vector<GroundFact>& facts) {
+  std::vector<GroundFact> found;
+  std::ranges::copy_if(facts, std::back_inserter(found),
+                       [&](const GroundFact& fact) { return is_observed(mission, fact.text); });
+  return found;
+}
+
+ObservedNeedsPtr observed_of(const Mission& mission, const Needs& own,
+                             const std::vector<GroundFact>& during) {
+  if (mission.observed.empty()) return nullptr;
+  ObservedNeeds needs{observed_of(mission, own.preconditions), observed_of(mission, during),
+                      observed_of(mission, own.effects)};
+  if (needs.preconditions.empty() && needs.effects.empty()) return nullptr;
+  return std::make_shared<const ObservedNeeds>(std::move(needs));
+}
+
 }  // namespace
 
 Result<Needs> needs(const Mission& mission, const Action& action, std::span<const type::Value> inputs,
@@ -34,8 +52,11 @@ Result<Needs> needs(const Mission& mission, const Action& action, std::span<cons
   own.effects = std::move(touched->effects);
   own.resources = touched->resources;
   own.uses = unit_uses(action, std::move(touched->resources));
+  if (around != nullptr) {
+    if (auto added = add_required(own.preconditions, around, path); !added) return added.error();
+  }
+  own.observed = observed_of(mission, own, touched->during);
   if (around == nullptr) return own;
-  if (auto added = add_required(own.preconditions, around, path); !added) return added.error();
   for (UnitUse& use : own.uses) {
     const auto held = std::ranges::find(around->held, use.resource, &Surroundings::Held::resource);
     if (held == around->held.end()) continue;

@@ -28,6 +28,15 @@ struct Surroundings {
 /// Null: nothing is declared around the state.
 using SurroundingsPtr = std::shared_ptr<const Surroundings>;
 
+/// The facts of an execution that are observed (ObservedFact), with those that are declared around it.
+struct ObservedNeeds {
+  std::vector<GroundFact> preconditions;  ///< with those of `during`
+  std::vector<GroundFact> during;
+  std::vector<GroundFact> effects;
+};
+/// Null: none is.
+using ObservedNeedsPtr = std::shared_ptr<const ObservedNeeds>;
+
 /// What an execution needs to begin and what it changes, with what is declared around it. Of a container:
 /// what it needs itself.
 struct Needs {
@@ -35,6 +44,7 @@ struct Needs {
   std::vector<GroundFact> effects;
   std::vector<UnitUse> uses;
   std::vector<std::string> resources;  ///< by use: its resource without regard to what is around
+  ObservedNeedsPtr observed;           ///< of its facts
 };
 
 /// As footprint(); `action` may be what a container declares (CompiledState::required). InvalidArgument also

@@ -117,7 +117,7 @@ class ActionCheck {
 
   /// The inputs that its facts and resources name.
   void check_names() {
-    for (const auto* facts : {&action_.preconditions, &action_.effects}) {
+    for (const auto* facts : {&action_.preconditions, &action_.during, &action_.effects}) {
       for (const Fact& fact : *facts)
         check_placeholders(to_string(fact), fact.where);
     }

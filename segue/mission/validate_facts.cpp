@@ -37,9 +37,11 @@ class FactCheck {
 
   void run() {
     check_world();
+    check_observed();
     for (const Action& action : mission_.actions) {
       const std::string what = "action " + quote(action.name.str());
       check_preconditions(action.preconditions, what);
+      check_during(action, what);
       check_shape(action.effects, what);
       check_pairs(action.effects, what, "effect", false);
     }
@@ -58,6 +60,45 @@ class FactCheck {
       diagnostics_.warning("never-true",
                            what + ": its precondition " + fact_text(fact) + " never holds: " + why(fact),
                            fact.where);
+    }
+  }
+
+  /// A fact that is not observed can only change by actions, which wait for each other.
+  void check_during(const Action& action, const std::string& what) {
+    check_preconditions(action.during, what);
+    for (const Fact& fact : action.during) {
+      const auto same = [&](const ObservedFact& one) { return meet(one.fact, fact); };
+      if (std::ranges::any_of(mission_.observed, same)) continue;
+      diagnostics_.warning(
+          "not-observed",
+          what + ": " + fact_text(fact) +
+              " of its 'while' is not observed, so it is looked at only when the action begins",
+          fact.where);
+    }
+    for (const Fact& fact : action.during) {
+      const auto contradicts = [&](const Fact& other) {
+        return to_string(other) == to_string(fact) && other.positive != fact.positive;
+      };
+      if (std::ranges::none_of(action.preconditions, contradicts)) continue;
+      diagnostics_.error("contradicting-facts",
+                         what + ": it needs " + quote(to_string(fact)) +
+                             " to be otherwise when it begins ('preconditions') than all along ('while')",
+                         fact.where);
+    }
+  }
+
+  void check_observed() {
+    std::unordered_set<std::string> seen;
+    for (const ObservedFact& one : mission_.observed) {
+      const auto grounded = ground(one.fact);
+      if (!grounded || !one.fact.positive) {
+        diagnostics_.error(
+            "bad-fact", "the mission: 'observe' must name facts without inputs, not " + fact_text(one.fact),
+            one.where);
+      } else if (!seen.insert(grounded->text).second) {
+        diagnostics_.error("duplicate-fact", "the mission: 'observe' has " + fact_text(one.fact) + " twice",
+                           one.where);
+      }
     }
   }
 
@@ -126,6 +167,9 @@ class FactCheck {
   }
 
   [[nodiscard]] bool can_become(const Fact& needed) const {
+    if (std::ranges::any_of(mission_.observed,
+                            [&](const ObservedFact& one) { return meet(one.fact, needed); }))
+      return true;
     const auto same = [&](const Fact* fact) { return meet(*fact, needed); };
     if (const auto made = effects_.find(needed.predicate); made != effects_.end()) {
       const auto fits = [&](const Fact* fact) { return fact->positive == needed.positive && same(fact); };

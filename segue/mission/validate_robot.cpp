@@ -21,29 +21,30 @@ std::vector<std::string> names_of(const Items& items) {
   return names;
 }
 
-/// What one action asks of one controller.
-class UseCheck {
+/// What an action or an observed fact (`what`) asks of one controller.
+class MemberCheck {
  public:
-  UseCheck(const std::string& action, const ControllerUse& use, const model::Network& controller,
-           const model::ComponentCatalog& catalog, Diagnostics& diagnostics)
-      : what_("action " + quote(action)),
-        use_(use),
-        controller_(controller),
-        catalog_(catalog),
-        diagnostics_(diagnostics) {}
+  MemberCheck(std::string what, const model::Network& controller, const model::ComponentCatalog& catalog,
+              Diagnostics& diagnostics)
+      : what_(std::move(what)), controller_(controller), catalog_(catalog), diagnostics_(diagnostics) {}
 
-  void run() {
-    for (const MemberValue& one : use_.set)
+  void run(const ControllerUse& use) {
+    for (const MemberValue& one : use.set)
       check_property(one);
-    for (const MemberValue& one : use_.call) {
+    for (const MemberValue& one : use.call) {
       if (const auto* operation = find_operation(one.member, one.where)) check_arguments(*operation, one);
     }
-    for (const MemberValue& one : use_.write)
+    for (const MemberValue& one : use.write)
       check_port(one.member, model::Direction::Input, one.where);
-    for (const EndCondition& condition : use_.until)
-      std::visit([&](const auto& when) { check(when, condition.where); }, condition.when);
-    for (const OutputSource& one : use_.outputs)
+    for (const EndCondition& condition : use.until) {
+      if (const auto* seen = std::get_if<RobotCondition>(&condition.when)) run(*seen, condition.where);
+    }
+    for (const OutputSource& one : use.outputs)
       check_port(one.port, model::Direction::Output, one.where);
+  }
+
+  void run(const RobotCondition& condition, const SourcePlace& where) {
+    std::visit([&](const auto& when) { check(when, where); }, condition);
   }
 
  private:
@@ -116,15 +117,13 @@ class UseCheck {
     no_member(direction == model::Direction::Output ? "output port" : "input port", port, names, where);
   }
 
-  void check(const TimeIsUp& /*when*/, const SourcePlace& /*where*/) {}
   void check(const SampleShows& when, const SourcePlace& where) {
     check_port(when.port, model::Direction::Output, where);
   }
   void check(const OperationAnswers& when, const SourcePlace& where) {
     const auto* operation = find_operation(when.operation, where);
     if (operation == nullptr || operation->arguments.empty()) return;
-    error("missing-argument",
-          to_string(when.operation) + " has arguments, so it cannot be asked for the end of an action",
+    error("missing-argument", to_string(when.operation) + " has arguments, so a condition cannot ask it",
           where);
   }
   void check(const TaskReaches& when, const SourcePlace& where) {
@@ -138,11 +137,37 @@ class UseCheck {
   }
 
   const std::string what_;
-  const ControllerUse& use_;
   const model::Network& controller_;
   const model::ComponentCatalog& catalog_;
   Diagnostics& diagnostics_;
 };
+
+std::string task_of(const RobotCondition& condition) {
+  if (const auto* reaches = std::get_if<TaskReaches>(&condition)) return reaches->task;
+  if (const auto* shows = std::get_if<SampleShows>(&condition)) return shows->port.task;
+  return std::get<OperationAnswers>(condition).operation.task;
+}
+
+/// In every controller that has its task, of which there must be one.
+void check_observed(const ObservedFact& observed, const std::vector<model::Network>& controllers,
+                    const model::ComponentCatalog& catalog, Diagnostics& diagnostics) {
+  const std::string what = "the observed fact " + quote(to_string(observed.fact));
+  const std::string task = task_of(observed.when);
+  std::vector<std::string> names;
+  bool found = false;
+  for (const auto& controller : controllers) {
+    for (const auto& one : controller.tasks)
+      names.push_back(one.id.str());
+    if (controller.find_task(model::TaskId(task)) == nullptr) continue;
+    found = true;
+    MemberCheck(what, controller, catalog, diagnostics).run(observed.when, observed.where);
+  }
+  if (found) return;
+  diagnostics.error(
+      "unknown-task",
+      what + ": no controller of the robot has a task " + quote(task) + did_you_mean(task, names),
+      observed.where);
+}
 
 }  // namespace
 
@@ -173,7 +198,7 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
     for (const auto& controller : controllers) {
       if (!can_mean(use->controller, controller.name.str())) continue;
       found = true;
-      UseCheck(action.name.str(), *use, controller, catalog, diagnostics).run();
+      MemberCheck("action " + quote(action.name.str()), controller, catalog, diagnostics).run(*use);
     }
     if (found) continue;
     diagnostics.error("unknown-controller",
@@ -181,6 +206,8 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
                           quote(use->controller) + did_you_mean(use->controller, names),
                       action.where);
   }
+  for (const ObservedFact& observed : mission.observed)
+    check_observed(observed, controllers, catalog, diagnostics);
 }
 
 }  // namespace segue::mission

@@ -27,9 +27,10 @@ WorldView World::view() const {
   return {facts_, std::move(data)};
 }
 
-const GroundFact* World::first_false(std::span<const GroundFact> facts) const {
-  const auto found =
-      std::ranges::find_if(facts, [&](const GroundFact& fact) { return holds(fact.text) != fact.holds; });
+const GroundFact* World::first_false(std::span<const GroundFact> facts,
+                                     const std::function<bool(const GroundFact&)>& counts) const {
+  const auto found = std::ranges::find_if(
+      facts, [&](const GroundFact& fact) { return holds(fact.text) != fact.holds && counts(fact); });
   return found == facts.end() ? nullptr : &*found;
 }
 

@@ -30,8 +30,9 @@ class World {
   [[nodiscard]] const Facts& facts() const { return facts_; }
   [[nodiscard]] bool holds(std::string_view fact) const { return facts_.contains(fact); }
   [[nodiscard]] WorldView view() const;
-  /// The first of `facts` that is not as it says; null if all are.
-  [[nodiscard]] const GroundFact* first_false(std::span<const GroundFact> facts) const;
+  /// The first of those `facts` that count that is not as it says; null if all are.
+  [[nodiscard]] const GroundFact* first_false(std::span<const GroundFact> facts,
+                                              const std::function<bool(const GroundFact&)>& counts) const;
 
   Changes apply(std::span<const GroundFact> effects);
   /// Undoes these changes as if they had never been made; later ones remain.

@@ -80,6 +80,29 @@ states:
   drive_back: {action: drive_to, inputs: {goal: {x: 0.0, y: 0.0}}, on: {success: drive_to}}
 )";
 
+/// Approaches a goal until it is near, which the distance shows, and then drives on.
+constexpr const char* kCareful = R"m(mission: careful
+observe:
+  near(): {port: seeker.distance, where: "value < 0.5"}
+  at(goal): {task: seeker, state: arrived, settle: 30s}
+  at(sea): {task: seeker, state: stopped, settle: 100ms}
+actions:
+  approach:
+    while: ["!near()"]
+    run: {controller: go_to, call: {seeker.set_goal: {goal: {x: 1.0, y: 0.0}}}, until: [{after: 5min}]}
+  dock:
+    preconditions: ["near()"]
+    effects: ["+at(goal)"]
+    run: {controller: go_to}
+  leave: {preconditions: ["at(goal)"], effects: ["+at(sea)"], run: {controller: go_to}}
+outcomes: [done, left_behind]
+start: approach
+states:
+  approach: {on: {success: return left_behind, aborted: dock}}
+  dock: {on: {success: leave}}
+  leave: {on: {success: return left_behind, aborted: return done}}
+)m";
+
 class RobotMission : public SystemTest {
  protected:
   [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
@@ -106,6 +129,20 @@ TEST_F(RobotMission, DrivesToItsGoalsInBothModes) {
     EXPECT_NEAR(pose->find("x")->as_double(), 0.4, 0.3);
     EXPECT_NEAR(pose->find("y")->as_double(), 0.4, 0.3);
     EXPECT_EQ(controller(), "go_to") << "it runs on until another one is needed";
+  }
+}
+
+TEST_F(RobotMission, ReliesOnFactsThatTheRobotShows) {
+  start();
+  write("careful.yaml", kCareful);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    EXPECT_EQ(segue({"switch", ""}).status, 0) << "so that the rover is where it began";
+    const auto run = json({"mission", "run", "careful.yaml", "--mode", mode});
+    EXPECT_EQ(run.find("outcome")->as_string(), "done") << type::to_json(run);
+    if (mode == "concurrent") continue;  // its nodes do not say why they aborted
+    EXPECT_THAT(type::to_json(run), HasSubstr("since !near() does not hold any more"));
+    EXPECT_THAT(type::to_json(run), HasSubstr("expected at(sea), which did not become true within 100ms"));
   }
 }
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/condition.hpp>
+#include <segue/type/value.hpp>
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace segue::mission {
+
+/// A port, a property or an operation of a task: "planner.speed.max" is `speed.max` of `planner`.
+struct Member {
+  std::string task;
+  std::string name;
+  friend bool operator==(const Member&, const Member&) = default;
+};
+/// Both parts are empty where the text has no dot.
+Member parse_member(std::string_view text);
+std::string to_string(const Member& member);
+
+/// A task is in that state: one that its component declares ("arrived"), or "running", "stopped" and so on.
+struct TaskReaches {
+  std::string task;
+  std::string state;
+  friend bool operator==(const TaskReaches&, const TaskReaches&) = default;
+};
+struct SampleShows {
+  Member port;
+  Condition what;
+  friend bool operator==(const SampleShows&, const SampleShows&) = default;
+};
+/// An operation without arguments answers that.
+struct OperationAnswers {
+  Member operation;
+  type::Value is;
+  friend bool operator==(const OperationAnswers&, const OperationAnswers&) = default;
+};
+
+/// What can be seen of a robot: what ends an action, and what facts are bound to (ObservedFact).
+using RobotCondition = std::variant<TaskReaches, SampleShows, OperationAnswers>;
+
+}  // namespace segue::mission

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/base/result.hpp>
+#include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/robot_condition.hpp>
+#include <segue/type/value.hpp>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+/// Looks at a robot, for conditions that end actions and for facts that are observed.
+namespace segue::mission {
+
+/// Samples of one port from when it was opened. One thread at a time.
+struct PortFeed {
+  Member port;
+  std::unique_ptr<PortSamples> samples;
+  std::vector<type::Value> fresh{};  ///< what came between the last two looks, oldest first
+  std::optional<type::Value> last{};
+
+  static Result<PortFeed> open(CommandedRobot& robot, const Member& port);
+  /// Takes in what has come. Does not wait for samples.
+  Result<void> look();
+};
+
+[[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);
+/// Blocks until the operation has answered, until `deadline` at most.
+[[nodiscard]] Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoint deadline);
+
+}  // namespace segue::mission
