@@ -115,9 +115,10 @@ void add_runner(Verb& verb, Context& context) {
       runner.flag("--resume", options->resume, "continue the interrupted run of that journal").needs(journal);
   runner
       .option("--under-way HOW", options->under_way,
-              "what to do about actions that were running then: again, skip or abort")
+              "what to do about actions that were running then: go-on (default) watches the controllers of a "
+              "robot that run still; again, skip or abort")
       .needs(resume)
-      .one_of({"again", "skip", "abort"});
+      .one_of({"go-on", "again", "skip", "abort"});
   runner.option("--python PROGRAM", options->python, "the interpreter of Python scripts; default: python3");
   runner.flag("-f,--follow", options->follow,
               "print every state or node that begins or ends, as it happens; in JSON one a line");

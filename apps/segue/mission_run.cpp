@@ -13,6 +13,7 @@
 
 #include <fmt/core.h>
 
+#include <atomic>
 #include <charconv>
 #include <memory>
 #include <stop_token>
@@ -63,7 +64,7 @@ std::optional<session::JournalRequest> journal_request(const MissionOptions& opt
   const UnderWay under_way = options.under_way == "again"   ? UnderWay::Again
                              : options.under_way == "skip"  ? UnderWay::Skip
                              : options.under_way == "abort" ? UnderWay::Abort
-                                                            : UnderWay::Refuse;
+                                                            : UnderWay::GoOn;
   return session::JournalRequest{options.journal, options.resume, under_way};
 }
 
@@ -271,6 +272,13 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   if (auto units = add_pools(request, *plan, robot); !units) return failed(context, units.error());
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
+  const auto is_unreachable = std::make_shared<std::atomic<bool>>(false);
+  if (request.journal) {
+    how.unreachable = [stop, is_unreachable](const Error& /*why*/) mutable {
+      *is_unreachable = true;
+      stop.request_stop();
+    };
+  }
   request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
   if (const auto& observed = plan->program()->mission().observed; !observed.empty())
     request.runners.set_observer(
@@ -279,7 +287,10 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   request.pause = &pause;
   MissionRemote remote(*robot, plan->name(), pause, stop);
   request.on_action = [&](const mission::ActionEvent& event) { remote.observe(event); };
-  return run_and_show(*plan, request, options, stop.get_token(), context);
+  const int status = run_and_show(*plan, request, options, stop.get_token(), context);
+  if (*is_unreachable)
+    print_note("the robot cannot be reached any more; when it runs again, the mission goes on with --resume");
+  return status;
 }
 
 }  // namespace

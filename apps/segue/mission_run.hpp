@@ -34,7 +34,7 @@ struct MissionOptions {
   std::vector<std::string> libraries;
   std::string journal;  ///< "": none
   bool resume = false;
-  std::string under_way = "refuse";
+  std::string under_way = "go-on";
   RunFiles files;
   bool follow = false;   ///< print its events
   bool progress = true;  ///< show what goes on, in real time

@@ -126,6 +126,13 @@ class ActionEnvironment::NodeCall final : public mission::ActionCall {
   [[nodiscard]] std::uint64_t iteration() const override {
     return planned_.counts ? static_cast<std::uint64_t>(reporter_->count) : planned_.iteration;
   }
+  [[nodiscard]] const Value& progress() const override {
+    return environment_.journal_ != nullptr ? environment_.journal_->progress(node_) : ActionCall::progress();
+  }
+  [[nodiscard]] std::function<void(const Value&)> recorder() const override {
+    if (environment_.journal_ == nullptr) return {};
+    return environment_.journal_->recorder(node_);
+  }
   [[nodiscard]] const mission::ObservedNeeds* observed() const override {
     return environment_.runners_.observer() ? planned_.observed.get() : nullptr;
   }

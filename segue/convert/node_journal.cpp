@@ -84,7 +84,19 @@ void NodeJournal::refused(NodeId node) {
 
 void NodeJournal::began(NodeId node) {
   if (records(node) && plan_.network()[node].kind == ActionClass::Irreversible)
-    journal_->began(execution(node), true);
+    journal_->began(execution(node), true, name_of_action(node));
+}
+
+std::string NodeJournal::name_of_action(NodeId node) const {
+  if (plan_[node].role != Role::Action) return {};
+  const mission::Program& program = plan_.program();
+  return program.mission().actions[program.node(plan_[node].state).action].name.str();
+}
+
+std::function<void(const Value&)> NodeJournal::recorder(NodeId node) const {
+  return [journal = journal_, of = execution(node)](const Value& progress) {
+    journal->progressed(of, progress);
+  };
 }
 
 void NodeJournal::ended(NodeId node, OutcomeId outcome, const Value* outputs) {

@@ -6,6 +6,7 @@
 #include <segue/mission/run_journal.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -40,6 +41,11 @@ class NodeJournal {
   /// The node begins as soon as this returns. On disk, if it is potentially irreversible; others are not
   /// recorded, since they may be discarded.
   void began(cdtn::NodeId node);
+  /// As ActionCall::progress() and recorder().
+  [[nodiscard]] const type::Value& progress(cdtn::NodeId node) const {
+    return journal_->progress(execution(node));
+  }
+  [[nodiscard]] std::function<void(const type::Value&)> recorder(cdtn::NodeId node) const;
   /// The end counts.
   void ended(cdtn::NodeId node, cdtn::OutcomeId outcome, const type::Value* outputs);
   /// What the earlier run recorded of preemptive containers, and how this one records them.
@@ -49,6 +55,7 @@ class NodeJournal {
 
  private:
   [[nodiscard]] bool records(cdtn::NodeId node) const;
+  [[nodiscard]] std::string name_of_action(cdtn::NodeId node) const;
   [[nodiscard]] mission::Execution execution(cdtn::NodeId node) const;
   [[nodiscard]] bool awaits(const mission::Execution& state) const;
 

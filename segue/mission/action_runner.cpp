@@ -17,6 +17,15 @@ Result<WorldView> ActionCall::world() const {
   return fail(ErrorCode::InvalidState, "the action does not declare 'reads_world'");
 }
 
+const Value& ActionCall::progress() const {
+  static const Value kNone;
+  return kNone;
+}
+
+Result<void> ActionRunner::go_on(const Action& /*action*/, const Value& /*progress*/) {
+  return fail(ErrorCode::Unsupported, "it is no controller of a robot, so nobody can see how far it got");
+}
+
 const Action& ActionCall::action() const {
   return program().mission().actions[program().node(state()).action];
 }
@@ -158,6 +167,11 @@ void Runners::simulate_all() {
 void Runners::vary_durations(std::uint64_t seed) {
   simulation_ = std::make_shared<Simulation>(false, seed);
   expectation_ = std::make_shared<Simulation>(true, seed);
+}
+
+Result<void> Runners::go_on(const Action& action, const Value& progress) const {
+  auto runner = runner_of(action);
+  return runner ? (*runner)->go_on(action, progress) : runner.error();
 }
 
 Result<std::vector<std::shared_ptr<ActionRunner>>> Runners::assign(const Mission& mission) const {

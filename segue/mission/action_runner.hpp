@@ -83,6 +83,12 @@ class ActionCall {
   [[nodiscard]] virtual std::span<const BranchResult> branches() const = 0;
   /// How often this state had begun before.
   [[nodiscard]] virtual std::uint64_t iteration() const = 0;
+  /// How far an earlier run had got with this execution (recorder()), which goes on from there; null: it
+  /// begins.
+  [[nodiscard]] virtual const type::Value& progress() const;
+  /// Records how far the execution has got, for a run that is resumed: from any thread; on disk when it
+  /// returns. Null where the run has no journal.
+  [[nodiscard]] virtual std::function<void(const type::Value&)> recorder() const { return {}; }
   /// Which of its facts are observed; null: none, or the run is not observed.
   [[nodiscard]] virtual const ObservedNeeds* observed() const { return nullptr; }
   /// The action is to be undone; one that cannot be undone simply ends.
@@ -115,8 +121,13 @@ class ActionRunner {
   virtual ~ActionRunner() = default;
   /// Whether it has what every execution needs. Called before a run; NotFound refuses that run.
   [[nodiscard]] virtual Result<void> check() const { return {}; }
-  /// Begins an execution. Either returns its ending, or arranges for it by ActionCall::defer or
-  /// ActionCall::end_after and returns nothing. Called on the engine's thread; must not block.
+  /// Whether an execution that an earlier run had begun can go on from where it had got
+  /// (ActionCall::recorder); takes charge of what it has left. Called before a run that is resumed;
+  /// Unsupported where it cannot.
+  virtual Result<void> go_on(const Action& action, const type::Value& progress);
+  /// Begins an execution, or goes on with it. Either returns its ending, or arranges for it by
+  /// ActionCall::defer or ActionCall::end_after and returns nothing. Called on the engine's thread; must not
+  /// block.
   virtual std::optional<Ending> start(ActionCall& call) = 0;
 };
 
@@ -151,6 +162,8 @@ class Runners {
   /// that state; 0: as declared.
   void vary_durations(std::uint64_t seed);
 
+  /// ActionRunner::go_on() of the action's runner.
+  [[nodiscard]] Result<void> go_on(const Action& action, const type::Value& progress) const;
   /// The runner of each action of the mission; NotFound if an action has none, or one that lacks what it
   /// needs.
   [[nodiscard]] Result<std::vector<std::shared_ptr<ActionRunner>>> assign(const Mission& mission) const;

@@ -50,6 +50,61 @@ Ending aborted(const Error& error) {
   return {kAborted, to_string(error)};
 }
 
+/// How far an action has got, as its run's journal has it. Told: with its controller, the properties that it
+/// set, and how often each task that it watches had been updated then.
+struct Progress {
+  enum class Stage : std::uint8_t { Begins, Tells, Told };
+  Stage stage = Stage::Begins;
+  std::string controller;
+  std::vector<MemberValue> properties{};
+  std::map<std::string, std::uint64_t> updates{};
+
+  [[nodiscard]] Value to_value() const;
+  static Progress of(const Value& value);
+};
+
+constexpr const char* kTells = "tells";
+constexpr const char* kTold = "told";
+
+Value Progress::to_value() const {
+  type::ValueMap set;
+  for (const MemberValue& one : properties)
+    set.append(to_string(one.member), one.value);
+  type::ValueMap counts;
+  for (const auto& [task, count] : updates)
+    counts.append(task, count);
+  return Value::map({{"stage", stage == Stage::Told ? kTold : kTells},
+                     {"controller", controller},
+                     {"set", std::move(set)},
+                     {"updates", std::move(counts)}});
+}
+
+Progress Progress::of(const Value& value) {
+  Progress progress;
+  if (value.is_null()) return progress;
+  progress.stage = Stage::Tells;
+  const Value* stage = value.find("stage");
+  const Value* controller = value.find("controller");
+  const Value* set = value.find("set");
+  const Value* updates = value.find("updates");
+  if (stage == nullptr || *stage != Value(kTold) || controller == nullptr || !controller->is_string() ||
+      set == nullptr || !set->is_map() || updates == nullptr || !updates->is_map())
+    return progress;
+  progress.stage = Stage::Told;
+  progress.controller = controller->as_string();
+  for (const auto& [name, one] : set->as_map())
+    progress.properties.push_back({parse_member(name), one, {}});
+  for (const auto& [task, count] : updates->as_map())
+    progress.updates.emplace(task, count.is_integer() ? count.as_uint() : 0);
+  return progress;
+}
+
+/// Whether something other than time ends it, or it has ended.
+bool can_be_watched(const ControllerUse& use) {
+  const auto sees = [](const EndCondition& one) { return std::holds_alternative<RobotCondition>(one.when); };
+  return use.until.empty() || std::ranges::any_of(use.until, sees);
+}
+
 /// What all executions of a runner have to do with.
 struct Shared {
   Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given)
@@ -73,6 +128,8 @@ class ControlledRun {
     std::vector<std::size_t> output_places;  ///< of each of `use.outputs`
     std::uint64_t number = 0;                ///< of the execution
     std::vector<UpcomingController> ahead{};
+    Progress progress{};  ///< of an earlier run
+    std::function<void(const Value&)> record{};
   };
 
   ControlledRun(Shared& shared, Task task)
@@ -80,35 +137,62 @@ class ControlledRun {
         robot_(*shared.robot),
         options_(shared.options),
         task_(std::move(task)),
-        use_(task_.use) {}
+        use_(task_.use),
+        told_(task_.progress.updates) {}
 
   /// Blocks until the action has ended.
   Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
-    if (stop.stop_requested()) return {kPreempted, {}};
-    if (auto runs = shared_.controllers.begin(use_.controller, use_.set); !runs) return aborted(runs.error());
+    if (!is_told() && stop.stop_requested()) return {kPreempted, {}};
+    if (!is_told()) {
+      if (auto runs = shared_.controllers.begin(use_.controller, use_.set); !runs)
+        return failed(runs.error(), stop);
+    }
     shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
     Ending ending = carry_out(stop, outputs);
     shared_.prepared.ended(task_.number);
     const auto ended = shared_.controllers.end(use_.controller, !use_.stop);
-    if (!ended && ending.outcome >= 0) return aborted(ended.error());
+    if (!ended && ending.outcome >= 0) return failed(ended.error(), stop);
     return ending;
   }
 
  private:
   Ending carry_out(const std::stop_token& stop, std::vector<Value>& outputs) {
-    if (auto told = tell(); !told) return aborted_by(told.error());
+    if (!is_told()) {
+      if (auto told = tell(); !told) return aborted_by(told.error(), stop);
+    }
+    if (auto opened = open_ports(); !opened) return aborted_by(opened.error(), stop);
     begin_ = now();
     Ending ending = watch(stop);
     if (ending.outcome < 0) return ending;
-    if (auto read = read_outputs(stop, outputs); !read) return aborted_by(read.error());
+    if (auto read = read_outputs(stop, outputs); !read) return aborted_by(read.error(), stop);
     return ending;
   }
 
-  /// Where the controller is gone, that is why.
-  Ending aborted_by(const Error& error) { return loss().value_or(aborted(error)); }
+  [[nodiscard]] bool is_told() const { return task_.progress.stage == Progress::Stage::Told; }
 
-  /// Says what to do, and from when on tasks and ports count.
+  /// Where the controller is gone, that is why.
+  Ending aborted_by(const Error& error, const std::stop_token& stop) {
+    if (auto lost = loss(stop)) return *lost;
+    return aborted(error);
+  }
+
+  /// Without its robot, the run ends as one that can be resumed.
+  Ending failed(const Error& error, const std::stop_token& stop) {
+    if (!options_.unreachable || robot_.trouble(use_.controller)) return aborted(error);
+    options_.unreachable(error);
+    while (!stop.stop_requested())
+      wait(stop);
+    return {kPreempted, {}};
+  }
+
+  void record(Progress::Stage stage) {
+    task_.progress = {stage, use_.controller, use_.set, told_};
+    if (task_.record) task_.record(task_.progress.to_value());
+  }
+
+  /// Says what to do, and from when on tasks count.
   Result<void> tell() {
+    if (!use_.call.empty() || !use_.write.empty()) record(Progress::Stage::Tells);
     for (const MemberValue& one : use_.call) {
       if (auto called = robot_.call(one.member, one.value, answer_by()); !called) return called.error();
     }
@@ -122,9 +206,19 @@ class ControlledRun {
         const auto task = robot_.task(reaches->task);
         if (!task) return task.error();
         told_.emplace(reaches->task, task->updates);
-      } else if (const auto* shows = std::get_if<SampleShows>(seen)) {
-        if (auto opened = open(shows->port); !opened) return opened;
       }
+    }
+    record(Progress::Stage::Told);
+    return {};
+  }
+
+  /// Samples count from then on.
+  Result<void> open_ports() {
+    for (const EndCondition& condition : use_.until) {
+      const auto* seen = std::get_if<RobotCondition>(&condition.when);
+      const auto* shows = seen == nullptr ? nullptr : std::get_if<SampleShows>(seen);
+      if (shows == nullptr) continue;
+      if (auto opened = open(shows->port); !opened) return opened;
     }
     for (const OutputSource& one : use_.outputs) {
       if (auto opened = open(one.port); !opened) return opened;
@@ -151,12 +245,12 @@ class ControlledRun {
     TimePoint look_at_controller = begin_;
     while (!stop.stop_requested()) {
       if (now() >= look_at_controller) {
-        if (auto lost = loss()) return *lost;
+        if (auto lost = loss(stop)) return *lost;
         look_at_controller = now() + options_.watch;
       }
       const auto met = first_that_holds();
-      if (!met) return aborted_by(met.error());
-      if (*met < use_.until.size()) return ended_by(*met);
+      if (!met) return aborted_by(met.error(), stop);
+      if (*met < use_.until.size()) return ended_by(*met, stop);
       wait(stop);
     }
     return {kPreempted, {}};
@@ -173,17 +267,17 @@ class ControlledRun {
     return use_.until.size();
   }
 
-  Ending ended_by(std::size_t condition) {
-    if (auto lost = loss()) return *lost;
+  Ending ended_by(std::size_t condition, const std::stop_token& stop) {
+    if (auto lost = loss(stop)) return *lost;
     const Outcome outcome = task_.outcomes[condition];
     if (outcome >= 0) return {outcome, {}};
     return {outcome, std::visit([](const auto& when) { return sentence(when); }, use_.until[condition].when)};
   }
 
   /// The ending where the controller does not run as it should.
-  std::optional<Ending> loss() {
+  std::optional<Ending> loss(const std::stop_token& stop) {
     const auto trouble = robot_.trouble(use_.controller);
-    if (!trouble) return aborted(trouble.error());
+    if (!trouble) return failed(trouble.error(), stop);
     if (trouble->why.empty()) return std::nullopt;
     return Ending{trouble->taken_over ? kPreempted : kAborted,
                   "controller " + quote(use_.controller) + " was lost: " + trouble->why};
@@ -196,7 +290,7 @@ class ControlledRun {
   Result<bool> is_met(const TaskReaches& when) {
     const auto task = robot_.task(when.task);
     if (!task) return task.error();
-    return is_in(*task, when) && (task->updates > told_.at(when.task) || task->state != "running");
+    return is_in(*task, when) && (task->updates > told_[when.task] || task->state != "running");
   }
   Result<bool> is_met(const SampleShows& when) {
     return std::ranges::any_of(feed(when.port)->fresh,
@@ -276,6 +370,8 @@ class ControllerRunner::Implementation {
     if (!name) return aborted(name.error());
     ControlledRun::Task task{filled(use, call), {}, {}, ++executions_};
     task.use.controller = std::move(*name);
+    task.progress = Progress::of(call.progress());
+    task.record = call.recorder();
     for (const EndCondition& condition : use.until)
       task.outcomes.push_back(condition.outcome.empty() ? 0
                                                         : call.outcome(condition.outcome).value_or(kAborted));
@@ -289,6 +385,24 @@ class ControllerRunner::Implementation {
     return std::nullopt;
   }
 
+  Result<void> go_on(const Action& action, const Progress& progress) {
+    if (progress.stage == Progress::Stage::Begins) return {};
+    if (progress.stage == Progress::Stage::Tells) {
+      return fail(ErrorCode::InvalidState,
+                  "the run was interrupted while its controller was being told what to do");
+    }
+    if (!can_be_watched(std::get<ControllerUse>(action.run)))
+      return fail(ErrorCode::InvalidState, "nothing but time ends it");
+    const auto trouble = shared_.robot->trouble(progress.controller);
+    if (!trouble) return trouble.error();
+    if (!trouble->why.empty()) {
+      return fail(ErrorCode::InvalidState,
+                  "controller " + quote(progress.controller) + " does not run any more: " + trouble->why);
+    }
+    shared_.controllers.take_over(progress.controller, progress.properties);
+    return {};
+  }
+
  private:
   Shared shared_;
   std::atomic<std::uint64_t> executions_ = 0;
@@ -298,6 +412,10 @@ class ControllerRunner::Implementation {
 ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
     : implementation_(std::make_unique<Implementation>(std::move(robot), options)) {}
 ControllerRunner::~ControllerRunner() = default;
+
+Result<void> ControllerRunner::go_on(const Action& action, const Value& progress) {
+  return implementation_->go_on(action, Progress::of(progress));
+}
 
 std::optional<Ending> ControllerRunner::start(ActionCall& call) {
   return call.backward() ? std::optional<Ending>(Ending{}) : implementation_->start(call);

@@ -5,6 +5,7 @@
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -21,6 +22,9 @@ struct ControllerOptions {
   /// For a request, and for everything else that the robot is asked.
   Duration request_deadline = std::chrono::seconds(60);
   Duration answer_deadline = std::chrono::seconds(10);
+  /// Called, on some thread, where the robot cannot be reached any more: then the run must be stopped, so
+  /// that it can be resumed when the robot is back, and actions end as it preempts them. Null: they abort.
+  std::function<void(const Error& why)> unreachable{};
 };
 
 /// Carries out actions that are controllers (ControllerUse), each in a thread of its own. An action aborts
@@ -30,6 +34,10 @@ struct ControllerOptions {
 ///
 /// Actions whose controllers can run at once do (ControllerUnion). While they run, what the mission is likely
 /// to need next is prepared (upcoming_controllers).
+///
+/// In a run with a journal, an action records when it begins to tell its tasks what to do, and when it has.
+/// In between it cannot be resumed; before, it begins anew; afterwards it is only watched, if its controller
+/// runs still. States count from when the tasks were told then; times and samples count anew.
 class ControllerRunner final : public ActionRunner {
  public:
   explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {});
@@ -39,6 +47,7 @@ class ControllerRunner final : public ActionRunner {
   ControllerRunner& operator=(const ControllerRunner&) = delete;
 
   std::optional<Ending> start(ActionCall& call) override;
+  Result<void> go_on(const Action& action, const type::Value& progress) override;
 
  private:
   class Implementation;

@@ -11,6 +11,15 @@ Result<void> ControllerUnion::begin(const std::string& controller, std::vector<M
   return carry_out({{controller, std::move(properties), 1}, false});
 }
 
+void ControllerUnion::take_over(const std::string& controller, std::vector<MemberValue> properties) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find(members_, controller, &Member::controller);
+  if (found == members_.end())
+    members_.push_back({controller, std::move(properties), 1});
+  else
+    ++found->users;
+}
+
 Result<void> ControllerUnion::end(const std::string& controller, bool keep) {
   {
     const std::lock_guard lock(mutex_);

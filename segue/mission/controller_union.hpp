@@ -31,6 +31,9 @@ class ControllerUnion {
   /// Has the robot run that controller, with these properties in place of its own, beside those that others
   /// use. Blocks until it does; the error says why it does not, and what others use runs on.
   Result<void> begin(const std::string& controller, std::vector<MemberValue> properties);
+  /// The robot runs it already, with these properties, for an action of an earlier run that goes on. As
+  /// begin(), but asks the robot for nothing.
+  void take_over(const std::string& controller, std::vector<MemberValue> properties);
   /// The action that had begun it has ended. `keep`: it runs on until something else is needed in its place;
   /// otherwise the robot stops it, and this blocks until it has.
   Result<void> end(const std::string& controller, bool keep);

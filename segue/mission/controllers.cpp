@@ -2,6 +2,7 @@
 #include <segue/mission/controllers.hpp>
 
 #include <segue/base/text.hpp>
+#include <segue/mission/pools.hpp>
 
 #include <algorithm>
 #include <map>

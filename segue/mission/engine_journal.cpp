@@ -76,7 +76,8 @@ bool EngineCore::replay_next() {
 
 void EngineCore::record_begin(const Activation& leaf) {
   const Action& action = program->mission().actions[program->node(leaf.state).action];
-  options.journal->began({path(leaf), leaf.iteration}, action.action_class() == ActionClass::Irreversible);
+  options.journal->began({path(leaf), leaf.iteration}, action.action_class() == ActionClass::Irreversible,
+                         action.name.str());
 }
 
 void EngineCore::record_end(const Activation& leaf) {

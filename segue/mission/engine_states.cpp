@@ -33,6 +33,15 @@ class EngineCore::LeafCall final : public ActionCall {
     return activation_.parent->branches;
   }
   [[nodiscard]] std::uint64_t iteration() const override { return activation_.iteration; }
+  [[nodiscard]] const type::Value& progress() const override {
+    return engine_.options.journal ? engine_.options.journal->progress(execution()) : ActionCall::progress();
+  }
+  [[nodiscard]] std::function<void(const type::Value&)> recorder() const override {
+    if (!engine_.options.journal) return {};
+    return [journal = engine_.options.journal, execution = execution()](const type::Value& progress) {
+      journal->progressed(execution, progress);
+    };
+  }
   [[nodiscard]] const ObservedNeeds* observed() const override {
     return engine_.observer ? activation_.observed.get() : nullptr;
   }
@@ -55,6 +64,7 @@ class EngineCore::LeafCall final : public ActionCall {
 
  private:
   [[nodiscard]] WorldView look_at_world() const override { return engine_.world.view(); }
+  [[nodiscard]] Execution execution() const { return {path(), activation_.iteration}; }
 
   EngineCore& engine_;
   Activation& activation_;

@@ -34,6 +34,7 @@ class FakeRobot final : public CommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller) override {
     const std::lock_guard lock(mutex_);
+    if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{"somebody took the robot over", true};
     return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_};
   }
@@ -88,6 +89,9 @@ class FakeRobot final : public CommandedRobot {
   void take_over() {
     change([&] { taken_over_ = true; });
   }
+  void vanish(bool is_away) {
+    change([&] { vanished_ = is_away; });
+  }
   void refuse() {
     change([&] { refuses_ = true; });
   }
@@ -139,6 +143,7 @@ class FakeRobot final : public CommandedRobot {
   bool failed_ = false;
   bool refuses_ = false;
   bool taken_over_ = false;
+  bool vanished_ = false;
   std::vector<type::Value> samples_;
 };
 

@@ -173,6 +173,8 @@ class ObservedCall final : public ActionCall {
   [[nodiscard]] std::span<const BranchResult> branches() const override { return call_.branches(); }
   [[nodiscard]] std::uint64_t iteration() const override { return call_.iteration(); }
   [[nodiscard]] bool backward() const override { return call_.backward(); }
+  [[nodiscard]] const Value& progress() const override { return call_.progress(); }
+  [[nodiscard]] std::function<void(const Value&)> recorder() const override { return call_.recorder(); }
 
   Completer defer(std::function<void()> preempt) override {
     run_->goes_on(std::move(preempt), call_.defer([run = run_] { run->preempt(); }));
@@ -198,8 +200,9 @@ class ObservedCall final : public ActionCall {
 std::optional<Ending> ObservingRunner::start(ActionCall& call) {
   const ObservedNeeds* observed = call.observed();
   if (observed == nullptr || call.backward()) return inner_->start(call);
-  if (const auto lacking = observer_->first_false(observed->preconditions))
-    return Ending{kAborted, precondition_error(*lacking)};
+  const bool begins = call.progress().is_null();
+  const auto lacking = begins ? observer_->first_false(observed->preconditions) : std::nullopt;
+  if (lacking) return Ending{kAborted, precondition_error(*lacking)};
   if (observed->during.empty() && observed->effects.empty()) return inner_->start(call);
   const auto run = std::make_shared<ObservedRun>(*observer_, call);
   ObservedCall watched(call, run);

@@ -155,7 +155,8 @@ Result<std::unique_ptr<RunJournal>> RunJournal::create(const std::filesystem::pa
 
 Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::path& file,
                                                        const Mission& mission, bool concurrent,
-                                                       UnderWay under_way, Warn warn) {
+                                                       UnderWay under_way, Warn warn,
+                                                       const CanGoOn& can_go_on) {
   auto opened = open_locked(file, 0);
   if (!opened) return opened.error();
   auto text = read_file(file);
@@ -175,6 +176,9 @@ Result<std::unique_ptr<RunJournal>> RunJournal::resume(const std::filesystem::pa
         open +
             " had begun but not ended when the run was interrupted; choose what to do about it: again, "
             "skip or abort");
+  }
+  if (under_way == UnderWay::GoOn) {
+    if (auto goes_on = journal->go_on(mission, can_go_on); !goes_on) return goes_on.error();
   }
   if (::ftruncate(journal->file_.get(), static_cast<off_t>(whole)) != 0)
     return system_error("cannot write " + quote(file.string()), errno);
@@ -217,7 +221,13 @@ Result<void> RunJournal::take(const Value& line) {
   const Value& n = part(line, "n");
   if (!n.is_integer()) return fail(ErrorCode::ParseError, "the number of the execution is missing");
   if (const Value* path = line.find("begun"); path != nullptr && path->is_string()) {
-    open_[{path->as_string(), n.as_uint(), text_of(line, "loops")}] = flag_of(line, "irreversible");
+    open_[{path->as_string(), n.as_uint(), text_of(line, "loops")}] = {
+        flag_of(line, "irreversible"), text_of(line, "action"), {}};
+    return {};
+  }
+  if (const Value* path = line.find("progressed"); path != nullptr && path->is_string()) {
+    const auto open = open_.find({path->as_string(), n.as_uint(), text_of(line, "loops")});
+    if (open != open_.end()) open->second.progress = part(line, "to");
     return {};
   }
   if (const Value* path = line.find("first"); path != nullptr && path->is_string()) {
@@ -248,10 +258,33 @@ Result<void> RunJournal::take(const Value& line) {
 
 std::string RunJournal::open_actions() const {
   std::vector<std::string> names;
-  for (const auto& [execution, irreversible] : open_) {
-    if (irreversible) names.push_back(quote(execution.path));
+  for (const auto& [execution, open] : open_) {
+    if (open.irreversible) names.push_back(quote(execution.path));
   }
   return names.empty() ? std::string() : listed(names);
+}
+
+Result<void> RunJournal::go_on(const Mission& mission, const CanGoOn& can_go_on) {
+  for (const auto& [execution, open] : open_) {
+    if (!open.irreversible) continue;
+    const auto action = std::ranges::find(mission.actions, open.action,
+                                          [](const Action& one) { return std::string_view(one.name.str()); });
+    const bool known = action != mission.actions.end() && can_go_on;
+    const auto can = known ? can_go_on(*action, open.progress)
+                           : fail(ErrorCode::Unsupported, "nobody can see how far it got");
+    if (can) continue;
+    return fail(ErrorCode::InvalidState,
+                quote(execution.path) +
+                    " had begun but not ended when the run was interrupted, and cannot go on: " +
+                    can.error().message + "; choose what to do about it: again, skip or abort");
+  }
+  return {};
+}
+
+const Value& RunJournal::progress(const Execution& execution) const {
+  static const Value kNone;
+  const auto found = under_way_ == UnderWay::GoOn ? open_.find(execution) : open_.end();
+  return found == open_.end() ? kNone : found->second.progress;
 }
 
 std::set<Execution> RunJournal::executions() const {
@@ -269,7 +302,7 @@ std::optional<std::size_t> RunJournal::find(const Execution& execution) const {
 std::optional<RunJournal::End> RunJournal::assumed_end(const Execution& execution,
                                                        const Action& action) const {
   const auto found = open_.find(execution);
-  if (found == open_.end() || !found->second) return std::nullopt;
+  if (found == open_.end() || !found->second.irreversible) return std::nullopt;
   End end;
   if (under_way_ == UnderWay::Abort) {
     end.outcome = kAborted;
@@ -283,10 +316,23 @@ std::optional<RunJournal::End> RunJournal::assumed_end(const Execution& executio
   return end;
 }
 
-void RunJournal::began(const Execution& execution, bool irreversible) {
+void RunJournal::began(const Execution& execution, bool irreversible, std::string_view action) {
+  if (!progress(execution).is_null()) return;  // it goes on
   ValueMap line = event("begun", execution);
   if (irreversible) line.append("irreversible", true);
+  if (irreversible && !action.empty()) line.append("action", action);
   write(line, irreversible);
+}
+
+void RunJournal::progressed(const Execution& execution, const Value& progress) {
+  ValueMap line = event("progressed", execution);
+  line.append("to", progress);
+  write(line, true);
+}
+
+void RunJournal::close() {
+  const std::lock_guard lock(writing_);
+  file_ = Descriptor();
 }
 
 void RunJournal::ended(const Execution& execution, const End& end) {
@@ -327,6 +373,7 @@ void RunJournal::finished(const std::string& outcome) {
 }
 
 void RunJournal::write(const ValueMap& line, bool durable) {
+  const std::lock_guard lock(writing_);
   if (!file_.valid()) return;
   const std::string text = type::to_json(line, -1) + '\n';
   std::string_view left = text;

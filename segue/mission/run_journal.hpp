@@ -14,6 +14,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -28,8 +29,8 @@ std::map<StateIndex, std::uint32_t> counts_by_state(const type::ValueMap& map);
 
 /// A file that records a run: a line of JSON for each action that begins and for each that ends. A later run
 /// of the same mission replays the recorded ends in their order (concurrently: as actions get their turn)
-/// instead of executing these actions, and so gets to the point at which the earlier run was interrupted. Not
-/// thread safe.
+/// instead of executing these actions, and so gets to the point at which the earlier run was interrupted. For
+/// one thread, but for progressed().
 ///
 /// A potentially irreversible action is recorded, and the record synced to disk, before it begins. If the
 /// file can no longer be written, the run continues, `warn` is called once, and the file is emptied, since it
@@ -46,9 +47,11 @@ class RunJournal {
     std::uint64_t seed = 0;   ///< varies simulated durations
   };
   /// What resume() does about potentially irreversible actions that were running when the run was
-  /// interrupted: refuse; execute them again; take them as ended as expected, with default outputs; or as
-  /// aborted.
-  enum class UnderWay : std::uint8_t { Refuse, Again, Skip, Abort };
+  /// interrupted: refuse; go on with them where they are, and refuse if that is not possible; execute them
+  /// again; take them as ended as expected, with default outputs; or as aborted.
+  enum class UnderWay : std::uint8_t { Refuse, GoOn, Again, Skip, Abort };
+  /// Asked with GoOn: whether an action can go on from where it had got (null: it had told nobody anything).
+  using CanGoOn = std::function<Result<void>(const Action& action, const type::Value& progress)>;
   struct End {
     Outcome outcome = 0;
     std::string error;
@@ -72,7 +75,8 @@ class RunJournal {
   /// process writes the file, and with Refuse if actions were running, which it names. An incomplete last
   /// line is cut off.
   static Result<std::unique_ptr<RunJournal>> resume(const std::filesystem::path& file, const Mission& mission,
-                                                    bool concurrent, UnderWay under_way, Warn warn = {});
+                                                    bool concurrent, UnderWay under_way, Warn warn = {},
+                                                    const CanGoOn& can_go_on = {});
 
   [[nodiscard]] const Start& start() const { return start_; }
   /// How many actions had ended in the earlier run.
@@ -90,7 +94,12 @@ class RunJournal {
   /// The states that had ended their preemptive containers first in the earlier run (concurrent runs).
   [[nodiscard]] const std::set<Execution>& firsts() const { return firsts_; }
 
-  void began(const Execution& execution, bool irreversible);
+  void began(const Execution& execution, bool irreversible, std::string_view action = {});
+  /// How far the execution has got, in place of what was recorded before; on disk when this returns. From any
+  /// thread.
+  void progressed(const Execution& execution, const type::Value& progress);
+  /// How far it had got in the earlier run, if it goes on; else null.
+  [[nodiscard]] const type::Value& progress(const Execution& execution) const;
   void ended(const Execution& execution, const End& end);
   /// `globals`: all variables, by name, of which those that have changed since the last call belong to `end`.
   void ended(const Execution& execution, End end, const type::Value& globals);
@@ -99,22 +108,30 @@ class RunJournal {
   void finished(const std::string& outcome);
   /// The run is being stopped: actions that end from now on were preempted and are not recorded, so that a
   /// later run executes them.
-  void close() { file_ = Descriptor(); }
+  void close();
 
  private:
   RunJournal(Descriptor file, Warn warn) : file_(std::move(file)), warn_(std::move(warn)) {}
   Result<void> read(std::string_view text, const Mission& mission, const std::string& name);
   Result<void> take(const type::Value& line);
+  /// What had begun and not ended.
+  struct Open {
+    bool irreversible = false;
+    std::string action{};
+    type::Value progress{};
+  };
   [[nodiscard]] std::string open_actions() const;
+  Result<void> go_on(const Mission& mission, const CanGoOn& can_go_on);
   void write(const type::ValueMap& line, bool durable);
 
+  std::mutex writing_;  ///< protects `file_`, which progress is written to from any thread
   Descriptor file_;
   Warn warn_;
   Start start_;
   UnderWay under_way_ = UnderWay::Refuse;
   std::vector<End> ends_;
   std::map<Execution, std::size_t> places_;
-  std::map<Execution, bool> open_;  ///< begun and not ended; whether irreversible
+  std::map<Execution, Open> open_;
   std::set<Execution> firsts_;
   bool finished_ = false;
   type::Value globals_;  ///< as recorded last

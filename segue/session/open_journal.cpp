@@ -24,7 +24,11 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
     return fail(ErrorCode::InvalidArgument,
                 "a run that is resumed has the inputs, facts, resources, seed and start that it began with");
   }
-  auto found = RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note);
+  const auto can_go_on = [&](const mission::Action& action, const type::Value& progress) {
+    return request.runners.go_on(action, progress);
+  };
+  auto found =
+      RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note, can_go_on);
   if (!found) return found.error();
   journal = std::move(*found);
   if (request.note) {
