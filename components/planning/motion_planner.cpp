@@ -11,15 +11,13 @@ namespace planning {
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
 /// Plans motions of the rover's arm. Whatever it needs to know is part of the request, so that motions can be
-/// planned long before their turn, in a process of its own. Planning allocates and takes up to seconds: give
-/// the task no thread group with tasks that have real-time demands.
+/// planned long before their turn, by any instance of a pool. Planning allocates and takes up to seconds:
+/// give the task no thread group with tasks that have real-time demands.
 class MotionPlanner final : public Component {
  public:
   MotionPlanner() {
     doc("Finds motions of the rover's arm that touch nothing (OMPL, MuJoCo)");
     segue::Activity activity;
-    activity.trigger = segue::Trigger::Periodic;
-    activity.period = std::chrono::milliseconds(20);
     activity.update_deadline = std::chrono::minutes(5);  // operations count, too
     default_activity(activity);
     declare_states({"planning", "planned", "no_path"});
@@ -33,33 +31,16 @@ class MotionPlanner final : public Component {
     return {};
   }
 
-  segue::Result<void> on_start() override {
-    answered_ = false;
-    return {};
-  }
-
-  /// Says its answer again and again, for those who begin to listen after they have asked.
-  void on_update() override {
-    if (!answered_) return;
-    path_out_.write(result_.path);
-    situation_out_.write(result_.after);
-  }
-
   void on_cleanup() override { scene_.reset(); }
 
   segue::Result<PlanResult> plan(const PlanRequest& request) {
     if (!scene_) return segue::fail(segue::ErrorCode::InvalidState, "the planner must be configured first");
     set_state("planning");
     auto result = plan_motion(*scene_, request);
-    answered_ = result.has_value();
-    if (result) result_ = *result;
     set_state(result ? "planned" : "no_path");
     return result;
   }
 
-  OutputPort<messages::JointPath> path_out_{*this, "path", {.doc = "the one found last, again and again"}};
-  OutputPort<Situation> situation_out_{
-      *this, "situation", {.doc = "after the motion along that path, if all goes well"}};
   Operation<segue::Result<PlanResult>(PlanRequest)> plan_{
       *this,
       "plan",
@@ -70,8 +51,6 @@ class MotionPlanner final : public Component {
       "answer"};
 
   std::unique_ptr<ArmScene> scene_;
-  PlanResult result_;      ///< the one found last
-  bool answered_ = false;  ///< the last request has an answer
 };
 
 }  // namespace planning
