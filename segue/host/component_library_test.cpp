@@ -124,7 +124,7 @@ TEST_F(ComponentLibrary, its_exported_models_can_be_read_without_it) {
   type::TypeRegistry types;
   const auto models = libraries_.export_models("segue_components_demo", types);
   ASSERT_TRUE(models);
-  EXPECT_EQ(models->size(), 7U);
+  EXPECT_EQ(models->size(), 8U);
 }
 
 TEST_F(ComponentLibrary, declared_families_of_dynamic_ports_are_exported_and_checked) {

@@ -44,7 +44,7 @@ PoolCall read_pool_call(Fields& fields, const Source& source) {
   call.outcome_from = fields.text("outcome_from");
   call.timeout = fields.duration("timeout").value_or(call.timeout);
   if (call.timeout <= Duration::zero()) {
-    source.error("bad-duration", fields.what() + ": 'timeout' must be longer than nothing", fields.value());
+    source.error("bad-duration", fields.what() + ": 'timeout' must be positive", *fields.find("timeout"));
   }
   if (const Value* outputs = fields.find("outputs", Value::Kind::Map)) {
     for (const auto& [output, field] : outputs->as_map()) {
