@@ -157,7 +157,7 @@ int show_status(control::RobotService& robot, const Context& context) {
       print(printable(line) + '\n');
   }
   for (const Value& fault : list_at(*status, "unresolved")) {
-    if (fault.is_string()) print(coloured(Colour::Red, "unresolved: ") + printable(fault.as_string()) + '\n');
+    print(coloured(Colour::Red, "unresolved: ") + printable(text_at(fault, "fault")) + '\n');
   }
   return kDone;
 }

@@ -42,6 +42,19 @@ bool is_part(std::string_view controller, std::string_view running) {
   return controller.empty() || std::ranges::find(parts, model::NetworkName(controller)) != parts.end();
 }
 
+/// The first unresolved fault of a part of the controller; empty: there is none.
+std::string fault_of(std::string_view controller, const Value& status) {
+  const Value* unresolved = status.find("unresolved");
+  if (unresolved == nullptr || !unresolved->is_list()) return {};
+  for (const Value& fault : unresolved->as_list()) {
+    const Value* controllers = fault.find("controllers");
+    if (controllers == nullptr || !controllers->is_list()) continue;
+    if (std::ranges::find(controllers->as_list(), Value(controller)) != controllers->as_list().end())
+      return text_at(fault, "fault");
+  }
+  return {};
+}
+
 class StreamSamples final : public mission::PortSamples {
  public:
   explicit StreamSamples(std::unique_ptr<control::SampleStream> stream) : stream_(std::move(stream)) {}
@@ -112,11 +125,7 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
-  const Value* unresolved = status->find("unresolved");
-  if (unresolved == nullptr || !unresolved->is_list() || unresolved->as_list().empty())
-    return mission::ControllerTrouble{};
-  const Value& first = unresolved->as_list().front();
-  return mission::ControllerTrouble{first.is_string() ? first.as_string() : std::string("it has failed")};
+  return mission::ControllerTrouble{fault_of(controller, *status)};
 }
 
 Result<mission::ControllerConflicts> ServedRobot::conflicts() {

@@ -133,9 +133,11 @@ TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
   EXPECT_EQ(robot_.trouble("driv")->why, "the robot runs controller 'arm+drive'");
   service_.status_answer = Value::map({{"controller", ""}});
   EXPECT_EQ(robot_.trouble("drive")->why, "the robot runs the empty network");
-  service_.status_answer =
-      Value::map({{"controller", "drive"}, {"unresolved", Value::list({"task 'a' failed still"})}});
+  const Value fault =
+      Value::map({{"fault", "task 'a' failed still"}, {"controllers", Value::list({"drive"})}});
+  service_.status_answer = Value::map({{"controller", "arm+drive"}, {"unresolved", Value::list({fault})}});
   EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
+  EXPECT_EQ(robot_.trouble("arm")->why, "") << "it runs on";
 }
 
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {

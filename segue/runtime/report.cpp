@@ -263,6 +263,13 @@ Value to_value(const PoolReport& pool) {
                       })}});
 }
 
+Value to_value(const UnresolvedFault& fault) {
+  return Value::map({{"fault", fault.sentence},
+                     {"controllers", list_of(fault.controllers, [](const model::NetworkName& name) {
+                        return Value(name.str());
+                      })}});
+}
+
 Value status_of(Runtime& runtime) {
   const auto controller = runtime.belief().name;
   const auto loaded = runtime.controller(controller);
@@ -290,7 +297,8 @@ Value status_of(Runtime& runtime) {
                 [](const auto& entry) {
                   return Value::map({{"process", to_string(entry.first)}, {"message", entry.second}});
                 })},
-       {"unresolved", list_of(runtime.unresolved(), [](const std::string& text) { return Value(text); })}});
+       {"unresolved",
+        list_of(runtime.unresolved(), [](const UnresolvedFault& fault) { return to_value(fault); })}});
 }
 
 Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {

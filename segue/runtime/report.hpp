@@ -35,6 +35,7 @@ type::Value to_value(const Diagnostics& diagnostics);
 /// {"pool", "size", "ready" (how many instances are), "instances" (a list of {"task", "ready", "pid",
 /// "given_up", "reason"})}
 type::Value to_value(const PoolReport& pool);
+type::Value to_value(const UnresolvedFault& fault);
 
 /// {"controller", "ready", "prepared", "tasks", "reason"}
 type::Value to_value(const Readiness& readiness);

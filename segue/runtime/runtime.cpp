@@ -175,7 +175,7 @@ std::vector<PoolReport> Runtime::pools() const {
   return implementation_->report_pools();
 }
 
-std::vector<std::string> Runtime::unresolved() const {
+std::vector<UnresolvedFault> Runtime::unresolved() const {
   const std::lock_guard lock(implementation_->mutex);
   return implementation_->unresolved;
 }

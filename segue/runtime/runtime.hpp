@@ -13,6 +13,7 @@
 #include <segue/runtime/event.hpp>
 #include <segue/runtime/pool_report.hpp>
 #include <segue/runtime/switch_result.hpp>
+#include <segue/runtime/unresolved_fault.hpp>
 #include <segue/solve/combine.hpp>
 #include <segue/solve/solve.hpp>
 #include <segue/type/value.hpp>
@@ -175,9 +176,8 @@ class Runtime {
   [[nodiscard]] std::map<model::DeploymentKey, std::string> ended_processes() const;
   /// The pools of RuntimeOptions as they are now. Blocks while the host is asked.
   [[nodiscard]] std::vector<PoolReport> pools() const;
-  /// Faults and leftovers that lasted longer than the policies permit attempts, as sentences. From the last
-  /// supervision.
-  [[nodiscard]] std::vector<std::string> unresolved() const;
+  /// Faults and leftovers that lasted longer than the policies permit attempts. From the last supervision.
+  [[nodiscard]] std::vector<UnresolvedFault> unresolved() const;
 
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;

@@ -126,9 +126,9 @@ struct Runtime::Implementation {
   void supervise();
   /// `hosts` had returned before the snapshot was taken.
   void bring_back(const std::set<model::HostName>& hosts, const detail::Observation& seen);
-  /// Both return what could not be resolved in as many attempts as the policy permits, as sentences.
-  std::vector<std::string> handle_faults(const detail::Observation& seen);
-  std::vector<std::string> collect_leftovers(const detail::Observation& seen);
+  /// Both return what could not be resolved in as many attempts as the policy permits.
+  std::vector<UnresolvedFault> handle_faults(const detail::Observation& seen);
+  std::vector<UnresolvedFault> collect_leftovers(const detail::Observation& seen);
   /// Forgets processes that ended if they are there again, or are no longer wanted.
   void forget_ended(const model::Network& observed);
   void report_given_up(const std::vector<detail::DetectedFault>& faults);
@@ -175,7 +175,7 @@ struct Runtime::Implementation {
   std::optional<std::promise<std::vector<Readiness>>> prepare_waiting;
   std::vector<Readiness> readiness;
   bool look_ahead_due = false;
-  std::vector<std::string> unresolved;
+  std::vector<UnresolvedFault> unresolved;
   std::set<model::HostName> returned_hosts;  ///< reachable again, not yet brought to what they should run
   std::map<model::DeploymentKey, std::string> ended;  ///< processes that ended and are still missing, and why
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/model/network_sets.hpp>
 #include <segue/runtime/leftovers.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
@@ -73,15 +74,39 @@ std::string names_of(const std::vector<DetectedFault>& faults) {
   return listed(names);
 }
 
-/// Those of the present faults whose attempts have been exhausted.
-std::vector<std::string> sentences(const std::vector<DetectedFault>& faults,
-                                   const detail::RepairScheduler& scheduler) {
-  std::vector<std::string> texts;
-  for (const auto& fault : scheduler.exhausted(faults)) {
-    texts.push_back(fault.name() + " " + fault.symptom + "; " + std::to_string(scheduler.attempts(fault)) +
-                    " attempts have not helped");
+/// The running controllers that have the part; all where it is in none of them, such as a gateway.
+std::vector<model::NetworkName> controllers_with(const DetectedFault& fault, const model::Network& running,
+                                                 const Controllers& known) {
+  std::vector<model::TaskId> tasks;
+  if (const auto* task = std::get_if<model::TaskId>(&fault.subject)) {
+    tasks.push_back(*task);
+  } else {
+    for (const auto& [placed, process] : model::task_processes(running)) {
+      if (process == std::get<model::DeploymentKey>(fault.subject)) {
+        tasks.push_back(placed);
+      }
+    }
   }
-  return texts;
+  const auto names = model::controllers_in(running.name.str());
+  std::vector<model::NetworkName> with;
+  std::ranges::copy_if(names, std::back_inserter(with), [&](const model::NetworkName& name) {
+    const auto found = known.find(name);
+    return found != known.end() && std::ranges::any_of(tasks, [&](const model::TaskId& task) {
+             return found->second.find_task(task) != nullptr;
+           });
+  });
+  return with.empty() ? names : with;
+}
+
+/// A task that is not in its state may be so on purpose; one without its process is not.
+bool is_left_without_process(const DetectedFault& fault) {
+  return fault.policy == model::FailurePolicy::Report &&
+         std::holds_alternative<model::DeploymentKey>(fault.subject);
+}
+
+std::string sentence_of(const DetectedFault& fault, const detail::RepairScheduler& scheduler) {
+  return fault.name() + " " + fault.symptom + "; " + std::to_string(scheduler.attempts(fault)) +
+         " attempts have not helped";
 }
 
 /// The result of a transition that was not requested, before it is executed.
@@ -193,7 +218,7 @@ void Runtime::Implementation::bring_back(const std::set<model::HostName>& hosts,
   repair(Cause::Repair, seen, scope, pool_part(seen.network));
 }
 
-std::vector<std::string> Runtime::Implementation::handle_faults(const Observation& seen) {
+std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observation& seen) {
   const auto held = belief.held();
   if (!held.wanted) {
     return {};
@@ -211,7 +236,21 @@ std::vector<std::string> Runtime::Implementation::handle_faults(const Observatio
     }
     repair(Cause::Repair, seen, scope_of(decision.repair), pool_part(seen.network));
   }
-  return sentences(faults, repairs);
+  const model::Network desired = belief.held().desired();
+  std::vector<UnresolvedFault> left;
+  const std::lock_guard lock(mutex);
+  const auto add = [&](const DetectedFault& fault, std::string sentence) {
+    left.push_back({std::move(sentence), controllers_with(fault, desired, definitions.controllers)});
+  };
+  for (const auto& fault : repairs.exhausted(faults)) {
+    add(fault, sentence_of(fault, repairs));
+  }
+  for (const auto& fault : faults) {
+    if (is_left_without_process(fault)) {
+      add(fault, fault.name() + " " + fault.symptom + ", and is left so, as its 'on_failure' says");
+    }
+  }
+  return left;
 }
 
 void Runtime::Implementation::report_given_up(const std::vector<DetectedFault>& faults) {
@@ -247,7 +286,7 @@ void Runtime::Implementation::fall_back(const Observation& seen) {
 }
 
 /// Removes leftovers: tasks and processes that could not be retired, or that a superseded request prepared.
-std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observation& seen) {
+std::vector<UnresolvedFault> Runtime::Implementation::collect_leftovers(const Observation& seen) {
   const model::Network extra = belief.held().extra;
   const model::Network left = model::subtract(pools_run ? without_pools(extra) : extra, standby);
   std::vector<DetectedFault> faults;
@@ -266,7 +305,11 @@ std::vector<std::string> Runtime::Implementation::collect_leftovers(const Observ
   if (!decision.repair.empty()) {
     repair(Cause::Collect, seen, scope_of(decision.repair), pool_part(seen.network));
   }
-  return sentences(faults, leftover_repairs);
+  std::vector<UnresolvedFault> unremoved;
+  for (const auto& fault : leftover_repairs.exhausted(faults)) {
+    unremoved.push_back({sentence_of(fault, leftover_repairs)});
+  }
+  return unremoved;
 }
 
 void Runtime::Implementation::repair(Cause cause, const Observation& seen, const solve::RepairScope& scope,

@@ -195,10 +195,26 @@ TEST(Supervision, pursues_leftovers_for_ever) {
   const int so_far = attempts;
   EXPECT_TRUE(eventually([&] { return attempts > so_far + 2; })) << "it goes on";
   EXPECT_EQ(count(robot.runtime, EventKind::GivenUp), 1U) << "reported once";
-  EXPECT_THAT(robot.runtime.unresolved().front(), ::testing::HasSubstr("task 'b' was left over"));
+  EXPECT_THAT(robot.runtime.unresolved().front().sentence, ::testing::HasSubstr("task 'b' was left over"));
   stuck = false;
   EXPECT_TRUE(eventually([&] { return robot.host.observe().tasks.size() == 1; }));
   EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().empty(); }));
+}
+
+TEST(Supervision, knows_which_of_several_controllers_a_fault_concerns) {
+  testing::StandInRobot robot(quick(1));
+  const auto add = [&](const char* name, const char* task, const char* rest) {
+    const std::string text = std::string("network: ") + name +
+                             "\ntasks:\n  shared: {component: \"x::S\"}\n  " + task +
+                             ": {component: \"x::C\", on_failure: recover" + rest + "}\n";
+    ASSERT_FALSE(robot.runtime.add_controller(network_of(text)).has_errors());
+  };
+  add("arm", "a", ", properties: {stand_in: {rate: 1000, fail: [update]}}");
+  add("drive", "d", "");
+  ASSERT_EQ(robot.runtime.switch_to(model::NetworkName("arm+drive")).outcome, Outcome::Done);
+  ASSERT_TRUE(eventually([&] { return !robot.runtime.unresolved().empty(); }));
+  EXPECT_THAT(robot.runtime.unresolved().front().controllers,
+              ::testing::ElementsAre(model::NetworkName("arm")));
 }
 
 /// A task that was created but never configured leaves without any action.

@@ -24,6 +24,7 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
     return inner_->trouble(controller);
   }
   Result<mission::ControllerConflicts> conflicts() override { return inner_->conflicts(); }
+  Result<std::vector<mission::PoolView>> pools() override { return inner_->pools(); }
   Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override {
     return inner_->prepare(controllers, deadline);
   }

@@ -40,7 +40,8 @@ TEST_F(RoverAtTable, BringsABoxToItsPlaceOnTheDeck) {
   EXPECT_GT(box(1).x(), 1.5) << "the others are still on the table";
   EXPECT_GT(box(2).x(), 1.5);
 
-  const auto nowhere = segue({"call", "planner_1.plan", "request={goals: [{positions: [0, 0, 9, 0, 0, 0]}]}"});
+  const auto nowhere =
+      segue({"call", "planner_1.plan", "request={goals: [{positions: [0, 0, 9, 0, 0, 0]}]}"});
   EXPECT_EQ(nowhere.status, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("the arm has 6 joints; from.positions has 0"));
   EXPECT_EQ(stop().status, 0);
