@@ -114,10 +114,21 @@ class Decisions final : public ActionRunner {
       const bool fits = std::ranges::all_of(rule.when, [&](const auto& when) { return holds(call, when); });
       if (fits) return Ending{call.outcome(rule.outcome).value_or(kAborted), {}};
     }
-    return Ending{kAborted, "none of its rules matches how the states ended"};
+    return Ending{kAborted, "none of its rules matches how the states ended: " + listed(endings(call))};
   }
 
  private:
+  /// "drive aborted (controller 'go_to' was lost)", of each state.
+  static std::vector<std::string> endings(const ActionCall& call) {
+    std::vector<std::string> texts;
+    for (const BranchResult& branch : call.branches()) {
+      texts.push_back(call.program().state(branch.state).id.str() + " " +
+                      call.program().outcome_name(branch.state, branch.outcome) +
+                      (branch.error.empty() ? "" : " (" + branch.error + ")"));
+    }
+    return texts;
+  }
+
   static bool holds(const ActionCall& call, const std::pair<std::string, std::string>& when) {
     return std::ranges::any_of(call.branches(), [&](const BranchResult& branch) {
       return call.program().state(branch.state).id.str() == when.first &&
