@@ -26,7 +26,7 @@ void CheckedRobot::blame(std::string what) {
 }
 
 Result<void> CheckedRobot::request(const mission::ControllerRequest& what, TimePoint deadline) {
-  const bool was_lost = is_lost_;
+  const bool was_lost = is_lost();
   const std::set<std::string> names(what.controllers.begin(), what.controllers.end());
   auto outcome = inner_->request(what, deadline);
   if (outcome) {
@@ -48,7 +48,7 @@ void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lo
 }
 
 Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller) {
-  const bool was_lost = is_lost_;
+  const bool was_lost = is_lost();
   auto trouble = inner_->trouble(controller);
   if (!trouble) return trouble;
   const bool is_fine = trouble->why.empty();

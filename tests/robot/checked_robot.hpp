@@ -30,7 +30,8 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   /// Somebody is about to take the robot over, and has done so.
   void about_to_be_taken_over() { may_be_lost_ = true; }
   void was_taken_over() { is_lost_ = true; }
-  [[nodiscard]] bool is_lost() const { return is_lost_; }
+  /// Nobody holds the lease from the moment when the robot is taken over, while its transition goes on.
+  [[nodiscard]] bool is_lost() const { return is_lost_ || !runtime_.lease_holder(); }
   /// What was wrong first; nothing: all was as it must be.
   [[nodiscard]] std::optional<std::string> problem() const;
   /// The controllers of the last request that was carried out.
