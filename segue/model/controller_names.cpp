@@ -14,7 +14,7 @@ std::vector<NetworkName> controllers_in(std::string_view name) {
     name.remove_prefix(std::min(end + 1, name.size()));
   }
   std::ranges::sort(controllers);
-  controllers.erase(std::ranges::unique(controllers).begin(), controllers.end());
+  controllers.erase(std::unique(controllers.begin(), controllers.end()), controllers.end());
   return controllers;
 }
 
