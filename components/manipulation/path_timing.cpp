@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -192,6 +193,49 @@ std::size_t window(std::span<const JointLimits> limits, double period) {
   return static_cast<std::size_t>(std::ceil(longest / period)) + 1;
 }
 
+/// Set points of the pass, `stretch` times as slow: each is the average of `averaged` positions in a row.
+std::vector<double> averages(const std::vector<Point>& dense, const FastestPass& pass, double stretch,
+                             std::size_t averaged, double period) {
+  const std::size_t count =
+      static_cast<std::size_t>(std::ceil(pass.times().back() * stretch / period)) + averaged;
+  Passing ahead(dense, pass);
+  Passing behind(dense, pass);
+  // The sum over the window that ends at this set point; before the beginning the arm rests there.
+  Point sum = dense.front() * static_cast<double>(averaged);
+  const auto time_of = [&](std::size_t index, std::size_t earlier) {
+    return (static_cast<double>(index) - static_cast<double>(earlier)) * period / stretch;
+  };
+  std::vector<double> set_points;
+  for (std::size_t index = 0; index < count; ++index) {
+    sum += ahead.at(time_of(index, 0)) - behind.at(time_of(index, averaged));
+    const Point mean = sum / static_cast<double>(averaged);
+    set_points.insert(set_points.end(), mean.begin(), mean.end());
+  }
+  set_points.insert(set_points.end(), dense.back().begin(), dense.back().end());
+  return set_points;
+}
+
+/// By how much the motion must become slower to keep all limits; at most 1: not at all.
+double excess_of(const std::vector<double>& set_points, std::span<const JointLimits> limits, double period) {
+  const std::size_t joints = limits.size();
+  double excess = 0;
+  for (std::size_t joint = 0; joint < joints; ++joint) {
+    const MotionLimits& motion = limits[joint].motion;
+    std::array<double, 3> now{set_points[joint], 0, 0};  // position, velocity, acceleration
+    for (std::size_t at = joint; at < set_points.size() + 3 * joints; at += joints) {
+      const double position = at < set_points.size() ? set_points[at] : now[0];
+      const double velocity = (position - now[0]) / period;
+      const double acceleration = (velocity - now[1]) / period;
+      const double jerk = (acceleration - now[2]) / period;
+      excess = std::max({excess, std::abs(velocity) / motion.velocity,
+                         std::sqrt(std::abs(acceleration) / motion.acceleration),
+                         std::sqrt(std::abs(jerk) / motion.jerk)});
+      now = {position, velocity, acceleration};
+    }
+  }
+  return excess;
+}
+
 }  // namespace
 
 segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>>& points,
@@ -203,23 +247,15 @@ segue::Result<PathTiming> PathTiming::make(const std::vector<std::vector<double>
   const double passed = pass.times().back();
   if (!(passed < kLongest)) return refusal("to follow this path takes more than ten minutes");
 
+  // What averages do to the limits is an estimate for accelerations that change at once and often.
   PathTiming made(limits.size(), options.period);
-  const std::size_t averaged = window(limits, options.period);
-  const std::size_t count = static_cast<std::size_t>(std::ceil(passed / options.period)) + averaged;
-  Passing ahead(dense, pass);
-  Passing behind(dense, pass);
-  // The sum over the window that ends at this set point; before the beginning the arm rests there.
-  Point sum = dense.front() * static_cast<double>(averaged);
-  const auto time_of = [&](std::size_t index, std::size_t earlier) {
-    return (static_cast<double>(index) - static_cast<double>(earlier)) * options.period;
-  };
-  for (std::size_t index = 0; index <= count; ++index) {
-    sum += ahead.at(time_of(index, 0)) - behind.at(time_of(index, averaged));
-    const Point mean = sum / static_cast<double>(averaged);
-    made.set_points_.insert(made.set_points_.end(), mean.begin(), mean.end());
-  }
-  std::copy(dense.back().begin(), dense.back().end(),
-            made.set_points_.end() - static_cast<std::ptrdiff_t>(limits.size()));
+  double stretch = 1;
+  double excess = 1;
+  do {
+    stretch *= excess > 1 ? 1.001 * excess : 1;
+    made.set_points_ = averages(dense, pass, stretch, window(limits, options.period), options.period);
+    excess = excess_of(made.set_points_, limits, options.period);
+  } while (excess > 1 + 1e-6);
   return made;
 }
 

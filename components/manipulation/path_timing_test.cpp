@@ -48,7 +48,7 @@ void expect_limits_kept(const PathTiming& timing) {
         values[i][joint] = (values[i + 1][joint] - values[i][joint]) / kStep;
         const auto& motion = limits[joint].motion;
         const std::array<double, 3> most = {motion.velocity, motion.acceleration, motion.jerk};
-        ASSERT_LE(std::abs(values[i][joint]), 1.05 * most.at(order) + 1e-6)
+        ASSERT_LE(std::abs(values[i][joint]), 1.001 * most.at(order) + 1e-6)
             << kNames.at(order) << " of joint " << joint << " at set point " << i;
       }
     }
