@@ -27,11 +27,10 @@ class CheckedRobot final : public ForwardingCommandedRobot {
 
   /// From now on actions of the robot may fail.
   void expect_faults() { may_fail_ = true; }
-  /// Somebody is about to take the robot over, and has done so.
+  /// Somebody is about to take the robot over.
   void about_to_be_taken_over() { may_be_lost_ = true; }
-  void was_taken_over() { is_lost_ = true; }
   /// Nobody holds the lease from the moment when the robot is taken over, while its transition goes on.
-  [[nodiscard]] bool is_lost() const { return is_lost_ || !runtime_.lease_holder(); }
+  [[nodiscard]] bool is_lost() const { return !runtime_.lease_holder(); }
   /// What was wrong first; nothing: all was as it must be.
   [[nodiscard]] std::optional<std::string> problem() const;
   /// The controllers of the last request that was carried out.
@@ -48,7 +47,6 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   const std::vector<model::Network> controllers_;
   std::atomic<bool> may_fail_ = false;
   std::atomic<bool> may_be_lost_ = false;
-  std::atomic<bool> is_lost_ = false;
   mutable std::mutex mutex_;  ///< protects the next two
   std::set<std::string> running_;
   std::optional<std::string> problem_;

@@ -164,8 +164,7 @@ class RobotRun {
     wait();
     taker_wants_ = any();
     checked_->about_to_be_taken_over();
-    const auto answer = service_.switch_to(taker_wants_, {.who = "an operator", .take_over = true}, soon());
-    if (answer && answer->find("outcome")->as_string() == "done") checked_->was_taken_over();
+    static_cast<void>(service_.switch_to(taker_wants_, {.who = "an operator", .take_over = true}, soon()));
   }
   static TimePoint soon() { return RealClock::instance().now() + 60s; }
 
