@@ -34,6 +34,7 @@ Result<void> CheckedRobot::request(const mission::ControllerRequest& what, TimeP
   } else if (!may_fail_ && !may_be_lost_) {
     blame(fmt::format("a request for {} failed: {}", names, outcome.error().message));
   }
+  answered(1);
   return outcome;
 }
 
@@ -50,14 +51,28 @@ void CheckedRobot::check_granted(const std::set<std::string>& names, bool was_lo
 Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view controller) {
   const bool was_lost = is_lost();
   auto trouble = inner_->trouble(controller);
-  if (!trouble) return trouble;
-  const bool is_fine = trouble->why.empty();
-  const std::string name(controller);
-  if (was_lost && is_fine) blame(name + " was said to run although the robot had been taken over");
-  if (may_be_lost_) return trouble;
-  if (is_fine && !running().contains(name)) blame(name + " was said to run, but had not been requested");
-  if (!is_fine && !may_fail_) blame(name + " was said not to run: " + trouble->why);
+  if (trouble) check_fine(std::string(controller), *trouble, was_lost);
+  answered(1);
   return trouble;
+}
+
+void CheckedRobot::check_fine(const std::string& name, const mission::ControllerTrouble& trouble,
+                              bool was_lost) {
+  const bool is_fine = trouble.why.empty();
+  if (was_lost && is_fine) blame(name + " was said to run although the robot had been taken over");
+  if (may_be_lost_) return;
+  if (is_fine && !running().contains(name)) blame(name + " was said to run, but had not been requested");
+  if (!is_fine && !may_fail_) blame(name + " was said not to run: " + trouble.why);
+}
+
+void CheckedRobot::answered(int count) {
+  answers_ += count;
+  answers_.notify_all();
+}
+
+void CheckedRobot::await_answers(int count) const {
+  for (int so_far = answers_; so_far < count; so_far = answers_)
+    answers_.wait(so_far);
 }
 
 }  // namespace segue::testing

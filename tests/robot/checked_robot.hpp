@@ -37,16 +37,26 @@ class CheckedRobot final : public ForwardingCommandedRobot {
   [[nodiscard]] std::set<std::string> running() const;
   void blame(std::string what);
 
+  /// Blocks until the mission has been answered so often, or is over.
+  void await_answers(int count) const;
+  /// Nobody waits for answers any more.
+  void mission_is_over() { answered(kOver); }
+
   Result<void> request(const mission::ControllerRequest& what, TimePoint deadline) override;
   Result<mission::ControllerTrouble> trouble(std::string_view controller) override;
 
  private:
+  static constexpr int kOver = 1 << 30;
+
   void check_granted(const std::set<std::string>& names, bool was_lost);
+  void check_fine(const std::string& name, const mission::ControllerTrouble& trouble, bool was_lost);
+  void answered(int count);
 
   runtime::Runtime& runtime_;
   const std::vector<model::Network> controllers_;
   std::atomic<bool> may_fail_ = false;
   std::atomic<bool> may_be_lost_ = false;
+  std::atomic<int> answers_ = 0;
   mutable std::mutex mutex_;  ///< protects the next two
   std::set<std::string> running_;
   std::optional<std::string> problem_;

@@ -88,6 +88,7 @@ class RobotRun {
     {
       const std::jthread other([this, seed = random_()] { disturb(seed); });
       carry_out();
+      checked_->mission_is_over();
     }
     const std::set<std::string> left = checked_->running();
     const bool was_lost = checked_->is_lost();
@@ -149,10 +150,14 @@ class RobotRun {
       checked_->blame("an action succeeded although the robot had been taken over before it began");
   }
 
-  /// In a thread of its own.
+  /// In a thread of its own, at random points of the mission: each action is answered twice at least.
   void disturb(std::uint64_t seed) {
     Random random(seed);
-    const auto wait = [&] { std::this_thread::sleep_for(1ms * up_to(random, 10)); };
+    int answers = 0;
+    const auto wait = [&] {
+      answers += up_to(random, static_cast<int>(mission_.actions.size()) + 1);
+      checked_->await_answers(answers);
+    };
     const auto any = [&] { return any_of(random, controllers_).name.str(); };
     for (int i = up_to(random, 2); trouble_.other_asks && i >= 0; --i) {
       wait();

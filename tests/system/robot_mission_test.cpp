@@ -322,22 +322,22 @@ class InterruptedMission : public RobotMission {
   /// ended already.
   bool resume_to_the_end(const std::string& mode) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    bool again = false;
     while (true) {
       const bool exists = journal().find('\n') != std::string::npos;
       if (!exists) std::filesystem::remove(folder_ / "journal");
       auto line = next_command(mode, exists);
-      if (again_ && exists) line.insert(line.end(), {"--under-way", "again"});
+      if (again && exists) line.insert(line.end(), {"--under-way", "again"});
       const auto finished = run(line, folder_);
       if (finished.status == 0 || finished.errors.find("that run has ended") != std::string::npos)
         return true;
-      again_ = finished.errors.find("was being told what to do") != std::string::npos;
-      told_again_ += again_ ? 1 : 0;
+      again = finished.errors.find("was being told what to do") != std::string::npos;
+      told_again_ += again ? 1 : 0;
       EXPECT_LT(std::chrono::steady_clock::now(), deadline) << finished.output << finished.errors;
       if (std::chrono::steady_clock::now() > deadline) return false;
     }
   }
 
-  bool again_ = false;
   int told_again_ = 0;  ///< actions that were interrupted while they were told
 };
 
