@@ -141,6 +141,7 @@ function(segue_test NAME)
   set_source_files_properties(${ARG_SEPARATE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_link_libraries(${NAME} PRIVATE ${ARG_LINK} segue_flags GTest::gmock_main rapidcheck rapidcheck_gtest)
   target_include_directories(${NAME} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_options(${NAME} PRIVATE $<$<CONFIG:Release>:-O1>)  # compiles in two thirds of the time
   segue_paths(${NAME} kSourceFolder ${CMAKE_SOURCE_DIR})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if("concurrency" IN_LIST ARG_LABELS)
