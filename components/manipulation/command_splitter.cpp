@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "../messages/geometry.hpp"
+#include "twist_input.hpp"
 
 #include <segue/base/text.hpp>
 #include <segue/task/component.hpp>
@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -37,21 +36,14 @@ class CommandSplitter final : public Component {
   }
 
   segue::Result<void> on_start() override {
-    twist_ = {};
-    twist_time_.reset();
+    twist_in_.begin();
     return {};
   }
 
   void on_update() override {
-    messages::Twist twist;
-    if (twist_in_.read(twist) == ReadStatus::NewData && twist.linear.allFinite() &&
-        twist.angular.allFinite()) {
-      twist_ = twist;
-      twist_time_ = now();
-    }
-    const bool fresh = twist_time_ && now() - *twist_time_ <= *timeout_;
+    const bool fresh = twist_in_.read(now(), *timeout_);
     set_state(fresh ? kModes.at(static_cast<std::size_t>(mode_)) : "waiting");
-    write(fresh ? twist_ : messages::Twist{});
+    write(fresh ? twist_in_.twist() : messages::Twist{});
   }
 
   void on_stop() override { write({}); }
@@ -77,7 +69,7 @@ class CommandSplitter final : public Component {
     return {};
   }
 
-  InputPort<messages::Twist> twist_in_{*this, "twist", {.doc = "of the 3D mouse"}};
+  TwistInput twist_in_{*this, "of the 3D mouse"};
   OutputPort<messages::Twist2D> drive_out_{*this, "drive", {.doc = "for the vehicle"}};
   OutputPort<messages::Twist> arm_out_{
       *this, "arm", {.doc = "for the tip of the arm, in the frame of its base"}};
@@ -103,8 +95,6 @@ class CommandSplitter final : public Component {
       "controls drive, arm or both from now on, until it is configured again"};
 
   Mode mode_ = Mode::Both;
-  messages::Twist twist_;
-  std::optional<segue::TimePoint> twist_time_;
 };
 
 }  // namespace manipulation

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "joint_input.hpp"
+#include "twist_input.hpp"
 #include "whole_body.hpp"
 
 #include <segue/task/component.hpp>
@@ -45,29 +46,24 @@ class WholeBodyController final : public Component {
 
   segue::Result<void> on_start() override {
     joints_.begin(kinematics_->size());
-    twist_time_.reset();
+    twist_in_.begin();
     return {};
   }
 
   void on_update() override {
-    messages::Twist twist;
-    if (twist_in_.read(twist) == ReadStatus::NewData && twist.linear.allFinite() &&
-        twist.angular.allFinite()) {
-      twist_ = twist;
-      twist_time_ = now();
-    }
+    const bool told = twist_in_.read(now(), *timeout_);
     if (!joints_.read(now(), *timeout_)) {
       set_state("waiting");
       return;
     }
-    const bool still = twist_.linear.isZero(0) && twist_.angular.isZero(0);
-    if (still || !twist_time_ || now() - *twist_time_ > *timeout_) {
+    const messages::Twist& twist = twist_in_.twist();
+    if (!told || (twist.linear.isZero(0) && twist.angular.isZero(0))) {
       std::ranges::fill(command_.velocities, 0.0);
       set_state("holding");
     } else {
       const WholeBodySettings settings{*task_weights_, *damping_,    *posture_weight_,
                                        *posture_gain_, *limit_gain_, *limit_margin_};
-      std::ranges::copy(solver_->solve(joints_.positions(), twist_, settings), command_.velocities.begin());
+      std::ranges::copy(solver_->solve(joints_.positions(), twist, settings), command_.velocities.begin());
       residual_out_.write(solver_->residual());
       set_state("moving");
     }
@@ -80,8 +76,7 @@ class WholeBodyController final : public Component {
     kinematics_.reset();
   }
 
-  InputPort<messages::Twist> twist_in_{
-      *this, "twist", {.doc = "of the tip, in the frame of the base; zero: no joint moves"}};
+  TwistInput twist_in_{*this, "of the tip, in the frame of the base; zero: no joint moves"};
   JointInput joints_{*this};
   OutputPort<messages::JointCommand> command_out_{*this, "command", {.doc = "velocities"}};
   OutputPort<double> residual_out_{*this, "residual", {.doc = "how much of the wanted velocity is missing"}};
@@ -111,9 +106,7 @@ class WholeBodyController final : public Component {
 
   std::optional<ArmKinematics> kinematics_;
   std::optional<WholeBodySolver> solver_;
-  messages::Twist twist_;
   messages::JointCommand command_;
-  std::optional<segue::TimePoint> twist_time_;
 };
 
 }  // namespace manipulation

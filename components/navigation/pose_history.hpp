@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "../messages/recent_samples.hpp"
 #include "pose2d.hpp"
 
-#include <array>
-#include <cstddef>
 #include <optional>
 
 namespace navigation {
@@ -13,27 +12,20 @@ namespace navigation {
 /// allocates. One thread at a time.
 class PoseHistory {
  public:
-  /// Entries must come in the order of their times; one that is older than the newest, as after a restart of
-  /// a simulation, begins a new history. Entries that are not finite are ignored.
+  /// In the order of their times, as of RecentSamples. Entries that are not finite are ignored.
   void add(const messages::Odometry& odometry);
-  void clear() { count_ = 0; }
-  [[nodiscard]] bool empty() const { return count_ == 0; }
+  void clear() { entries_.clear(); }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
   /// Requires that it is not empty.
-  [[nodiscard]] const messages::Odometry& newest() const { return entry(count_ - 1); }
+  [[nodiscard]] const messages::Odometry& newest() const { return entries_.newest(); }
   /// The pose at a time (s), interpolated, or up to half a second after the newest entry continued with its
   /// velocity. Nothing for other times.
   [[nodiscard]] std::optional<Pose2D> at(double time) const;
 
  private:
-  static constexpr std::size_t kCapacity = 128;
   static constexpr double kLongestPrediction = 0.5;  // s
-  [[nodiscard]] const messages::Odometry& entry(std::size_t age) const {
-    return entries_[(first_ + age) % kCapacity];
-  }
 
-  std::array<messages::Odometry, kCapacity> entries_{};
-  std::size_t first_ = 0;
-  std::size_t count_ = 0;
+  messages::RecentSamples<messages::Odometry> entries_;
 };
 
 }  // namespace navigation
