@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <csignal>
 #include <latch>
 #include <thread>
 
@@ -405,6 +406,17 @@ TEST(DeployedTaskHost, KillsAProcessWithoutAskingWhatItHolds) {
   EXPECT_EQ(world.calls("stop"), 0);
   EXPECT_EQ(world.find("p1"), nullptr);
   EXPECT_EQ(world.orphaned_endpoints(), 0U);
+  EXPECT_EQ(text(robot.wrong()), "");
+}
+
+/// As when it is undone that a task could not be configured, since its process crashed at that moment.
+TEST(DeployedTaskHost, SaysWhyAProcessEndedThatEndedJustBeforeItWasToEnd) {
+  FakeWorld world;
+  Robot robot(world);
+  ASSERT_EQ(text(robot.switch_to(kOne)), "done");
+  world.find("p2")->crashed_by = SIGABRT;
+  ASSERT_EQ(text(robot.switch_to(kTwo)), "done");
+  EXPECT_TRUE(robot.recorded.process("p2", "SIGABRT", true));
   EXPECT_EQ(text(robot.wrong()), "");
 }
 

@@ -105,6 +105,8 @@ class Fleet : public std::enable_shared_from_this<Fleet> {
   void on_exit(const process::ProcessInfo& process);
   /// The process ended by itself: reports it and its tasks.
   void handle_end(const RecordPtr& record, const process::ExitReason& reason);
+  /// Of a process that was to end: reports it if it had to be killed, or had ended by a defect before.
+  void report_defect(const ProcessRecord& record, const process::ExitReason& reason);
   /// Removes a process that has ended from the tables and returns its tasks; nothing where that was done
   /// before.
   std::optional<std::vector<model::TaskId>> remove(const RecordPtr& record);

@@ -205,8 +205,8 @@ Result<void> Fleet::undeploy(const model::DeploymentKey& key, TimePoint deadline
   const bool orderly = view.answers && view.snapshot != nullptr && view.snapshot->hanging.empty();
   return end_by(*record, [&] {
     auto reason = processes_.stop(launch_.robot, key, part_until(deadline, orderly ? kOrderly : kDisorderly));
-    if (reason && reason->killed) {
-      events_.post(host::ProcessEvent{key, to_string(*reason), true});
+    if (reason) {
+      report_defect(**record, *reason);
     }
     return reason;
   });

@@ -159,8 +159,14 @@ void Fleet::on_exit(const process::ProcessInfo& process) {
     }
   }
   changed_.notify_all();
-  if (record != nullptr && !record->end_expected()) {
-    handle_end(record, process.exit.value_or(process::ExitReason{}));
+  if (record == nullptr) {
+    return;
+  }
+  const process::ExitReason reason = process.exit.value_or(process::ExitReason{});
+  if (!record->end_expected()) {
+    handle_end(record, reason);
+  } else if (!reason.requested) {
+    report_defect(*record, reason);  // it ended by itself just before it would have been ended
   }
 }
 
@@ -177,6 +183,13 @@ void Fleet::handle_end(const RecordPtr& record, const process::ExitReason& reaso
     report_task(task, TaskState::Fatal, "its process " + quote(to_string(record->key())) + ' ' + what);
   }
   pool_.submit([this, record] { release(record); });
+}
+
+void Fleet::report_defect(const ProcessRecord& record, const process::ExitReason& reason) {
+  const bool by_itself = reason.known && (reason.signal != 0 ? reason.signal != SIGTERM : reason.status != 0);
+  if (reason.killed || by_itself) {
+    events_.post(host::ProcessEvent{record.key(), to_string(reason), true});
+  }
 }
 
 std::optional<std::vector<model::TaskId>> Fleet::remove(const RecordPtr& record) {

@@ -459,7 +459,7 @@ TEST_F(RuntimeTest, nothing_differs_after_a_reset_however_much_of_it_was_noticed
     }
     runtime_.reset_belief();
     EXPECT_THAT(runtime_.observed_differences(), ::testing::IsEmpty()) << noticed;
-    EXPECT_EQ(runtime_.belief().name, model::NetworkName());
+    EXPECT_EQ(runtime_.belief().name, model::NetworkName("first")) << "with a property that was set";
   }
 }
 

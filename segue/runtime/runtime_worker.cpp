@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
 #include <segue/model/network_sets.hpp>
+#include <segue/runtime/recognition.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
-#include <segue/solve/combine.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -248,17 +248,7 @@ model::NetworkName Runtime::Implementation::name_of_running(const model::Network
   }
   const model::Network condensed = host.condensed(observed);
   const std::lock_guard lock(mutex);
-  std::vector<model::Network> parts;  // of a union
-  for (const auto& [candidate, network] : definitions.controllers) {
-    if (equivalent(condensed, network)) {
-      return candidate;
-    }
-    if (!network.empty() && model::includes(condensed, network)) {
-      parts.push_back(network);
-    }
-  }
-  const auto all = solve::combine(parts, catalog);
-  return all && equivalent(condensed, *all) ? all->name : model::NetworkName{};
+  return detail::name_of(condensed, definitions.controllers, catalog);
 }
 
 void Runtime::Implementation::note_differences(const model::Network& observed) {
@@ -337,8 +327,18 @@ void Runtime::Implementation::reset(std::optional<model::Network> network) {
     const Observation now = belief.observe();
     model::Network all = without_pools(now.network);
     all.name = name_of_running(all, held.wanted.value_or(held.controller), {});
+    auto wanted = known(all.name);
+    const model::Network condensed = host.condensed(all);
+    if (all.name.empty()) {
+      const std::lock_guard lock(mutex);
+      wanted = detail::running_controller(condensed, definitions.controllers, catalog);
+    }
+    if (wanted) {
+      all.name = wanted->name;
+      wanted = host.expanded(detail::with_properties_of(condensed, *std::move(wanted)));
+    }
     log.add(EventKind::BeliefReset, all.name.str(), "observed: " + detail::summary(all));
-    adopt(now, all, expanded(known(all.name)));
+    adopt(now, wanted.value_or(all), wanted);
   }
   const std::lock_guard lock(mutex);
   if (state == RuntimeState::Failed) {

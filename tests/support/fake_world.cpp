@@ -186,7 +186,7 @@ FakePtr FakeWorld::start(const process::Launch& launch) {
   return process;
 }
 
-void FakeWorld::kill(const FakePtr& process, int signal) {
+void FakeWorld::kill(const FakePtr& process, int signal, bool requested) {
   std::function<void()> gone;
   {
     const std::lock_guard lock(mutex);
@@ -199,13 +199,14 @@ void FakeWorld::kill(const FakePtr& process, int signal) {
     }
     gone = std::exchange(process->gone, nullptr);
   }
-  later([this, process, gone, signal] {
+  later([this, process, gone, signal, requested] {
     if (gone) {
       gone();
     }
     process::ProcessInfo info = process->info;
     info.exit = process::ExitReason{};
     info.exit->signal = signal;
+    info.exit->requested = requested;
     process::ProcessService::Listener listener;
     {
       const std::lock_guard lock(mutex);
@@ -325,11 +326,12 @@ Result<process::ExitReason> FakeProcesses::end(const std::string& how, const mod
       return fail(ErrorCode::NotFound, "no such process");
     }
     if (!world_.survives()) {
-      world_.kill(process, signal);
+      world_.kill(process, process->crashed_by != 0 ? process->crashed_by : signal, true);
     }
     if (!verdict.answer) {
       process::ExitReason reason;
       reason.requested = true;
+      reason.signal = process->crashed_by;
       reason.killed = process->hangs || how == "kill";
       return reason;
     }

@@ -36,6 +36,7 @@ struct FakeProcess {
   link::Incarnation incarnation = 0;
   bool alive = true;
   bool hangs = false;
+  int crashed_by = 0;  ///< the signal by which it ends before it can be asked to; 0: none
   bool other_version = false;
   std::map<model::TaskId, model::Task> tasks;
   std::set<model::TaskId> hanging;
@@ -83,8 +84,8 @@ class FakeWorld {
   [[nodiscard]] FakePtr find(const std::string& process) const;  ///< the first of that name
   [[nodiscard]] FakePtr find(const model::DeploymentKey& key) const;
   FakePtr own() { return own_; }
-  /// The process ends by itself.
-  void kill(const FakePtr& process, int signal = 9);
+  /// The process ends; by itself, unless its process server was asked to end it (`requested`).
+  void kill(const FakePtr& process, int signal = 9, bool requested = false);
   /// Breaks the connection to the process, which lives on.
   void cut(const FakePtr& process);
   /// Adds a process that runs already.
