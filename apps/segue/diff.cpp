@@ -93,11 +93,14 @@ void add_diff(Verb& app, Context& context) {
       add_verb(app, context, "diff", "compute the transition from one network to another",
                "  segue diff controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff - controllers/explore.yaml      # from the empty network\n"
+               "  segue diff go_to.yaml go_to.yaml+move_arm.yaml      # to both at once\n"
                "  segue diff --estimate --robot artemis controllers/explore.yaml controllers/manual.yaml\n"
                "  segue diff a.yaml b.yaml --svg > switch.svg",
                [options, &context] { return diff(*options, context); });
-  verb.option("CURRENT", options->current, "a network or CND file; '-' is the empty network").required();
-  verb.option("TARGET", options->target, "a network or CND file, or '-'").required();
+  verb.option("CURRENT", options->current,
+              "a network or CND file; A+B: both at once; '-' is the empty network")
+      .required();
+  verb.option("TARGET", options->target, "likewise").required();
   add_order_option(verb, options->order);
   verb.flag("--force", options->force, "kill the processes to be removed instead of stopping their tasks");
   const Option dot = verb.flag("--dot", options->dot, "print the partial order as a graph for Graphviz");

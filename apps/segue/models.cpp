@@ -4,8 +4,12 @@
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
 #include <segue/host/component_library.hpp>
+#include <segue/model/controller_names.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/solve/combine.hpp>
+
+#include <algorithm>
 
 #include "output.hpp"
 
@@ -72,9 +76,22 @@ std::vector<std::filesystem::path> files_of(const model::Robot& robot, const std
   return files;
 }
 
-std::optional<model::Network> load_valid_network(const std::string& file,
-                                                 const model::ComponentCatalog& catalog,
-                                                 Diagnostics& diagnostics) {
+namespace {
+
+/// The files that an argument names: one, or several joined by '+'.
+std::vector<std::string> files_in(const std::string& argument) {
+  if (std::filesystem::exists(argument)) return {argument};
+  std::vector<std::string> files;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = argument.find(model::kControllerSeparator, begin);
+    files.push_back(argument.substr(begin, end - begin));
+  }
+  return files;
+}
+
+std::optional<model::Network> load_valid_file(const std::string& file, const model::ComponentCatalog& catalog,
+                                              Diagnostics& diagnostics) {
   if (file == "-" || (file == "empty" && !std::filesystem::exists(file))) return model::Network{};
   auto network = model::load_network(file, diagnostics);
   if (!network) return network;
@@ -82,6 +99,25 @@ std::optional<model::Network> load_valid_network(const std::string& file,
   diagnostics.append(found);
   if (found.has_errors()) return std::nullopt;
   return network;
+}
+
+}  // namespace
+
+std::optional<model::Network> load_valid_network(const std::string& files,
+                                                 const model::ComponentCatalog& catalog,
+                                                 Diagnostics& diagnostics) {
+  std::vector<model::Network> networks;
+  for (const std::string& file : files_in(files)) {
+    auto network = load_valid_file(file, catalog, diagnostics);
+    if (!network) return std::nullopt;
+    networks.push_back(std::move(*network));
+  }
+  if (networks.size() == 1) return std::move(networks.front());
+  std::ranges::sort(networks, {}, &model::Network::name);
+  auto all = solve::combine(networks, catalog);
+  if (all) return std::move(*all);
+  diagnostics.error(std::string(to_string(all.error().code)), to_string(all.error()), {});
+  return std::nullopt;
 }
 
 int report_failure(const Context& context, Diagnostics& diagnostics) {

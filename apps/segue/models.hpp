@@ -32,9 +32,9 @@ void add_robot_models(const model::Robot& robot, model::ComponentCatalog& catalo
 std::vector<std::filesystem::path> files_of(const model::Robot& robot, const std::string& pattern,
                                             Diagnostics& diagnostics);
 
-/// Reads a network file and validates its structure. '-' is the empty network, as is 'empty' if there is no
-/// such file.
-std::optional<model::Network> load_valid_network(const std::string& file,
+/// Reads a network file and validates its structure; of several files, joined by '+', their union, where they
+/// can run at once. '-' is the empty network, as is 'empty' if there is no such file.
+std::optional<model::Network> load_valid_network(const std::string& files,
                                                  const model::ComponentCatalog& catalog,
                                                  Diagnostics& diagnostics);
 

@@ -239,6 +239,22 @@ TEST_F(Files, AFileThatIsTooLargeIsRefusedByEveryReader) {
   }
 }
 
+TEST_F(Files, DiffTakesSeveralControllersAtOnce) {
+  write("beside.yaml", "network: beside\ntasks:\n  c: {component: \"demo::Odometry\"}\n");
+  write("other.yaml",
+        "network: other\ntasks:\n  a: {component: \"demo::Drive\", properties: {timeout: 3s}}\n");
+  const auto both = json({"diff", "two.yaml", "two.yaml+beside.yaml"});
+  EXPECT_EQ(both.find("to")->as_string(), "beside+two");
+  EXPECT_EQ(both.find("counts")->find("start")->as_int(), 1) << "the other task runs on";
+  EXPECT_TRUE(contains(segue({"diff", "two.yaml+beside.yaml", "-", "--svg"}).output, "<svg"));
+  const auto apart = segue({"diff", "-", "two.yaml+other.yaml"});
+  EXPECT_EQ(apart.status, 1);
+  EXPECT_TRUE(contains(apart.errors, "these controllers cannot run at once")) << apart.errors;
+  const auto missing = segue({"diff", "-", "two.yaml+three.yaml"});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_TRUE(contains(missing.errors, "three.yaml")) << missing.errors;
+}
+
 TEST_F(Files, CheckReportsEveryProblemWithItsLocation) {
   write("bad.yaml",
         "network: bad\ntasks:\n  a: {component: \"demo::Drvie\"}\n  b: {component: \"demo::Odometry\"}\n"
