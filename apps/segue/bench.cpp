@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "bench_experiment.hpp"
+#include "bench_files.hpp"
 #include "bench_results.hpp"
 #include "command.hpp"
 #include "output.hpp"
@@ -88,18 +89,11 @@ int list_experiments(const Context& context) {
   return kDone;
 }
 
-Result<void> make_folder(const std::string& folder) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (!problem) return {};
-  return fail(ErrorCode::IoError, "cannot create the folder " + quote(folder) + ": " + problem.message());
-}
-
 int run_bench(const BenchOptions& options, const Context& context) {
   if (options.experiments.empty()) return list_experiments(context);
   StopSignal stop;
   if (!options.folder.empty()) {
-    if (auto made = make_folder(options.folder); !made) return failed(context, made.error());
+    if (auto made = make_bench_folder(options.folder); !made) return failed(context, made.error());
   }
   set_log_level(LogLevel::Error);
   BenchSettings settings = options.settings;
@@ -205,11 +199,19 @@ std::string bench_help() {
 
 }  // namespace
 
+Result<void> make_bench_folder(const std::string& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (!problem) return {};
+  return fail(ErrorCode::IoError, "cannot create the folder " + quote(folder) + ": " + problem.message());
+}
+
 void add_bench(Verb& app, Context& context) {
   const auto options = std::make_shared<BenchOptions>();
   Verb& verb = add_verb(app, context, "bench", "repeat the experiments of the paper", bench_help(),
                         [options, &context] { return run_bench(*options, context); });
   add_bench_options(verb, *options);
+  add_bench_mission(verb, context);
 }
 
 }  // namespace segue::cli

@@ -187,7 +187,32 @@ void show_run(FinishedRun& run, bool is_network, bool follows, const Context& co
   if (overview.error && !run.as_written()) print_note(printable(overview.error->message));
 }
 
+/// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
+/// user has said how many.
+Result<void> add_pools(RunRequest& request, const session::Session& plan,
+                       const std::shared_ptr<robot::ServedRobot>& robot) {
+  if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
+  const auto pools = robot->pools();
+  if (!pools) return pools.error();
+  const auto units = mission::pool_units(plan.program()->mission(), *pools);
+  if (!units) return units.error();
+  request.resources.insert(request.resources.begin(), units->begin(), units->end());
+  request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot));
+  return {};
+}
+
 }  // namespace
+
+Result<void> run_by_robot(RunRequest& request, const session::Session& plan,
+                          const std::shared_ptr<robot::ServedRobot>& robot,
+                          const mission::ControllerOptions& how) {
+  if (auto units = add_pools(request, plan, robot); !units) return units;
+  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
+  if (const auto& observed = plan.program()->mission().observed; !observed.empty())
+    request.runners.set_observer(
+        std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));
+  return {};
+}
 
 Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts) {
   type::ValueMap inputs;
@@ -242,20 +267,6 @@ int run_and_show(const session::Session& plan, const RunRequest& request, const 
   return overview.error && !has_told ? failed(context, *overview.error) : kFailed;
 }
 
-/// The robot's pools carry out what is a call of one, and there are as many units as instances, unless the
-/// user has said how many.
-Result<void> add_pools(RunRequest& request, const session::Session& plan,
-                       const std::shared_ptr<robot::ServedRobot>& robot) {
-  if (plan.program() == nullptr || !mission::uses_pools(plan.program()->mission())) return {};
-  const auto pools = robot->pools();
-  if (!pools) return pools.error();
-  const auto units = mission::pool_units(plan.program()->mission(), *pools);
-  if (!units) return units.error();
-  request.resources.insert(request.resources.begin(), units->begin(), units->end());
-  request.runners.set_pools(std::make_shared<mission::PoolRunner>(robot));
-  return {};
-}
-
 /// The robot carries out what is a controller. The plan is made anew with what the robot can run at once.
 int run_on_robot(RunRequest request, const MissionOptions& options, control::RobotService& service,
                  const Context& context) {
@@ -269,7 +280,6 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
   Diagnostics diagnostics;
   const auto plan = session::Session::load(options.file, options.libraries, diagnostics, &*conflicts);
   if (!plan) return report_failure(context, diagnostics);
-  if (auto units = add_pools(request, *plan, robot); !units) return failed(context, units.error());
   mission::ControllerOptions how;
   how.look_ahead = options.look_ahead;
   const auto is_unreachable = std::make_shared<std::atomic<bool>>(false);
@@ -279,10 +289,7 @@ int run_on_robot(RunRequest request, const MissionOptions& options, control::Rob
       stop.request_stop();
     };
   }
-  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
-  if (const auto& observed = plan->program()->mission().observed; !observed.empty())
-    request.runners.set_observer(
-        std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));
+  if (auto given = run_by_robot(request, *plan, robot, how); !given) return failed(context, given.error());
   session::PauseControl pause;
   request.pause = &pause;
   MissionRemote remote(*robot, plan->name(), pause, stop);

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/mission/controller_runner.hpp>
+#include <segue/robot/served_robot.hpp>
+#include <segue/session/session.hpp>
 #include <segue/type/value.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -51,6 +55,12 @@ void add_library_option(Verb& verb, MissionOptions& options);
 /// What --input says: "NAME=VALUE", the value as in YAML; of two with one name the last. InvalidArgument,
 /// ParseError.
 Result<type::ValueMap> parse_inputs(const std::vector<std::string>& texts);
+
+/// The robot carries out what of the mission is a controller or a call of a pool, and is what observed facts
+/// are compared with. There are as many units of a pool as instances, unless the request has said how many.
+Result<void> run_by_robot(session::RunRequest& request, const session::Session& plan,
+                          const std::shared_ptr<robot::ServedRobot>& robot,
+                          const mission::ControllerOptions& how);
 
 /// Runs a mission or a task network and shows what it did. SIGINT and SIGTERM preempt it. Controllers are
 /// those of the running robot that the context names.

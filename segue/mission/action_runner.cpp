@@ -175,6 +175,9 @@ void Runners::set_observer(std::shared_ptr<FactObserver> observer) {
 void Runners::simulate_all() {
   simulate_all_ = true;
 }
+void Runners::run_all_by(std::shared_ptr<ActionRunner> runner) {
+  one_for_all_ = std::move(runner);
+}
 void Runners::vary_durations(std::uint64_t seed) {
   simulation_ = std::make_shared<Simulation>(false, seed);
   expectation_ = std::make_shared<Simulation>(true, seed);
@@ -218,6 +221,7 @@ std::string_view why_not(const Procedure& run) {
 Result<std::shared_ptr<ActionRunner>> Runners::runner_of(const Action& action) const {
   const std::string what = "action " + quote(action.name.str());
   if (std::holds_alternative<Decision>(action.run)) return decisions_;
+  if (one_for_all_) return one_for_all_;
   if (std::holds_alternative<Simulated>(action.run)) return simulation_;
   if (simulate_all_) return expectation_;
   if (const auto* callback = std::get_if<Callback>(&action.run)) {

@@ -158,6 +158,9 @@ class Runners {
   [[nodiscard]] const std::shared_ptr<FactObserver>& observer() const { return observer_; }
   /// Simulates every action except deciders by its `expect`, whatever its `run` says.
   void simulate_all();
+  /// This runs every action except deciders, whatever its `run` says: a run can be repeated with what was
+  /// measured in another one.
+  void run_all_by(std::shared_ptr<ActionRunner> runner);
   /// Simulated actions take between half and twice as long, the same for the same seed, state and turn of
   /// that state; 0: as declared.
   void vary_durations(std::uint64_t seed);
@@ -178,6 +181,7 @@ class Runners {
   std::shared_ptr<ActionRunner> simulation_;
   std::shared_ptr<ActionRunner> expectation_;
   std::shared_ptr<ActionRunner> decisions_;
+  std::shared_ptr<ActionRunner> one_for_all_;  ///< null: each action has its own
   std::shared_ptr<FactObserver> observer_;
   bool simulate_all_ = false;
 };

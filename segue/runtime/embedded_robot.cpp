@@ -47,8 +47,12 @@ bool EmbeddedRobot::Implementation::load(const fs::path& file, const EmbeddedOpt
   if (!read) {
     return false;
   }
-  robot = read->robot;
   files.emplace(file, *read);
+  if (auto changed = model::apply(options.changes, read->robot, read->controllers.controllers); !changed) {
+    diagnostics.error("change", changed.error().message, read->robot.where);
+    return false;
+  }
+  robot = read->robot;
   host::LocalOptions local{options.stand_in, options.only_stand_ins, {}};
   if (!options.stand_ins.empty()) {
     if (auto table = host::StandInTable::load(options.stand_ins, diagnostics)) {

@@ -7,6 +7,7 @@
 #include <segue/host/task_host.hpp>
 #include <segue/model/component.hpp>
 #include <segue/model/robot.hpp>
+#include <segue/model/robot_changes.hpp>
 #include <segue/runtime/controller_files.hpp>
 #include <segue/runtime/runtime.hpp>
 
@@ -32,6 +33,8 @@ struct EmbeddedOptions {
   LogLevel log_level = LogLevel::Info;   ///< of deployment processes
   bool journal = false;                  ///< keep a journal (RuntimeOptions::journal)
   std::filesystem::path journal_file{};  ///< its file; empty: journal::default_path()
+  /// What differs from the files. Properties are as in the files again once those are applied.
+  model::RobotChanges changes{};
 };
 
 /// A robot in this process, with everything that its robot file names. Needs no daemon; starts other

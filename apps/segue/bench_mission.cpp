@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench_mission.hpp"
+
+#include <segue/base/log.hpp>
+#include <segue/base/text.hpp>
+#include <segue/type/yaml.hpp>
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "bench_files.hpp"
+#include "command.hpp"
+#include "mission_run.hpp"
+#include "output.hpp"
+#include "stop_signal.hpp"
+
+namespace segue::cli {
+
+namespace {
+
+struct MissionBenchOptions {
+  MissionExperiment experiment;
+  std::string robot;
+  std::string mission;
+  std::vector<std::string> inputs;
+  std::vector<std::string> sweeps;
+  std::vector<std::string> pools;
+  std::string folder;
+};
+
+constexpr std::size_t kMostMissionRuns = 10'000;
+
+/// "NAME=VALUE,...": values as in YAML.
+Result<void> add_factor(const std::string& text, MissionFactor::Kind kind,
+                        std::vector<MissionFactor>& factors) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    return fail(ErrorCode::InvalidArgument, "expected NAME=VALUE,..., got " + quote(text));
+  const std::string name = text.substr(0, equals);
+  auto values = type::parse_yaml("[" + text.substr(equals + 1) + "]");
+  if (!values) return values.error();
+  if (!values->is_list() || values->as_list().empty())
+    return fail(ErrorCode::InvalidArgument, "no values in " + quote(text));
+  if (kind == MissionFactor::Kind::Input && name.find('.') != std::string::npos)
+    kind = MissionFactor::Kind::Property;
+  for (const type::Value& value : values->as_list()) {
+    const bool fits = value.kind() == type::Value::Kind::Int && value.as_int() >= 1 && value.as_int() <= 256;
+    if (kind == MissionFactor::Kind::PoolSize && !fits)
+      return fail(ErrorCode::InvalidArgument,
+                  "a pool has between 1 and 256 instances, not " + one_line(value));
+  }
+  factors.push_back({kind, name, std::move(values->as_list())});
+  return {};
+}
+
+Result<void> parse_published(const std::string& text, std::vector<std::string>& published) {
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    published.push_back(text.substr(from, comma - from));
+    from = comma + 1;
+  }
+  return {};
+}
+
+/// Measures one cell after the other into `cells`. What was measured before a failure or an interruption
+/// stays; an interrupted run is left out.
+Result<void> measure_mission_cells(const MissionExperiment& experiment, std::vector<MissionCell>& cells,
+                                   const std::string& folder, StopSignal& stop) {
+  Progress progress;
+  const auto settings = settings_of(experiment);
+  for (const MissionSetting& setting : settings) {
+    MissionCell& cell = cells.emplace_back(MissionCell{setting, {}, {}});
+    if (cells.size() <= experiment.published.size()) cell.published = experiment.published[cells.size() - 1];
+    for (std::uint64_t seed = 1; seed <= experiment.runs; ++seed) {
+      // By turns, so that a load that changes slowly disturbs both modes alike.
+      for (const bool concurrent : {seed % 2 == 0, seed % 2 != 0}) {
+        progress.show(fmt::format("combination {} of {}, run {} {}", cells.size(), settings.size(), seed,
+                                  concurrent ? "concurrently" : "as written"));
+        auto run = run_mission_afresh(experiment, cell.setting, concurrent, seed, stop.token());
+        if (!run) return run.error();
+        if (stop.requested()) return {};
+        cell.runs.push_back(std::move(*run));
+      }
+    }
+    if (folder.empty()) continue;
+    if (auto written = write_mission_bench_files(folder, experiment, cells); !written) return written;
+  }
+  return {};
+}
+
+Result<MissionExperiment> experiment_of(const MissionBenchOptions& options) {
+  MissionExperiment experiment = options.experiment;
+  experiment.robot = options.robot;
+  experiment.mission = options.mission;
+  auto inputs = parse_inputs(options.inputs);
+  if (!inputs) return inputs.error();
+  experiment.inputs = std::move(*inputs);
+  for (const std::string& text : options.sweeps) {
+    if (auto added = add_factor(text, MissionFactor::Kind::Input, experiment.factors); !added)
+      return added.error();
+  }
+  for (const std::string& text : options.pools) {
+    if (auto added = add_factor(text, MissionFactor::Kind::PoolSize, experiment.factors); !added)
+      return added.error();
+  }
+  return experiment;
+}
+
+int bench_mission(const MissionBenchOptions& options, const Context& context) {
+  const auto wanted = experiment_of(options);
+  if (!wanted) return failed(context, wanted.error());
+  const MissionExperiment& experiment = *wanted;
+  StopSignal stop;
+  if (!options.folder.empty()) {
+    if (auto made = make_bench_folder(options.folder); !made) return failed(context, made.error());
+  }
+  set_log_level(LogLevel::Error);
+  std::vector<MissionCell> cells;
+  auto measured = measure_mission_cells(experiment, cells, options.folder, stop);
+  std::erase_if(cells, [](const MissionCell& cell) { return cell.runs.empty(); });
+  if (!cells.empty() && !options.folder.empty()) {
+    auto written = write_mission_bench_files(options.folder, experiment, cells);
+    if (measured && !written) measured = written;
+  }
+  if (!cells.empty() && !context.json()) print(mission_bench_text(experiment, cells));
+  if (!measured) return failed(context, measured.error());
+  if (context.json()) print_json(mission_bench_value(experiment, cells));
+  if (!stop.requested()) return kDone;
+  print_note("interrupted; this is what was measured until then");
+  return kFailed;
+}
+
+constexpr const char* kMissionBenchHelp =
+    "  segue bench mission robot.yaml mission.yaml --runs 5\n"
+    "  segue bench mission table_robot.yaml clear_table.yaml --sweep boxes=1,2,3 --pool planner=1,2 \\\n"
+    "    --seed seed --seed rover.seed --clock rover.time \\\n"
+    "    --published '10 %,11 %,13 %,21 %,14 %,29 %' --out results\n\n"
+    "Runs a mission as it is written and concurrently, each time on the robot started afresh, with each\n"
+    "combination of what is varied, and says what concurrency saves, what an ideal schedule of the same\n"
+    "durations would save, and how long the engine was deciding: the experiments of Brunner et al.,\n"
+    "Autonomous parallelization of resource-aware robotic task nodes, 2019, with any robot and mission. "
+    "Close\n"
+    "other programs first; no other runtime may command the robot. Ctrl-C ends it cleanly and prints what "
+    "was\n"
+    "measured until then.\n";
+
+}  // namespace
+
+std::vector<MissionSetting> settings_of(const MissionExperiment& experiment) {
+  std::vector<MissionSetting> settings(1);
+  for (const MissionFactor& factor : experiment.factors) {
+    std::vector<MissionSetting> longer;
+    for (const MissionSetting& setting : settings) {
+      for (const type::Value& value : factor.values) {
+        longer.push_back(setting);
+        longer.back().push_back(value);
+      }
+    }
+    settings = std::move(longer);
+  }
+  return settings;
+}
+
+void add_bench_mission(Verb& bench, Context& context) {
+  const auto options = std::make_shared<MissionBenchOptions>();
+  MissionExperiment& experiment = options->experiment;
+  Verb& verb = add_verb(bench, context, "mission", "compare a mission as written with its concurrent run",
+                        kMissionBenchHelp, [options, &context] { return bench_mission(*options, context); });
+  verb.option("ROBOT", options->robot, "the robot file").required();
+  verb.option("MISSION", options->mission, "the mission file").required();
+  verb.option("--runs N", experiment.runs, "runs in each mode, of each combination (default 5)")
+      .between(1, kMostMissionRuns);
+  verb.option("--input NAME=VALUE", options->inputs, "an input of the mission; may be repeated")
+      .takes_one_at_a_time();
+  verb.option("--sweep NAME=VALUE,...", options->sweeps,
+              "an input of the mission, or TASK.PROPERTY of the robot, that is varied; may be repeated")
+      .takes_one_at_a_time();
+  verb.option("--pool NAME=SIZE,...", options->pools, "how many instances a pool has; may be repeated")
+      .takes_one_at_a_time();
+  verb.option("--seed NAME", experiment.seeds,
+              "an input or TASK.PROPERTY that is 1 in the first run, 2 in the second ...; may be repeated")
+      .takes_one_at_a_time();
+  verb.option("--clock TASK.PORT", experiment.clock,
+              "seconds in the robot's own time, such as a simulation's");
+  verb.option(
+      "--published TEXT,...",
+      [&experiment](const std::string& text) { return parse_published(text, experiment.published); },
+      "figures to show beside, one for each combination, of which pools vary first");
+  verb.option("--out DIR", options->folder, "also write all runs as CSV, and a chart as SVG");
+  verb.option("--libraries DIR", experiment.libraries, "folders with the state machines used by the mission");
+}
+
+}  // namespace segue::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/mission/action_runner.hpp>
+#include <segue/mission/commanded_robot.hpp>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+/// When the actions of a run were under way, by which clock.
+namespace segue::cli {
+
+/// Reads a port of the robot with its own time in seconds, in a thread of its own.
+class RobotClock {
+ public:
+  RobotClock(std::shared_ptr<mission::CommandedRobot> robot, std::string port);
+  ~RobotClock();
+  RobotClock(const RobotClock&) = delete;
+  RobotClock& operator=(const RobotClock&) = delete;
+
+  /// Reads once more, and no more.
+  void stop();
+  /// After stop(): the robot's time, interpolated between two samples; before the first one as in that.
+  /// Nothing where none came, and then error() says why.
+  [[nodiscard]] std::optional<double> at(TimePoint when) const;
+  [[nodiscard]] const std::string& error() const { return error_; }
+
+ private:
+  void read();
+  void take();
+
+  const std::shared_ptr<mission::CommandedRobot> robot_;
+  const std::string port_;
+  std::unique_ptr<mission::PortSamples> samples_;
+  std::vector<std::pair<TimePoint, double>> times_;  ///< ascending
+  std::string error_;
+  std::jthread thread_;  ///< uses the rest until stop()
+};
+
+/// Records what a run of a mission does. observe() on any thread, the rest after the run.
+class MissionTrace {
+ public:
+  void observe(const mission::ActionEvent& event);
+
+  /// How long no action was under way between `begin` and `end`.
+  [[nodiscard]] Duration idle(TimePoint begin, TimePoint end) const;
+  /// Repeats the run: each execution takes as long as it did on the clock, and ends as it did. What was not
+  /// executed takes as long as expected. `time`: the seconds on a clock.
+  [[nodiscard]] std::shared_ptr<mission::ActionRunner> replay(
+      const std::function<double(TimePoint)>& time) const;
+
+ private:
+  struct Execution {
+    TimePoint began;
+    TimePoint ended;
+    std::string outcome;
+  };
+  using Key = std::pair<std::string, std::uint64_t>;  ///< path and iteration
+
+  std::mutex mutex_;  ///< protects what follows
+  /// Of several executions with one key the last that ended, which is the one that counts.
+  std::map<Key, Execution> executions_;
+  std::vector<std::pair<TimePoint, TimePoint>> under_way_;
+  std::map<Key, TimePoint> open_;
+};
+
+}  // namespace segue::cli
