@@ -68,15 +68,20 @@ std::optional<double> RobotClock::at(TimePoint when) const {
 void MissionTrace::observe(const mission::ActionEvent& event) {
   const TimePoint now = monotonic_now();
   const std::lock_guard lock(mutex_);
-  const Key key(event.path, event.iteration);
   if (event.kind == mission::ActionEvent::Kind::Began) {
-    open_[key] = now;
+    open_.push_back({std::string(event.path), event.iteration, now});
     return;
   }
-  const auto began = open_.find(key);
+  const auto began = std::ranges::find_if(
+      open_, [&](const Open& open) { return open.path == event.path && open.iteration == event.iteration; });
   if (began == open_.end()) return;
-  executions_[key] = {began->second, now, std::string(event.outcome)};
-  under_way_.emplace_back(began->second, now);
+  auto& executions = executions_[began->path];
+  auto own = std::ranges::find(executions, event.iteration, &Execution::iteration);
+  if (own == executions.end()) own = executions.insert(own, Execution{event.iteration, {}, {}, {}});
+  own->began = began->began;
+  own->ended = now;
+  own->outcome = event.outcome;
+  under_way_.emplace_back(began->began, now);
   open_.erase(began);
 }
 
@@ -98,20 +103,24 @@ struct Ended {
   Duration duration{};
   std::string outcome;
 };
-using EndedByExecution = std::map<std::pair<std::string, std::uint64_t>, Ended>;
+using EndedByPath = std::map<std::string, std::vector<Ended>>;
 
 class Replay final : public mission::ActionRunner {
  public:
-  explicit Replay(EndedByExecution executions) : executions_(std::move(executions)) {}
+  explicit Replay(EndedByPath executions) : executions_(std::move(executions)) {}
 
   std::optional<mission::Ending> start(mission::ActionCall& call) override {
     if (call.backward()) return mission::Ending{};
-    const auto found = executions_.find({call.path(), call.iteration()});
-    if (found == executions_.end()) {
+    const std::string path = call.path();
+    auto& begun = begun_[path];
+    const auto turn = static_cast<std::size_t>(std::ranges::find(begun, call.iteration()) - begun.begin());
+    if (turn == begun.size()) begun.push_back(call.iteration());
+    const auto found = executions_.find(path);
+    if (found == executions_.end() || turn >= found->second.size()) {
       const mission::Action& action = call.action();
       return end(call, action.expected_duration.value_or(Duration::zero()), action.expected_outcome);
     }
-    return end(call, found->second.duration, found->second.outcome);
+    return end(call, found->second[turn].duration, found->second[turn].outcome);
   }
 
  private:
@@ -124,17 +133,20 @@ class Replay final : public mission::ActionRunner {
     return std::nullopt;
   }
 
-  const EndedByExecution executions_;
+  const EndedByPath executions_;
+  std::map<std::string, std::vector<std::uint64_t>> begun_;  ///< iterations, on the engine's thread
 };
 
 }  // namespace
 
 std::shared_ptr<mission::ActionRunner> MissionTrace::replay(
     const std::function<double(TimePoint)>& time) const {
-  EndedByExecution ended;
-  for (const auto& [key, execution] : executions_) {
-    const std::chrono::duration<double> seconds(time(execution.ended) - time(execution.began));
-    ended[key] = {std::chrono::duration_cast<Duration>(seconds), execution.outcome};
+  EndedByPath ended;
+  for (const auto& [path, executions] : executions_) {
+    for (const Execution& execution : executions) {
+      const std::chrono::duration<double> seconds(time(execution.ended) - time(execution.began));
+      ended[path].push_back({std::chrono::duration_cast<Duration>(seconds), execution.outcome});
+    }
   }
   return std::make_shared<Replay>(std::move(ended));
 }

@@ -59,17 +59,23 @@ class MissionTrace {
 
  private:
   struct Execution {
+    std::uint64_t iteration = 0;
     TimePoint began;
     TimePoint ended;
     std::string outcome;
   };
-  using Key = std::pair<std::string, std::uint64_t>;  ///< path and iteration
+  struct Open {
+    std::string path;
+    std::uint64_t iteration = 0;
+    TimePoint began;
+  };
 
   std::mutex mutex_;  ///< protects what follows
-  /// Of several executions with one key the last that ended, which is the one that counts.
-  std::map<Key, Execution> executions_;
+  std::vector<Open> open_;
   std::vector<std::pair<TimePoint, TimePoint>> under_way_;
-  std::map<Key, TimePoint> open_;
+  /// By path, in the order in which their iterations ended first. Of several with one iteration the last,
+  /// which is the one that counts. Modes and loops count iterations in different ways.
+  std::map<std::string, std::vector<Execution>> executions_;
 };
 
 }  // namespace segue::cli
