@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What is planned second does not depend on anything before it.
+/// The second trip can be planned during the first one. What is expected of a drive is far from the truth.
 constexpr const char* kTour = R"(mission: tour
 inputs: {far: {type: float, default: 1.0}}
 actions:
@@ -24,15 +24,21 @@ actions:
       pool: planner
       call: {plan: {from: {x: 0.0, y: 0.0}, to: {x: "{x}", y: 0.0}}}
       outcome_from: outcome
-  drive: {run: {controller: go_to, until: [{after: 50ms, outcome: success}]}}
+  drive: {expect: {duration: 1h}, run: {controller: go_to, until: [{after: 50ms, outcome: success}]}}
+libraries:
+  trip:
+    inputs: {far: float}
+    flows: [inputs.far -> plan.x]
+    start: plan
+    states:
+      plan: {on: {found: drive, no_route: return aborted}}
+      drive: {on: {success: return success}}
 outcomes: [done]
-flows: [inputs.far -> plan_out.x, inputs.far -> plan_back.x]
-start: plan_out
+flows: [inputs.far -> out.far, inputs.far -> back.far]
+start: out
 states:
-  plan_out: {action: plan, on: {found: out, no_route: return aborted}}
-  out: {action: drive, on: {success: plan_back}}
-  plan_back: {action: plan, on: {found: back, no_route: return aborted}}
-  back: {action: drive, on: {success: return done}}
+  out: {library: trip, on: {success: back}}
+  back: {library: trip, on: {success: return done}}
 )";
 
 constexpr const char* kFailing = R"(mission: failing
@@ -70,7 +76,7 @@ TEST_F(BenchMission, ItComparesBothModesInEachSetting) {
       EXPECT_EQ(run.find("outcome")->as_string(), "done") << type::to_json(run);
       EXPECT_EQ(run.find("seed")->as_int(), 1);
       EXPECT_GT(run.find("ideal_s")->as_double(), 0.15) << "one plan and both drives, one after another";
-      EXPECT_GE(run.find("makespan_s")->as_double(), 0.15);
+      EXPECT_LE(run.find("ideal_s")->as_double(), run.find("makespan_s")->as_double());
       EXPECT_GE(run.find("deciding_s")->as_double(), 0);
       EXPECT_LE(run.find("deciding_s")->as_double(), run.find("makespan_s")->as_double());
     }
