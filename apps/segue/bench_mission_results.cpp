@@ -132,8 +132,9 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
     row.push_back(saving_text(saved));
     row.push_back(allowed.pairs > 0 ? percent(allowed.mean) : "-");
     row.push_back(concurrent.mean > 0 ? percent(concurrent.over_ideal) : "-");
-    row.push_back(fmt::format("{}, {}", sequential.mean > 0 ? percent(sequential.idle) : "-",
-                              concurrent.mean > 0 ? percent(concurrent.idle) : "-"));
+    row.push_back(fmt::format("{}, {}",
+                              sequential.mean > 0 ? fmt::format("{:.2f} %", 100 * sequential.idle) : "-",
+                              concurrent.mean > 0 ? fmt::format("{:.2f} %", 100 * concurrent.idle) : "-"));
     if (!experiment.published.empty()) row.push_back(cell.published.empty() ? "-" : cell.published);
     table.add(std::move(row));
   }
