@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -87,7 +88,8 @@ CellFigures mission_figures(const MissionCell& cell, BenchClock clock) {
 }
 
 std::string percent(double share) {
-  return fmt::format("{:.1f} %", 100 * share);
+  const double tenths = std::round(1000 * share) / 10;
+  return fmt::format("{:.1f} %", tenths == 0 ? 0 : tenths);  // no -0.0
 }
 
 /// "11.2 % (9.8 to 12.6)".
