@@ -51,10 +51,15 @@ struct ControllerConflicts {
   [[nodiscard]] bool influence(std::string_view a, std::string_view b) const;
 };
 
-/// Why the robot does not run a controller as it should; `why` is empty: it does.
+/// Why the robot does not run a controller as it should; `why` is empty: it does, but for the tasks.
 struct ControllerTrouble {
   std::string why;
   bool taken_over = false;  ///< somebody else commands the robot now
+  struct Task {
+    std::string id;
+    std::string why;
+  };
+  std::vector<Task> tasks{};  ///< that are broken, and will not be mended
 };
 
 /// An instance of a pool of processes.

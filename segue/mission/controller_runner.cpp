@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/controller_runner.hpp>
 
+#include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
 #include <segue/mission/controller_union.hpp>
 #include <segue/mission/controllers.hpp>
@@ -103,6 +104,11 @@ Progress Progress::of(const Value& value) {
 bool can_be_watched(const ControllerUse& use) {
   const auto sees = [](const EndCondition& one) { return std::holds_alternative<RobotCondition>(one.when); };
   return use.until.empty() || std::ranges::any_of(use.until, sees);
+}
+
+bool names_failure(const std::string& state) {
+  const auto named = task_state_from(state);
+  return named && is_error(*named);
 }
 
 /// What all executions of a runner have to do with.
@@ -278,9 +284,22 @@ class ControlledRun {
   std::optional<Ending> loss(const std::stop_token& stop) {
     const auto trouble = robot_.trouble(use_.controller);
     if (!trouble) return failed(trouble.error(), stop);
-    if (trouble->why.empty()) return std::nullopt;
-    return Ending{trouble->taken_over ? kPreempted : kAborted,
-                  "controller " + quote(use_.controller) + " was lost: " + trouble->why};
+    if (!trouble->why.empty()) return lost(trouble->why, trouble->taken_over ? kPreempted : kAborted);
+    for (const ControllerTrouble::Task& task : trouble->tasks) {
+      if (!awaits_failure_of(task.id)) return lost(task.why, kAborted);
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] Ending lost(const std::string& why, Outcome outcome) const {
+    return {outcome, "controller " + quote(use_.controller) + " was lost: " + why};
+  }
+  /// Whether it ends, as it says itself, when that task fails.
+  [[nodiscard]] bool awaits_failure_of(const std::string& task) const {
+    return std::ranges::any_of(use_.until, [&](const EndCondition& condition) {
+      const auto* seen = std::get_if<RobotCondition>(&condition.when);
+      const auto* reaches = seen == nullptr ? nullptr : std::get_if<TaskReaches>(seen);
+      return reaches != nullptr && reaches->task == task && names_failure(reaches->state);
+    });
   }
 
   Result<bool> is_met(const TimeIsUp& when) const { return now() - begin_ >= when.after; }

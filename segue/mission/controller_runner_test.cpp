@@ -136,6 +136,26 @@ TEST_F(ControllerActions, AbortWhereTheControllerIsLost) {
               HasSubstr("controller 'go_home' was lost: task 'planner' failed still"));
 }
 
+TEST_F(ControllerActions, AbortWhereATaskIsBroken) {
+  begin(std::string("controller: go_home, ") + kArrived);
+  robot_->wait_until_asked("request go_home");
+  robot_->break_task("planner");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("controller 'go_home' was lost: task 'planner' is in exception"));
+}
+
+TEST_F(ControllerActions, MayWaitForATaskToFail) {
+  robot_->break_task("planner");
+  begin(
+      "controller: go_home, until: [{task: planner, state: exception, outcome: blocked}, {after: 5min, "
+      "outcome: "
+      "aborted}]");
+  robot_->wait_until_asked("request go_home");
+  robot_->become("exception");
+  EXPECT_EQ(ended().outcome_name, "blocked");
+}
+
 TEST_F(ControllerActions, DoNotSucceedWhereAnotherControllerTookOver) {
   begin("controller: go_home, until: [{port: planner.status, where: 'value == 1', outcome: arrived}]");
   robot_->wait_until_asked("open planner.status");

@@ -36,7 +36,7 @@ class FakeRobot final : public CommandedRobot {
     const std::lock_guard lock(mutex_);
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
     if (taken_over_) return ControllerTrouble{"somebody took the robot over", true};
-    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_};
+    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, false, broken_};
   }
   Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
@@ -82,6 +82,9 @@ class FakeRobot final : public CommandedRobot {
   }
   void lose(const std::string& why) {
     change([&] { trouble_ = why; });
+  }
+  void break_task(const std::string& task) {
+    change([&] { broken_.push_back({task, "task '" + task + "' is in exception"}); });
   }
   void switch_away() {
     change([&] { runs_ = "explore"; });
@@ -138,6 +141,7 @@ class FakeRobot final : public CommandedRobot {
   std::vector<std::string> asked_;
   std::string runs_;
   std::string trouble_;
+  std::vector<ControllerTrouble::Task> broken_;
   TaskView task_{"running", "driving", 0};
   bool updates_ = true;
   bool failed_ = false;

@@ -42,17 +42,24 @@ bool is_part(std::string_view controller, std::string_view running) {
   return controller.empty() || std::ranges::find(parts, model::NetworkName(controller)) != parts.end();
 }
 
-/// The first unresolved fault of a part of the controller; empty: there is none.
-std::string fault_of(std::string_view controller, const Value& status) {
+/// What is broken of the controller, and is not mended.
+mission::ControllerTrouble faults_of(std::string_view controller, const Value& status) {
+  mission::ControllerTrouble trouble;
   const Value* unresolved = status.find("unresolved");
-  if (unresolved == nullptr || !unresolved->is_list()) return {};
+  if (unresolved == nullptr || !unresolved->is_list()) return trouble;
   for (const Value& fault : unresolved->as_list()) {
     const Value* controllers = fault.find("controllers");
     if (controllers == nullptr || !controllers->is_list()) continue;
-    if (std::ranges::find(controllers->as_list(), Value(controller)) != controllers->as_list().end())
-      return text_at(fault, "fault");
+    if (std::ranges::find(controllers->as_list(), Value(controller)) == controllers->as_list().end())
+      continue;
+    const std::string task = text_at(fault, "task");
+    if (!task.empty()) {
+      trouble.tasks.push_back({task, text_at(fault, "fault")});
+    } else if (trouble.why.empty()) {
+      trouble.why = text_at(fault, "fault");
+    }
   }
-  return {};
+  return trouble;
 }
 
 class StreamSamples final : public mission::PortSamples {
@@ -125,7 +132,7 @@ Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view control
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");
   if (!is_part(controller, running)) return mission::ControllerTrouble{"the robot runs " + name_of(running)};
-  return mission::ControllerTrouble{fault_of(controller, *status)};
+  return faults_of(controller, *status);
 }
 
 Result<mission::ControllerConflicts> ServedRobot::conflicts() {

@@ -138,6 +138,15 @@ TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
   service_.status_answer = Value::map({{"controller", "arm+drive"}, {"unresolved", Value::list({fault})}});
   EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
   EXPECT_EQ(robot_.trouble("arm")->why, "") << "it runs on";
+  const Value broken = Value::map(
+      {{"fault", "task 'b' is broken"}, {"controllers", Value::list({"arm"})}, {"task", Value("b")}});
+  service_.status_answer =
+      Value::map({{"controller", "arm+drive"}, {"unresolved", Value::list({broken, fault})}});
+  EXPECT_TRUE(robot_.trouble("drive")->tasks.empty());
+  EXPECT_EQ(robot_.trouble("drive")->why, "task 'a' failed still");
+  ASSERT_EQ(robot_.trouble("arm")->tasks.size(), 1U);
+  EXPECT_EQ(robot_.trouble("arm")->tasks.front().id, "b");
+  EXPECT_EQ(robot_.trouble("arm")->why, "");
 }
 
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {

@@ -264,10 +264,11 @@ Value to_value(const PoolReport& pool) {
 }
 
 Value to_value(const UnresolvedFault& fault) {
-  return Value::map({{"fault", fault.sentence},
-                     {"controllers", list_of(fault.controllers, [](const model::NetworkName& name) {
-                        return Value(name.str());
-                      })}});
+  return Value::map(
+      {{"fault", fault.sentence},
+       {"controllers",
+        list_of(fault.controllers, [](const model::NetworkName& name) { return Value(name.str()); })},
+       {"task", fault.task ? Value(fault.task->str()) : Value()}});
 }
 
 Value status_of(Runtime& runtime) {

@@ -98,10 +98,14 @@ std::vector<model::NetworkName> controllers_with(const DetectedFault& fault, con
   return with.empty() ? names : with;
 }
 
-/// A task that is not in its state may be so on purpose; one without its process is not.
-bool is_left_without_process(const DetectedFault& fault) {
-  return fault.policy == model::FailurePolicy::Report &&
-         std::holds_alternative<model::DeploymentKey>(fault.subject);
+/// Left so by its policy. A task that has stopped may have done so on purpose; one that is broken, or without
+/// its process, has not.
+bool is_left_broken(const DetectedFault& fault, const model::Network& observed) {
+  if (fault.policy != model::FailurePolicy::Report) return false;
+  const auto* task = std::get_if<model::TaskId>(&fault.subject);
+  const model::Task* seen = task == nullptr ? nullptr : observed.find_task(*task);
+  return task == nullptr ||
+         (seen != nullptr && (seen->state == TaskState::Exception || seen->state == TaskState::Fatal));
 }
 
 std::string sentence_of(const DetectedFault& fault, const detail::RepairScheduler& scheduler) {
@@ -240,13 +244,15 @@ std::vector<UnresolvedFault> Runtime::Implementation::handle_faults(const Observ
   std::vector<UnresolvedFault> left;
   const std::lock_guard lock(mutex);
   const auto add = [&](const DetectedFault& fault, std::string sentence) {
-    left.push_back({std::move(sentence), controllers_with(fault, desired, definitions.controllers)});
+    const auto* task = std::get_if<model::TaskId>(&fault.subject);
+    left.push_back({std::move(sentence), controllers_with(fault, desired, definitions.controllers),
+                    task == nullptr ? std::nullopt : std::optional(*task)});
   };
   for (const auto& fault : repairs.exhausted(faults)) {
     add(fault, sentence_of(fault, repairs));
   }
   for (const auto& fault : faults) {
-    if (is_left_without_process(fault)) {
+    if (is_left_broken(fault, seen.network)) {
       add(fault, fault.name() + " " + fault.symptom + ", and is left so, as its 'on_failure' says");
     }
   }

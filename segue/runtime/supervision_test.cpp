@@ -238,6 +238,10 @@ TEST(Supervision, only_reports_with_policy_report) {
   EXPECT_TRUE(eventually([&] { return count(robot.runtime, EventKind::Difference) > 0; }));
   EXPECT_EQ(count(robot.runtime, EventKind::Difference), 1U) << "reported once for as long as it lasts";
   EXPECT_EQ(robot.runtime.history().size(), 1U);
+  EXPECT_TRUE(eventually([&] { return robot.runtime.unresolved().size() == 1; }));
+  EXPECT_THAT(robot.runtime.unresolved().front().sentence,
+              ::testing::HasSubstr("is left so, as its 'on_failure' says"));
+  EXPECT_TRUE(robot.runtime.unresolved().front().task);
 }
 
 TEST(Supervision, falls_back) {

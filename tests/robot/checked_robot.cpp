@@ -58,7 +58,7 @@ Result<mission::ControllerTrouble> CheckedRobot::trouble(std::string_view contro
 
 void CheckedRobot::check_fine(const std::string& name, const mission::ControllerTrouble& trouble,
                               bool was_lost) {
-  const bool is_fine = trouble.why.empty();
+  const bool is_fine = trouble.why.empty() && trouble.tasks.empty();
   if (was_lost && is_fine) blame(name + " was said to run although the robot had been taken over");
   if (may_be_lost_) return;
   if (is_fine && !running().contains(name)) blame(name + " was said to run, but had not been requested");
