@@ -7,6 +7,7 @@
 #include <segue/mission/fact_observer.hpp>
 #include <segue/mission/pool_runner.hpp>
 #include <segue/mission/pools.hpp>
+#include <segue/mission/script_robot.hpp>
 #include <segue/robot/served_robot.hpp>
 #include <segue/session/session.hpp>
 #include <segue/type/yaml.hpp>
@@ -207,7 +208,12 @@ Result<void> run_by_robot(RunRequest& request, const session::Session& plan,
                           const std::shared_ptr<robot::ServedRobot>& robot,
                           const mission::ControllerOptions& how) {
   if (auto units = add_pools(request, plan, robot); !units) return units;
-  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how));
+  const auto controllers = std::make_shared<mission::ControllerUnion>(
+      robot, mission::ControllerUnion::Options{.deadline = how.request_deadline});
+  request.runners.set_controllers(std::make_shared<mission::ControllerRunner>(robot, how, controllers));
+  mission::ScriptRobotOptions of_scripts;
+  of_scripts.unreachable = how.unreachable;
+  request.script_robot = std::make_shared<mission::ScriptRobot>(robot, controllers, of_scripts);
   if (const auto& observed = plan.program()->mission().observed; !observed.empty())
     request.runners.set_observer(
         std::make_shared<mission::FactObserver>(robot, observed, mission::FactObserver::Options{}));

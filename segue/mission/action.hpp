@@ -123,6 +123,9 @@ struct Action {
   bool sensing = false;      ///< observes the real world: never runs on a predicted one
   bool reads_world = false;  ///< looks at facts that it does not declare (ActionCall::world)
   bool strict = false;       ///< it waits until nothing before it can fail any more
+  /// Its script uses a robot, and may request these controllers ("{input}" in a name stands for the value of
+  /// that input); nothing: it uses none. An action that is a controller names it under `run`.
+  std::optional<std::vector<std::string>> controllers;
   std::optional<Duration> expected_duration;
   std::string expected_outcome;  ///< empty: not known
   Procedure run;

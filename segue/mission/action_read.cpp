@@ -237,6 +237,8 @@ void read_declarations(Action& action, Fields& fields, const Source& source) {
   action.sensing = fields.boolean("sensing", false);
   action.reads_world = fields.boolean("reads_world", false);
   action.strict = fields.boolean("strict", false);
+  if (fields.find("controllers", Value::Kind::List) != nullptr)
+    action.controllers = fields.texts("controllers");
   read_expectation(action, fields, source);
 }
 

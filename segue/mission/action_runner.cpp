@@ -2,8 +2,10 @@
 #include <segue/base/text.hpp>
 #include <segue/base/varied_duration.hpp>
 #include <segue/mission/action_runner.hpp>
+#include <segue/mission/controllers.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/observing_runner.hpp>
+#include <segue/model/reader.hpp>
 
 #include <algorithm>
 #include <unordered_set>
@@ -55,6 +57,14 @@ bool ActionCall::set_output(std::string_view name, Value value) {
   const auto found = position(action().outputs, name);
   if (found) outputs()[*found] = std::move(value);
   return found.has_value();
+}
+
+Result<std::string> ActionCall::controller(std::string name) const {
+  name = *controller_name(std::move(name), [&](const std::string& one) {
+    return model::detail::scalar_text(input(one)).value_or("");
+  });
+  if (is_identifier(name)) return name;
+  return fail(ErrorCode::InvalidArgument, quote(name) + " is no name of a controller");
 }
 
 std::optional<Outcome> ActionCall::outcome(std::string_view name) const {

@@ -108,6 +108,8 @@ class ActionCall {
   bool set_output(std::string_view name, type::Value value);
   /// The value with those of inputs in place of the texts "{input}" in it, at any depth.
   [[nodiscard]] type::Value filled(const type::Value& value) const;
+  /// The name of a controller with the values of inputs in place of "{input}" in it.
+  [[nodiscard]] Result<std::string> controller(std::string name) const;
   /// The number of the outcome of that name; nothing if there is none.
   [[nodiscard]] std::optional<Outcome> outcome(std::string_view name) const;
 

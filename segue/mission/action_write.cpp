@@ -127,6 +127,7 @@ Value write_action(const Action& action) {
   if (action.sensing) map.append("sensing", true);
   if (action.reads_world) map.append("reads_world", true);
   if (action.strict) map.append("strict", true);
+  if (action.controllers) map.append("controllers", text_list(*action.controllers));
   ValueMap expect;
   if (action.expected_duration) expect.append("duration", format_duration(*action.expected_duration));
   if (!action.expected_outcome.empty()) expect.append("outcome", action.expected_outcome);

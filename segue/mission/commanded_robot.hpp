@@ -98,6 +98,8 @@ class CommandedRobot {
   virtual Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) = 0;
   virtual Result<type::Value> call(const Member& operation, const type::Value& arguments,
                                    TimePoint deadline) = 0;
+  /// Sets a property of a task that is live, until the next transition configures the task.
+  virtual Result<void> set(const Member& property, const type::Value& value, TimePoint deadline) = 0;
   /// Writes a sample to an input port of a task that runs; returns once that has taken it.
   virtual Result<void> write(const Member& port, const type::Value& value, TimePoint deadline) = 0;
   virtual Result<TaskView> task(std::string_view id) = 0;

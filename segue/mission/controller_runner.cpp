@@ -3,14 +3,11 @@
 
 #include <segue/base/life_cycle.hpp>
 #include <segue/base/text.hpp>
-#include <segue/mission/controller_union.hpp>
-#include <segue/mission/controllers.hpp>
 #include <segue/mission/execution_threads.hpp>
 #include <segue/mission/index.hpp>
 #include <segue/mission/prepared_controllers.hpp>
 #include <segue/mission/robot_look.hpp>
 #include <segue/mission/upcoming_controllers.hpp>
-#include <segue/model/reader.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -28,15 +25,6 @@ namespace {
 
 TimePoint now() {
   return RealClock::instance().now();
-}
-
-/// The name of a controller with the values of inputs in it.
-Result<std::string> filled_name(std::string name, const ActionCall& call) {
-  name = *controller_name(std::move(name), [&](const std::string& input) {
-    return model::detail::scalar_text(call.input(input)).value_or("");
-  });
-  if (is_identifier(name)) return name;
-  return fail(ErrorCode::InvalidArgument, quote(name) + " is no name of a controller");
 }
 
 ControllerUse filled(ControllerUse use, const ActionCall& call) {
@@ -113,15 +101,18 @@ bool names_failure(const std::string& state) {
 
 /// What all executions of a runner have to do with.
 struct Shared {
-  Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given)
+  Shared(std::shared_ptr<CommandedRobot> commanded, const ControllerOptions& given,
+         std::shared_ptr<ControllerUnion> shared)
       : robot(std::move(commanded)),
         options(given),
-        controllers(robot, {.deadline = options.request_deadline}),
+        controllers(shared ? std::move(shared)
+                           : std::make_shared<ControllerUnion>(
+                                 robot, ControllerUnion::Options{.deadline = options.request_deadline})),
         prepared(robot, options.look_ahead, options.request_deadline) {}
 
   const std::shared_ptr<CommandedRobot> robot;
   const ControllerOptions options;
-  ControllerUnion controllers;
+  const std::shared_ptr<ControllerUnion> controllers;
   PreparedControllers prepared;
 };
 
@@ -150,13 +141,13 @@ class ControlledRun {
   Ending run(const std::stop_token& stop, std::vector<Value>& outputs) {
     if (!is_told() && stop.stop_requested()) return {kPreempted, {}};
     if (!is_told()) {
-      if (auto runs = shared_.controllers.begin(use_.controller, use_.set); !runs)
+      if (auto runs = shared_.controllers->begin(use_.controller, use_.set); !runs)
         return failed(runs.error(), stop);
     }
     shared_.prepared.began(task_.number, use_.controller, std::move(task_.ahead));
     Ending ending = carry_out(stop, outputs);
     shared_.prepared.ended(task_.number);
-    const auto ended = shared_.controllers.end(use_.controller, !use_.stop);
+    const auto ended = shared_.controllers->end(use_.controller, !use_.stop);
     if (!ended && ending.outcome >= 0) return failed(ended.error(), stop);
     return ending;
   }
@@ -380,12 +371,13 @@ class ControlledRun {
 
 class ControllerRunner::Implementation {
  public:
-  Implementation(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
-      : shared_(std::move(robot), options) {}
+  Implementation(std::shared_ptr<CommandedRobot> robot, const ControllerOptions& options,
+                 std::shared_ptr<ControllerUnion> controllers)
+      : shared_(std::move(robot), options, std::move(controllers)) {}
 
   std::optional<Ending> start(ActionCall& call) {
     const auto& use = std::get<ControllerUse>(call.action().run);
-    auto name = filled_name(use.controller, call);
+    auto name = call.controller(use.controller);
     if (!name) return aborted(name.error());
     ControlledRun::Task task{filled(use, call), {}, {}, ++executions_};
     task.use.controller = std::move(*name);
@@ -418,7 +410,7 @@ class ControllerRunner::Implementation {
       return fail(ErrorCode::InvalidState,
                   "controller " + quote(progress.controller) + " does not run any more: " + trouble->why);
     }
-    shared_.controllers.take_over(progress.controller, progress.properties);
+    shared_.controllers->take_over(progress.controller, progress.properties);
     return {};
   }
 
@@ -428,8 +420,9 @@ class ControllerRunner::Implementation {
   ExecutionThreads threads_;  // destroyed first: they use the others
 };
 
-ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(robot), options)) {}
+ControllerRunner::ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options,
+                                   std::shared_ptr<ControllerUnion> controllers)
+    : implementation_(std::make_unique<Implementation>(std::move(robot), options, std::move(controllers))) {}
 ControllerRunner::~ControllerRunner() = default;
 
 Result<void> ControllerRunner::go_on(const Action& action, const Value& progress) {

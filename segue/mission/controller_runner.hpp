@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
+#include <segue/mission/controller_union.hpp>
 
 #include <functional>
 #include <memory>
@@ -40,7 +41,9 @@ struct ControllerOptions {
 /// runs still. States count from when the tasks were told then; times and samples count anew.
 class ControllerRunner final : public ActionRunner {
  public:
-  explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {});
+  /// `controllers`: shared with a ScriptRobot; null: one of its own.
+  explicit ControllerRunner(std::shared_ptr<CommandedRobot> robot, ControllerOptions options = {},
+                            std::shared_ptr<ControllerUnion> controllers = nullptr);
   /// Ends what is under way as preempted; blocks until the robot has answered.
   ~ControllerRunner() override;
   ControllerRunner(const ControllerRunner&) = delete;

@@ -28,14 +28,23 @@ struct Exclusion {
   Names controllers;
 };
 
+/// The names, with inputs in them, of the controllers that the action may use.
+std::vector<std::string> controllers_of(const Action& action) {
+  if (const auto* use = std::get_if<ControllerUse>(&action.run)) return {use->controller};
+  return action.controllers.value_or(std::vector<std::string>());
+}
+
+bool may_use(const Action& action, const std::string& controller) {
+  return std::ranges::any_of(controllers_of(action),
+                             [&](const std::string& pattern) { return can_mean(pattern, controller); });
+}
+
 /// The controllers that actions of the mission may use.
 Names used_controllers(const Mission& mission, const std::vector<std::string>& controllers) {
   Names used;
   for (const Action& action : mission.actions) {
-    const auto* use = std::get_if<ControllerUse>(&action.run);
-    if (use == nullptr) continue;
     for (const std::string& controller : controllers) {
-      if (can_mean(use->controller, controller)) used.insert(controller);
+      if (may_use(action, controller)) used.insert(controller);
     }
   }
   return used;
@@ -114,13 +123,14 @@ bool ControllerConflicts::influence(std::string_view a, std::string_view b) cons
 }
 
 bool uses_controllers(const Mission& mission) {
-  return std::ranges::any_of(mission.actions, [](const Action& action) {
-    return std::holds_alternative<ControllerUse>(action.run);
-  });
+  return std::ranges::any_of(mission.actions,
+                             [](const Action& action) { return !controllers_of(action).empty(); });
 }
 
 bool needs_robot(const Mission& mission) {
-  return uses_controllers(mission) || uses_pools(mission) || !mission.observed.empty();
+  const bool has_scripts = std::ranges::any_of(
+      mission.actions, [](const Action& action) { return action.controllers.has_value(); });
+  return has_scripts || uses_controllers(mission) || uses_pools(mission) || !mission.observed.empty();
 }
 
 void claim_controllers(Mission& mission, const ControllerConflicts* conflicts) {
@@ -128,11 +138,10 @@ void claim_controllers(Mission& mission, const ControllerConflicts* conflicts) {
   std::vector<Exclusion> all;
   if (conflicts != nullptr) all = exclusions(*conflicts, used_controllers(mission, conflicts->controllers));
   for (Action& action : mission.actions) {
-    const auto* use = std::get_if<ControllerUse>(&action.run);
-    if (use == nullptr) continue;
+    if (controllers_of(action).empty()) continue;
     if (conflicts == nullptr) hold(action, std::string(kControllerResource));
     for (const Exclusion& one : all) {
-      const auto is_meant = [&](const std::string& name) { return can_mean(use->controller, name); };
+      const auto is_meant = [&](const std::string& name) { return may_use(action, name); };
       if (std::ranges::any_of(one.controllers, is_meant)) hold(action, one.resource);
     }
   }

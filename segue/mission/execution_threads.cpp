@@ -1,27 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/execution_threads.hpp>
 
+#include <system_error>
 #include <utility>
 
 namespace segue::mission {
 
 ExecutionThreads::~ExecutionThreads() {
+  const std::lock_guard lock(mutex_);
+  closes_ = true;
   for (Job& job : jobs_)
     job.stop.request_stop();
 }
 
 void ExecutionThreads::start(ActionCall& call, Body body) {
-  std::vector<type::Value> outputs(call.outputs().begin(), call.outputs().end());
+  const std::stop_source stop;
+  auto completed = call.defer([stop]() mutable { stop.request_stop(); });
+  start(stop, [completed = std::move(completed), body = std::move(body),
+               outputs = std::vector<type::Value>(call.outputs().begin(), call.outputs().end())](
+                  const std::stop_token& stopped) mutable {
+    Ending ending = body(stopped, outputs);
+    completed(std::move(ending), std::move(outputs));
+  });
+}
+
+void ExecutionThreads::start(std::stop_source stop, std::function<void(const std::stop_token& stop)> work) {
   const std::lock_guard lock(mutex_);
+  if (closes_) throw std::system_error(std::make_error_code(std::errc::operation_canceled));
   std::erase_if(jobs_, [](const Job& job) { return job.ended.load(); });
   Job& job = jobs_.emplace_back();
-  const auto completed = call.defer([stop = job.stop]() mutable { stop.request_stop(); });
-  job.thread =
-      std::jthread([&job, completed, body = std::move(body), outputs = std::move(outputs)]() mutable {
-        Ending ending = body(job.stop.get_token(), outputs);
-        completed(std::move(ending), std::move(outputs));
-        job.ended = true;
-      });
+  job.stop = std::move(stop);
+  try {
+    job.thread = std::jthread([&job, work = std::move(work)]() mutable {
+      work(job.stop.get_token());
+      work = nullptr;  // what it holds is not kept until the next one starts
+      job.ended = true;
+    });
+  } catch (const std::system_error&) {
+    jobs_.pop_back();
+    throw;
+  }
 }
 
 }  // namespace segue::mission

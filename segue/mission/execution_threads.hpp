@@ -28,6 +28,8 @@ class ExecutionThreads {
 
   /// Defers the end of the call to that of `body`.
   void start(ActionCall& call, Body body);
+  /// Runs `work` until it returns. std::system_error if there can be no thread, or this is being destroyed.
+  void start(std::stop_source stop, std::function<void(const std::stop_token& stop)> work);
 
  private:
   struct Job {
@@ -36,7 +38,8 @@ class ExecutionThreads {
     std::jthread thread;
   };
 
-  std::mutex mutex_;  ///< protects the list
+  std::mutex mutex_;  ///< protects the others
+  bool closes_ = false;
   std::list<Job> jobs_;
 };
 

@@ -52,6 +52,10 @@ class FakeRobot final : public CommandedRobot {
     note("call " + to_string(operation) + (goal == nullptr ? "" : " " + goal->as_string()));
     return type::Value();
   }
+  Result<void> set(const Member& property, const type::Value& value, TimePoint /*deadline*/) override {
+    note("set " + to_string(property) + " " + std::to_string(value.as_double()));
+    return {};
+  }
   Result<void> write(const Member& port, const type::Value& value, TimePoint /*deadline*/) override {
     note("write " + to_string(port) + " " + value.as_string());
     return {};

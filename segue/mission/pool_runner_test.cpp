@@ -43,6 +43,9 @@ class PlanningRobot final : public CommandedRobot {
     }
     return answer_(operation.task, arguments);
   }
+  Result<void> set(const Member& /*property*/, const Value& /*value*/, TimePoint /*deadline*/) override {
+    return {};
+  }
   Result<void> write(const Member& /*port*/, const Value& /*value*/, TimePoint /*deadline*/) override {
     return {};
   }

@@ -159,6 +159,24 @@ TEST_F(OwnMachine, declaresForSegueWhatAMissionFileWould) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_F(OwnMachine, hasScriptsThatCommandARobotWhereTheySaySo) {
+  const auto folder =
+      std::filesystem::path(::testing::TempDir()) / ("segue_scripts_" + std::to_string(::getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(kOurs / "libraries", folder, std::filesystem::copy_options::recursive);
+  ASSERT_TRUE(write_file(folder / "tools" / "show value" / "semantic_data.json",
+                         R"j({"segue": {"controllers": "[go_to, 'look_at_{text}']"}})j"));
+  const auto machine = import_rafcon(kOurs / "count_down", {{"own", folder}}, diagnostics_);
+  ASSERT_TRUE(machine) << to_string(diagnostics_);
+  const auto action = std::ranges::find_if(machine->mission.actions,
+                                           [](const Action& each) { return each.controllers.has_value(); });
+  ASSERT_NE(action, machine->mission.actions.end());
+  EXPECT_EQ(*action->controllers, (std::vector<std::string>{"go_to", "look_at_{text}"}));
+  EXPECT_TRUE(std::holds_alternative<Script>(action->run)) << "the script is its own";
+  EXPECT_TRUE(validate(machine->mission).empty()) << to_string(validate(machine->mission));
+  std::filesystem::remove_all(folder);
+}
+
 TEST_F(OwnMachine, usesAControllerWhereALibraryStateSaysSo) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / ("segue_controls_" + std::to_string(::getpid()));

@@ -129,6 +129,14 @@ void add_script(ValueMap& message, const Action& action, const Mission& mission)
   message.append("folder", file.parent_path().string());
 }
 
+/// Empty: the script may use one.
+std::string why_no_robot(const ActionCall& call, bool has_robot) {
+  if (!call.action().controllers)
+    return "the action does not declare 'controllers' (which may be empty), so it uses no robot";
+  if (!has_robot) return "there is no robot: the mission runs without one";
+  return call.backward() ? "an action that is undone uses no robot" : "";
+}
+
 }  // namespace
 
 Result<std::string> framed(const Value& message, std::size_t largest) {
@@ -198,7 +206,7 @@ std::string path_of(const ActionCall& call) {
   return path.empty() ? call.program().mission().name : path;
 }
 
-Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call) {
+Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCall& call, bool has_robot) {
   auto inputs = inputs_of(call);
   if (!inputs) return inputs.error();
   const Program& program = call.program();
@@ -211,6 +219,7 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("discardable", call.may_be_discarded());
   if (const auto world = call.world())
     message.append("world", Value::List(world->facts().begin(), world->facts().end()));
+  message.append("no_robot", why_no_robot(call, has_robot));
   message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));
   message.append("name", name_of(program, call.state()));

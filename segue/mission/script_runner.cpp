@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/mission/script_robot.hpp>
 #include <segue/mission/script_runner.hpp>
 #include <segue/mission/script_worker.hpp>
 
@@ -27,6 +28,16 @@ std::string run_number(std::uint64_t number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%020llu", static_cast<unsigned long long>(number));
   return text.data();
+}
+
+Result<ScriptRobot::Rights> rights_of(const ActionCall& call) {
+  ScriptRobot::Rights rights{call.action().action_class() == ActionClass::Irreversible, {}};
+  for (const std::string& controller : *call.action().controllers) {
+    auto name = call.controller(controller);
+    if (!name) return name.error();
+    rights.controllers.push_back(std::move(*name));
+  }
+  return rights;
 }
 
 }  // namespace
@@ -100,17 +111,29 @@ Result<void> ScriptRunner::check() const {
 
 std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   const auto [id, run] = impl_->next_run();
-  const auto message = detail::execute_message(id, run, call);
+  const auto message = detail::execute_message(id, run, call, impl_->options().robot != nullptr);
   if (!message) return Ending{kAborted, message.error().message};
+  std::optional<ScriptRobot::Rights> rights;
+  if (call.action().controllers && impl_->options().robot && !call.backward()) {
+    auto granted = rights_of(call);
+    if (!granted) return Ending{kAborted, to_string(granted.error())};
+    rights = std::move(*granted);
+  }
   const auto text = detail::framed(*message, impl_->options().largest_message);
   if (!text) return Ending{kAborted, "its inputs: " + text.error().message};
-  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}};
+  detail::ScriptExecution execution{detail::path_of(call), {}, call.globals(), {}, {}, {}, {}, {}};
   for (const Port& port : call.action().outputs)
     execution.output_names.push_back(port.name);
   execution.outputs.assign(call.outputs().begin(), call.outputs().end());
   execution.completer = call.defer([weak = std::weak_ptr(impl_), number = id] {
     if (const auto impl = weak.lock()) impl->preempt(number);
   });
+  if (rights) {
+    execution.robot =
+        impl_->options().robot->begin(std::move(*rights), [weak = std::weak_ptr(impl_), number = id] {
+          if (const auto impl = weak.lock()) impl->preempt(number);
+        });
+  }
   impl_->begin(id, std::move(execution), *text);
   return std::nullopt;
 }

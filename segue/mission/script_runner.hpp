@@ -14,6 +14,8 @@
 
 namespace segue::mission {
 
+class ScriptRobot;
+
 struct ScriptOptions {
   /// The interpreter, version 3.8 or newer: a path, or a name to be found in PATH.
   std::string python = "python3";
@@ -24,6 +26,8 @@ struct ScriptOptions {
   /// How long a preempted script may take to end, in real time. Shorter than the engine's grace, so that the
   /// script is gone before the engine starts what follows it.
   Duration preemption_grace = std::chrono::seconds(9);
+  /// `self.robot` of actions that declare `controllers`; null: it raises that there is none.
+  std::shared_ptr<ScriptRobot> robot{};
 };
 
 /// Executes Python scripts (docs/missions.md) in a child process, which is started with the first script.

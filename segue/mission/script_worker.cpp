@@ -50,9 +50,15 @@ Ending ending_of(const Value& message) {
 ScriptWorker::ScriptWorker(ScriptOptions options)
     : options_(std::move(options)),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      messages_(options_.largest_message) {}
+      messages_(options_.largest_message) {
+  link_->worker = this;
+}
 
 ScriptWorker::~ScriptWorker() {
+  {
+    const std::lock_guard guard(link_->mutex);
+    link_->worker = nullptr;
+  }
   {
     const std::lock_guard guard(mutex_);
     open_ = false;
@@ -78,6 +84,7 @@ void ScriptWorker::preempt(std::uint64_t id) {
   const auto found = executions_.find(id);
   if (found == executions_.end() || found->second.overdue) return;
   found->second.overdue = monotonic_now() + options_.preemption_grace;
+  if (found->second.robot) found->second.robot->preempt();
   enqueue(Value::map({{"do", "preempt"}, {"id", id}}));
 }
 
@@ -202,38 +209,68 @@ void ScriptWorker::handle_end(const Value& message) {
     guard.unlock();
     return refuse("it ended an execution that it had not been given");
   }
-  const ScriptExecution execution = std::move(found->second);
+  ScriptExecution execution = std::move(found->second);
   executions_.erase(found);
   guard.unlock();
-  std::vector<Value> outputs = execution.outputs;
   const Value* written = message.find("outputs");
-  for (std::size_t i = 0; written != nullptr && i < outputs.size(); ++i) {
-    if (const Value* value = written->find(execution.output_names[i])) outputs[i] = *value;
+  for (std::size_t i = 0; written != nullptr && i < execution.outputs.size(); ++i) {
+    if (const Value* value = written->find(execution.output_names[i])) execution.outputs[i] = *value;
   }
   Ending ending = ending_of(message);
   if (const auto from = number_of(message, "memory")) {
     ending.pending =
         ScriptMemory::changes(memory_, execution.path, number_of(message, "id").value_or(0), *from);
   }
-  execution.completer(std::move(ending), std::move(outputs));
+  complete(std::move(execution), std::move(ending));
+}
+
+/// Once it uses the robot no more.
+void ScriptWorker::complete(ScriptExecution execution, Ending ending) {
+  const auto robot = std::move(execution.robot);
+  auto ended = [completer = std::move(execution.completer), outputs = std::move(execution.outputs)](
+                   Ending with) mutable { completer(std::move(with), std::move(outputs)); };
+  if (robot == nullptr) return ended(std::move(ending));
+  robot->end(std::move(ending), std::move(ended));
 }
 
 void ScriptWorker::handle_question(const Value& message) {
-  const std::lock_guard guard(mutex_);
+  std::unique_lock guard(mutex_);
   const auto found = executions_.find(number_of(message, "execution").value_or(0));
-  ValueMap answer;
-  if (found == executions_.end()) {
-    answer.append("error", "global variables cannot be used after the end of execute()");
-    answer.append("code", "invalid-state");
+  const bool of_robot = message_text(message, "about") == "robot";
+  if (of_robot && found != executions_.end() && found->second.robot) {
+    const auto robot = found->second.robot;
+    guard.unlock();
+    return ask_robot(robot, message);
+  }
+  ValueMap reply;
+  if (found == executions_.end() || of_robot) {
+    const std::string what = of_robot ? "the robot" : "global variables";
+    reply.append("error", found == executions_.end() ? what + " cannot be used after the end of execute()"
+                                                     : "the script may not use the robot");
+    reply.append("code", "invalid-state");
   } else {
-    answer = answer_about_globals(found->second.globals, message);
-    const Value* value = answer.find("value");
+    reply = answer_about_globals(found->second.globals, message);
+    const Value* value = reply.find("value");
     if (message_text(message, "call") == "lock" && value != nullptr && value->is_integer())
       found->second.locks.emplace_back(message_text(message, "name"), value->as_uint());
   }
-  answer.append("do", "answer");
-  answer.append("number", number_of(message, "number").value_or(0));
-  enqueue(std::move(answer));
+  guard.unlock();
+  answer(std::move(reply), message);
+}
+
+void ScriptWorker::ask_robot(const std::shared_ptr<ScriptRobot::Use>& robot, const Value& message) {
+  const Value number = Value::map({{"number", number_of(message, "number").value_or(0)}});
+  robot->ask(message, [link = link_, number](ValueMap reply) {
+    const std::lock_guard guard(link->mutex);
+    if (link->worker != nullptr) link->worker->answer(std::move(reply), number);
+  });
+}
+
+void ScriptWorker::answer(ValueMap reply, const Value& question) {
+  reply.append("do", "answer");
+  reply.append("number", number_of(question, "number").value_or(0));
+  const std::lock_guard guard(mutex_);
+  enqueue(std::move(reply));
 }
 
 /// If scripts have ignored their preemption, the worker accepts no others, and is killed once only such
@@ -310,7 +347,7 @@ void ScriptWorker::abort_all(const std::string& error) {
   for (auto& [id, execution] : left) {
     for (const auto& [name, key] : execution.locks)
       (void)execution.globals.unlock(name, key);
-    execution.completer({kAborted, error}, std::move(execution.outputs));
+    complete(std::move(execution), {kAborted, error});
   }
 }
 

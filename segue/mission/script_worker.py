@@ -91,10 +91,10 @@ class Channel:
             with contextlib.suppress(OSError):
                 os.write(2, (text + "\n").encode("utf-8"))
 
-    def ask(self, **request):
-        """Sends a request and waits for its answer."""
+    def ask(self, answers=None, **request):
+        """Sends a request and waits for its answer, or for what another thread puts into `answers`."""
         number = next(self._numbers)
-        answers = self._open[number] = queue.SimpleQueue()
+        answers = self._open[number] = answers or queue.SimpleQueue()
         try:
             self.send(do="ask", number=number, **request)
             return answers.get()
@@ -300,6 +300,7 @@ class Worker:
         with self._lock:
             state = kind(message, ScriptLogger(self._channel, message["path"]), memory, self._paused)
             state._errors = self._errors
+            state._robot = interface.Robot(self._channel, message, state)
             self._states[message["id"]] = state
         try:
             self._pool.submit(self._in_thread, message, state)
@@ -324,6 +325,8 @@ class Worker:
         declared = list(outputs)
         try:
             ending = self._call(message, state, outputs, declared)
+        except interface.Preempted:
+            ending = {"outcome": -2, "outputs": self._plain_ones(outputs, declared)}
         except BaseException as error:  # including SystemExit: only this execution ends
             for line in full_traceback(error).split("\n"):
                 self._channel.log("debug" if state.preempted else "error", message["path"], line)

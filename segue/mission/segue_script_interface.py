@@ -4,7 +4,9 @@ conversion of values for the engine. script_worker.py executes the scripts."""
 import copy
 import itertools
 import math
+import queue
 import threading
+import time
 from collections.abc import Mapping
 
 DEEPEST = 180  # lists and maps within each other; the engine refuses more than 200
@@ -166,6 +168,156 @@ class World(frozenset):
         """With blanks after commas or without."""
         return super().__contains__(",".join(part.strip() for part in str(fact).split(",")))
 
+    def holds(self, fact):
+        return fact in self
+
+
+class Preempted(BaseException):
+    """The script was preempted while it used the robot. Ends the action as preempted where nobody handles it."""
+
+
+class RobotError(RuntimeError):
+    """What the robot refuses or fails to do. `code`: "not-found", "invalid-argument", "invalid-state" and so on."""
+
+    def __init__(self, text, code):
+        super().__init__(text)
+        self.code = code
+
+
+class RobotTimeout(RobotError, TimeoutError):
+    """The robot has not answered in time, or no sample or state came."""
+
+
+class Task:
+    """What a task of the robot says of itself."""
+
+    def __init__(self, view):
+        self.state = view["state"]
+        self.state_name = view["state_name"]
+        self.updates = view["updates"]
+
+    def is_in(self, state):
+        return state in (self.state_name, self.state)
+
+    def __repr__(self):
+        return f"Task(state={self.state!r}, state_name={self.state_name!r}, updates={self.updates})"
+
+
+class Robot:
+    """`self.robot`. Functions block until the robot has answered, and raise RobotError (`self.robot.Error`); any thread
+    of the script may call them. Whoever waits when the script is preempted gets Preempted at once; if nobody does, the
+    next call raises it. What is called after that is carried out, so that a script can leave the robot in order."""
+
+    Error = RobotError
+    Timeout = RobotTimeout
+    Preempted = Preempted
+    LONGEST_PAUSE = 0.02  # seconds between two looks at the state of a task
+
+    def __init__(self, channel, message, state):
+        self._channel = channel
+        self._execution = message["id"]
+        self._why_not = message["no_robot"]
+        self._state = state
+        self._lock = threading.Lock()
+        self._waiting = set()
+        self._is_told = False  # that it was preempted
+
+    def _interrupt(self):
+        with self._lock:
+            for answers in self._waiting:
+                answers.put(None)
+            self._waiting.clear()
+
+    def _tell_once(self):
+        """Requires the lock."""
+        if self._state.preempted and not self._is_told:
+            self._is_told = True
+            raise Preempted
+
+    def _ask(self, call, name, **arguments):
+        answers = queue.SimpleQueue()
+        with self._lock:
+            self._tell_once()
+            if not self._state.preempted:
+                self._waiting.add(answers)
+        try:
+            answer = self._channel.ask(answers, about="robot", execution=self._execution, call=call, name=name,
+                                       **arguments)
+        finally:
+            with self._lock:
+                self._waiting.discard(answers)
+        if answer is None:
+            self._is_told = True
+            raise Preempted
+        if "error" not in answer:
+            return answer.get("value")
+        kind = RobotTimeout if answer["code"] == "deadline-exceeded" else RobotError
+        raise kind(f"{call} {name}: {answer['error']}", answer["code"])
+
+    def call(self, operation, arguments=None, timeout=10):
+        """Calls "task.operation" with arguments by name; returns its answer."""
+        return self._ask("call", text(operation), value=plain(arguments or {}, "arguments"), timeout=seconds(timeout))
+
+    def set(self, name, value, timeout=10):
+        """Sets the live property "task.property"."""
+        self._ask("set", text(name), value=plain(value, name), timeout=seconds(timeout))
+
+    def write(self, port, value, timeout=10):
+        """Writes a sample to the input port "task.port"; returns once the task has read it."""
+        self._ask("write", text(port), value=plain(value, port), timeout=seconds(timeout))
+
+    def read(self, port, timeout=10):
+        """The latest sample of the output port "task.port" that came since this script has read it last, or else the
+        next one."""
+        return self._ask("read", text(port), timeout=seconds(timeout))
+
+    def task(self, name):
+        """The state of a task that runs: `state`, `state_name` and `updates`."""
+        return Task(self._ask("task", text(name)))
+
+    def wait_for_state(self, name, state, timeout=None):
+        """Waits until the task has been updated and is in that state; returns the task."""
+        until = None if timeout is None else time.monotonic() + seconds(timeout)
+        begin = self.task(name)
+        while True:
+            task = self.task(name)
+            if task.is_in(state) and (task.updates > begin.updates or task.state != "running"):
+                return task
+            if until is not None and time.monotonic() >= until:
+                raise RobotTimeout(f"task {name} was not {state} after {timeout} s, but {task.state_name or task.state}",
+                                   "deadline-exceeded")
+            self._pause()
+
+    def _pause(self):
+        if self._state.preemptive_wait(self.LONGEST_PAUSE):
+            with self._lock:
+                self._tell_once()
+            time.sleep(self.LONGEST_PAUSE)
+
+    def request(self, controller, set=None, afterwards="keep"):
+        """Has the robot run a controller beside what other actions use, until release() or the end of the action;
+        returns once it runs. `set`: properties in place of those in its network. `afterwards`: "keep" or "stop"."""
+        if afterwards not in ("keep", "stop"):
+            raise ValueError(f"'afterwards' is 'keep' or 'stop', not {afterwards!r}")
+        self._ask("request", text(controller), set=plain(set or {}, "set"), afterwards=afterwards)
+
+    def release(self, controller):
+        """The script uses the controller no more: it runs on until something else is needed, or stops, as the request
+        said."""
+        self._ask("release", text(controller))
+
+
+def text(value):
+    if not isinstance(value, str):
+        raise TypeError(f"expected a text such as 'task.name', not {value!r}")
+    return plain(value, "the name")
+
+
+def seconds(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
+        raise ValueError(f"a timeout is a number of seconds, not {value!r}")
+    return float(value)
+
 
 class ScriptState:
     """`self` in execute()."""
@@ -208,6 +360,12 @@ class ScriptState:
         return self._world
 
     @property
+    def robot(self):
+        if self._robot._why_not:
+            raise RuntimeError(self._robot._why_not)
+        return self._robot
+
+    @property
     def preempted(self):
         return self._preempted.is_set()
 
@@ -241,6 +399,7 @@ class ScriptState:
         self._preempted.set()
         self._interrupted.set()
         self._going_on.set()
+        self._robot._interrupt()
 
     def _set_paused(self, paused):
         self._paused = paused

@@ -137,6 +137,10 @@ class PreparingRobot final : public CommandedRobot {
                            TimePoint /*deadline*/) override {
     return type::Value();
   }
+  Result<void> set(const Member& /*property*/, const type::Value& /*value*/,
+                   TimePoint /*deadline*/) override {
+    return {};
+  }
   Result<void> write(const Member& /*port*/, const type::Value& /*value*/, TimePoint /*deadline*/) override {
     return {};
   }

@@ -85,8 +85,30 @@ void check_inputs(const Action& action, const Value& value, const SourcePlace& w
   }
 }
 
+namespace {
+
+/// What a script may use of a robot.
+void check_script(const Action& action, Diagnostics& diagnostics) {
+  const auto error = [&](std::string code, const std::string& message) {
+    diagnostics.error(std::move(code), "action " + quote(action.name.str()) + ": " + message, action.where);
+  };
+  for (const std::string& controller : *action.controllers) {
+    for (const std::string& name : placeholders(controller))
+      check_input(action, name, action.where, diagnostics);
+  }
+  if (!std::holds_alternative<Script>(action.run))
+    error("bad-class", "'controllers' is for actions with a script; a controller is named under 'run'");
+  if (action.pure)
+    error("bad-class", "a script that uses a robot is not pure; one that only looks at it is 'sensing'");
+  if (action.sensing && !action.controllers->empty())
+    error("bad-class", "a controller moves the robot, so what requests it is not 'sensing'");
+}
+
+}  // namespace
+
 void check_controllers(const Mission& mission, Diagnostics& diagnostics) {
   for (const Action& action : mission.actions) {
+    if (action.controllers) check_script(action, diagnostics);
     if (const auto* use = std::get_if<ControllerUse>(&action.run))
       ControllerCheck(action, *use, diagnostics).run();
   }

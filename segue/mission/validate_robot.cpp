@@ -169,6 +169,14 @@ void check_observed(const ObservedFact& observed, const std::vector<model::Netwo
       observed.where);
 }
 
+void report_unknown(const Action& action, const std::string& controller,
+                    const std::vector<std::string>& names, Diagnostics& diagnostics) {
+  diagnostics.error("unknown-controller",
+                    "action " + quote(action.name.str()) + ": the robot has no controller " +
+                        quote(controller) + did_you_mean(controller, names),
+                    action.where);
+}
+
 }  // namespace
 
 std::optional<std::string> controller_name(
@@ -192,6 +200,10 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
   for (const auto& controller : controllers)
     names.push_back(controller.name.str());
   for (const Action& action : mission.actions) {
+    for (const std::string& controller : action.controllers.value_or(std::vector<std::string>())) {
+      const auto is_meant = [&](const std::string& name) { return can_mean(controller, name); };
+      if (!std::ranges::any_of(names, is_meant)) report_unknown(action, controller, names, diagnostics);
+    }
     const auto* use = std::get_if<ControllerUse>(&action.run);
     if (use == nullptr) continue;
     bool found = false;
@@ -200,11 +212,7 @@ void check_controllers(const Mission& mission, const std::vector<model::Network>
       found = true;
       MemberCheck("action " + quote(action.name.str()), controller, catalog, diagnostics).run(*use);
     }
-    if (found) continue;
-    diagnostics.error("unknown-controller",
-                      "action " + quote(action.name.str()) + ": the robot has no controller " +
-                          quote(use->controller) + did_you_mean(use->controller, names),
-                      action.where);
+    if (!found) report_unknown(action, use->controller, names, diagnostics);
   }
   for (const ObservedFact& observed : mission.observed)
     check_observed(observed, controllers, catalog, diagnostics);

@@ -179,6 +179,10 @@ Result<Value> ServedRobot::call(const mission::Member& operation, const Value& a
   return service_.call(operation.task, operation.name, arguments, deadline);
 }
 
+Result<void> ServedRobot::set(const mission::Member& property, const Value& value, TimePoint deadline) {
+  return service_.set_property(property.task, property.name, value, deadline);
+}
+
 Result<void> ServedRobot::write(const mission::Member& port, const Value& value, TimePoint deadline) {
   return service_.write(port.task, port.name, value, deadline);
 }

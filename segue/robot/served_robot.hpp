@@ -33,6 +33,7 @@ class ServedRobot final : public mission::CommandedRobot {
   Result<void> prepare(const std::vector<std::string>& controllers, TimePoint deadline) override;
   Result<type::Value> call(const mission::Member& operation, const type::Value& arguments,
                            TimePoint deadline) override;
+  Result<void> set(const mission::Member& property, const type::Value& value, TimePoint deadline) override;
   Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override;
   Result<mission::TaskView> task(std::string_view id) override;
   Result<std::unique_ptr<mission::PortSamples>> open(const mission::Member& port) override;

@@ -167,6 +167,7 @@ mission::Runners runners_for(const RunRequest& request, std::uint64_t seed) {
   if (!request.python.empty()) {
     mission::ScriptOptions scripts;
     scripts.python = request.python;
+    scripts.robot = request.script_robot;
     runners.set_scripts(std::make_shared<mission::ScriptRunner>(std::move(scripts)));
   }
   if (request.simulate) runners.simulate_all();

@@ -11,6 +11,7 @@
 #include <segue/mission/action_runner.hpp>
 #include <segue/mission/program.hpp>
 #include <segue/mission/run_journal.hpp>
+#include <segue/mission/script_robot.hpp>
 #include <segue/session/pause_control.hpp>
 #include <segue/session/run.hpp>
 
@@ -54,9 +55,10 @@ struct RunRequest {
   std::optional<JournalRequest> journal;
 
   // Who executes the actions of a mission.
-  mission::Runners runners;        ///< callbacks in C++
-  std::string python = "python3";  ///< executes scripts; empty: as `runners` says
-  bool simulate = false;           ///< simulate every action by what is expected of it
+  mission::Runners runners;                            ///< callbacks in C++
+  std::string python = "python3";                      ///< executes scripts; empty: as `runners` says
+  std::shared_ptr<mission::ScriptRobot> script_robot;  ///< `self.robot` in scripts; null: there is none
+  bool simulate = false;                               ///< simulate every action by what is expected of it
 
   std::uint64_t seed = 0;  ///< varies simulated durations, the same way for the same number; 0: as expected
   mission::UnitCounts resources;   ///< how many units there are of some, in place of what the plan declares

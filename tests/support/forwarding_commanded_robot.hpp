@@ -32,6 +32,9 @@ class ForwardingCommandedRobot : public mission::CommandedRobot {
                            TimePoint deadline) override {
     return inner_->call(operation, arguments, deadline);
   }
+  Result<void> set(const mission::Member& property, const type::Value& value, TimePoint deadline) override {
+    return inner_->set(property, value, deadline);
+  }
   Result<void> write(const mission::Member& port, const type::Value& value, TimePoint deadline) override {
     return inner_->write(port, value, deadline);
   }
