@@ -2,6 +2,7 @@
 #include <segue/base/virtual_clock.hpp>
 #include <segue/mission/engine.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/world_effects.hpp>
 
 #include <gtest/gtest.h>
 
@@ -223,6 +224,11 @@ TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
   EngineOptions options;
   options.clock = &clock;
   options.backward = true;
+  WorldEffects<std::string> effects;
+  effects.on("+up", [](std::string& moves, auto) { moves += "up "; }).on("-up", [](std::string& moves, auto) {
+    moves += "down ";
+  });
+  options.world_data.emplace("moves", world_data(std::string(), effects));
   const auto engine = engine_for(parsed("mission: m\nactions:\n"
                                         "  lift: {effects: ['+up'], run: {simulated: {}}}\n"
                                         "  lower: {effects: ['-up', '+down'], run: {simulated: {}}}\n"
@@ -237,6 +243,14 @@ TEST(MissionHistory, forgetsTheEffectsOfWhatIsUndone) {
   EXPECT_EQ(engine->world().facts(), World::Facts{"down()"});
   ASSERT_TRUE(engine->step_back());
   EXPECT_EQ(engine->world().facts(), World::Facts{"up()"});
+  EXPECT_EQ(*data_of<std::string>(engine->world().view(), "moves"), "up ") << "not done and done back";
+}
+
+TEST(MissionWorld, TellsTheNameOfAFactFromItsArguments) {
+  EXPECT_EQ(parts_of("at(box,table)").arguments, (std::vector<std::string>{"box", "table"}));
+  EXPECT_EQ(parts_of("at(box,table)").predicate, "at");
+  EXPECT_TRUE(parts_of("up()").arguments.empty());
+  EXPECT_EQ(parts_of("up").predicate, "up");
 }
 
 TEST(MissionGlobals, areLockedByOneAtATime) {

@@ -129,6 +129,14 @@ void add_script(ValueMap& message, const Action& action, const Mission& mission)
   message.append("folder", file.parent_path().string());
 }
 
+ValueMap shown_data(const WorldView& world) {
+  ValueMap shown;
+  for (const auto& [name, data] : world.data()) {
+    if (Value value = data->shown(); !value.is_null()) shown.append(name, std::move(value));
+  }
+  return shown;
+}
+
 /// Empty: the script may use one.
 std::string why_no_robot(const ActionCall& call, bool has_robot) {
   if (!call.action().controllers)
@@ -217,8 +225,10 @@ Result<Value> execute_message(std::uint64_t id, const std::string& run, ActionCa
   message.append("run", run);
   message.append("backward", call.backward());
   message.append("discardable", call.may_be_discarded());
-  if (const auto world = call.world())
+  if (const auto world = call.world()) {
     message.append("world", Value::List(world->facts().begin(), world->facts().end()));
+    message.append("world_data", shown_data(*world));
+  }
   message.append("no_robot", why_no_robot(call, has_robot));
   message.append("path", path_of(call));
   message.append("state", program.mission().script_id(call.state()));

@@ -5,6 +5,7 @@ import copy
 import itertools
 import math
 import queue
+import re
 import threading
 import time
 from collections.abc import Mapping
@@ -162,11 +163,16 @@ class Memories:
 
 
 class World(frozenset):
-    """The facts that hold, as texts: "at(box,table)"."""
+    """The facts that hold, as texts: "at(box,table)"; and in `data`, by name, what is attached to them."""
+
+    def __new__(cls, facts, data):
+        world = super().__new__(cls, facts)
+        world.data = data
+        return world
 
     def __contains__(self, fact):
-        """With blanks after commas or without."""
-        return super().__contains__(",".join(part.strip() for part in str(fact).split(",")))
+        """With blanks around commas and brackets or without."""
+        return super().__contains__(re.sub(r"\s*([(),])\s*", r"\1", str(fact)))
 
     def holds(self, fact):
         return fact in self
@@ -327,6 +333,7 @@ class ScriptState:
         self.state_id = message["state"]
         self.run_id = message["run"]
         self._world = message.get("world")
+        self._world_data = message.get("world_data")
         self._memory = memory
         self.logger = logger
         self.outcomes = dict(enumerate(map(Outcome, itertools.count(), message["outcomes"])))
@@ -356,7 +363,7 @@ class ScriptState:
         if self._world is None:
             raise RuntimeError("the action does not declare 'reads_world'")
         if not isinstance(self._world, World):
-            self._world = World(self._world)
+            self._world = World(self._world, self._world_data)
         return self._world
 
     @property

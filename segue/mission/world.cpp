@@ -8,9 +8,11 @@
 namespace segue::mission {
 
 World::World(Facts facts, bool keep, const AttachedData& data) : facts_(std::move(facts)), keep_(keep) {
-  if (keep_) initial_ = facts_;
   for (const auto& [name, attached] : data)
     data_.emplace(name, attached);
+  if (!keep_) return;
+  initial_ = facts_;
+  initial_data_ = data_;
 }
 
 void World::set(const std::string& fact, bool holds) {
@@ -46,13 +48,11 @@ World::Changes World::apply(std::span<const GroundFact> effects) {
 void World::undo(Changes changes) {
   for (std::uint32_t i = changes.first; i < changes.second; ++i)
     changes_[i].undone = true;
-  for (std::uint32_t i = changes.first; i < changes.second; ++i) {
-    const std::string& fact = changes_[i].fact.text;
-    bool holds = initial_.contains(fact);
-    for (const Change& change : changes_) {
-      if (!change.undone && change.fact.text == fact) holds = change.fact.holds;
-    }
-    set(fact, holds);
+  // Data cannot be undone, so all that counts is done again.
+  facts_ = initial_;
+  data_ = initial_data_;
+  for (const Change& change : changes_) {
+    if (!change.undone) set(change.fact.text, change.fact.holds);
   }
 }
 

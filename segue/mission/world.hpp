@@ -48,6 +48,7 @@ class World {
   Facts facts_;
   std::map<std::string, SharedWorldData, std::less<>> data_;
   Facts initial_;
+  std::map<std::string, SharedWorldData, std::less<>> initial_data_;
   std::vector<Change> changes_;
   bool keep_ = false;
 };

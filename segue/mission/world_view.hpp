@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/type/value.hpp>
+
 #include <map>
 #include <memory>
 #include <set>
@@ -20,6 +22,8 @@ class WorldData {
   /// The fact "at(box,table)" has become true or false. On the engine's thread; not for facts that keep
   /// their value, and for those of an opaque subtree at its end.
   virtual void changed(const std::string& fact, bool holds) = 0;
+  /// As scripts see them, `self.world.data[name]`; null: not at all.
+  [[nodiscard]] virtual type::Value shown() const { return {}; }
 };
 /// By the names under which actions ask for them.
 using AttachedData = std::map<std::string, std::shared_ptr<const WorldData>, std::less<>>;

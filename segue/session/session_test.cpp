@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
 #include <segue/mission/files.hpp>
+#include <segue/mission/world_effects.hpp>
 #include <segue/session/session.hpp>
 #include <segue/type/json.hpp>
 
@@ -9,6 +10,7 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -393,6 +395,78 @@ class Shelf final : public mission::WorldData {
   }
   int boxes = 0;
 };
+
+/// Where boxes are, in metres.
+using Scene = std::map<std::string, double>;
+
+mission::WorldEffects<Scene> scene_effects() {
+  mission::WorldEffects<Scene> effects;
+  effects.on("+holding", [](Scene& scene, auto boxes) { scene["gripper"] = scene.at(boxes[0]); })
+      .on("+holding", [](Scene& scene, auto boxes) { scene.erase(boxes[0]); })
+      .on("-holding",
+          [](Scene& scene, auto boxes) {
+            scene[boxes[0]] = scene.at("gripper") + 1;
+            scene.erase("gripper");
+          })
+      .shown_as([](const Scene& scene) {
+        type::ValueMap places;
+        for (const auto& [what, where] : scene)
+          places.append(what, where);
+        return type::Value(std::move(places));
+      });
+  return effects;
+}
+
+TEST_F(Sessions, EffectsChangeDataOfAnyTypeThatScriptsSeeToo) {
+  const Session session = load("scene.yaml", R"j(mission: m
+actions:
+  grasp: {effects: ["+holding(red)"], run: {callback: grasp}}
+  put: {effects: ["-holding(red)"], run: {callback: put}}
+  plan: {outputs: {red: float}, pure: true, reads_world: true, run: {callback: plan}}
+  tell:
+    outputs: {seen: any}
+    pure: true
+    reads_world: true
+    run:
+      python:
+        text: |
+          def execute(self, inputs, outputs, gvm):
+              outputs["seen"] = [self.world.holds("holding( red )"), sorted(self.world), self.world.data["scene"]]
+              return 0
+start: grasp
+outputs: {seen: any, red: float}
+flows: [tell.seen -> outputs.seen, plan.red -> outputs.red]
+states:
+  grasp: {on: {success: tell}}
+  tell: {on: {success: put}}
+  put: {on: {success: plan, aborted: plan}}
+  plan: {on: {success: return success}}
+)j");
+  for (const bool slips : {false, true}) {
+    for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
+      SCOPED_TRACE(slips);
+      RunRequest wanted = request(mode);
+      wanted.clock = cdtn::ClockKind::Real;
+      wanted.python = "python3";
+      wanted.world_data.emplace("scene", mission::world_data(Scene{{"red", 2.0}}, scene_effects()));
+      wanted.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
+      wanted.runners.add("put", [&](mission::ActionCall&) {
+        return slips ? mission::Ending{mission::kAborted, "it stuck"} : mission::Ending{};
+      });
+      wanted.runners.add("plan", [](mission::ActionCall& call) {
+        const auto scene = mission::data_of<Scene>(call.world().value(), "scene");
+        EXPECT_EQ(mission::data_of<int>(call.world().value(), "scene"), nullptr);
+        call.set_output("red", type::Value(scene->contains("red") ? scene->at("red") : -1.0));
+        return mission::Ending{};
+      });
+      const auto run = session.run(wanted).value();
+      const auto& outputs = run->overview().outputs;
+      EXPECT_EQ(*outputs.find("red"), type::Value(slips ? -1.0 : 3.0))
+          << "what was predicted wrongly is undone";
+      EXPECT_EQ(type::to_json(*outputs.find("seen"), -1), R"j([true,["holding(red)"],{"gripper":2.0}])j");
+    }
+  }
+}
 
 TEST_F(Sessions, ActionsSeeTheWorldThatIsPredictedWithWhatIsAttachedToIt) {
   const Session session = load("world.yaml", R"j(mission: m
