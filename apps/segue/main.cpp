@@ -51,7 +51,7 @@ std::string explain_word(const Verb& verb, const std::vector<std::string>& words
   std::vector<std::string> verbs;
   for (const Verb* inner : verb.verbs())
     verbs.push_back(inner->name());
-  if (verbs.empty()) return {};
+  if (verbs.empty() || verb.takes_arguments()) return {};
   for (const std::string& word : words) {
     if (word.empty() || word[0] == '-' || verb.find(word) != nullptr || word == verb.name()) continue;
     return "there is no verb " + segue::quote(word) + segue::did_you_mean(word, verbs);

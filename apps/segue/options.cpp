@@ -264,4 +264,9 @@ std::vector<std::string> Verb::option_names() const {
   return names;
 }
 
+bool Verb::takes_arguments() const {
+  return std::ranges::any_of(std::as_const(*impl_->app).get_options(),
+                             [](const CLI::Option* option) { return option->get_positional(); });
+}
+
 }  // namespace segue::cli

@@ -94,6 +94,8 @@ class Verb {
   [[nodiscard]] const Verb* find(const std::string& name) const;
   /// "-o", "--output", ...; in the order in which they were added, with those of help.
   [[nodiscard]] std::vector<std::string> option_names() const;
+  /// Whether words that are neither verbs nor options may follow it.
+  [[nodiscard]] bool takes_arguments() const;
 
  private:
   std::unique_ptr<Impl> impl_;
