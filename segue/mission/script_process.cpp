@@ -21,6 +21,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -75,7 +76,9 @@ struct Process {
   pid_t pid = 0;
   pid_t parent = 0;
   bool marked = false;
+  bool is_changing = false;  ///< it begins a program, or ends: whether it is marked cannot be seen
 };
+constexpr unsigned kKernelThread = 0x00200000;  // PF_KTHREAD, proc(5)
 
 /// All processes but those that have ended.
 std::vector<Process> running_processes(const std::string& mark) {
@@ -90,10 +93,15 @@ std::vector<Process> running_processes(const std::string& mark) {
     if (after_name == std::string::npos) continue;
     char state = 'Z';
     Process process;
-    std::istringstream(status.substr(after_name + 2)) >> state >> process.parent;
-    if (state == 'Z' || state == 'X') continue;
+    std::string ignored;
+    unsigned flags = 0;
+    std::istringstream(status.substr(after_name + 2)) >> state >> process.parent >> ignored >> ignored >>
+        ignored >> ignored >> flags;
+    if (state == 'Z' || state == 'X' || (flags & kKernelThread) != 0) continue;
     process.pid = static_cast<pid_t>(std::strtol(name.c_str(), nullptr, 10));
-    process.marked = content_of(each->path() / "environ").find(variable) != std::string::npos;
+    const std::string environment = content_of(each->path() / "environ");
+    process.marked = environment.find(variable) != std::string::npos;
+    process.is_changing = environment.empty() && content_of(each->path() / "cmdline").empty();
     found.push_back(process);
   }
   return found;
@@ -101,8 +109,7 @@ std::vector<Process> running_processes(const std::string& mark) {
 
 /// The descendants of `root`, whatever their process groups and sessions, and what else has the mark, since
 /// their parents have ended.
-std::vector<pid_t> descendants_of(pid_t root, const std::string& mark) {
-  const auto all = running_processes(mark);
+std::vector<pid_t> descendants_of(pid_t root, const std::vector<Process>& all) {
   std::vector<pid_t> found;
   const auto is_found = [&](pid_t pid) { return std::ranges::find(found, pid) != found.end(); };
   for (std::size_t before = 1; before != found.size();) {
@@ -117,10 +124,13 @@ std::vector<pid_t> descendants_of(pid_t root, const std::string& mark) {
 
 void kill_descendants(pid_t root, const std::string& mark) {
   for (int i = 0; i < kSweeps; ++i) {
-    const auto found = descendants_of(root, mark);
+    const auto all = running_processes(mark);
+    const auto found = descendants_of(root, all);
     for (const pid_t pid : found)
       ::kill(pid, SIGKILL);
-    if (found.empty()) return;
+    if (!found.empty()) continue;
+    if (std::ranges::none_of(all, &Process::is_changing)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 

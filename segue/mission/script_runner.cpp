@@ -44,7 +44,22 @@ Result<ScriptRobot::Rights> rights_of(const ActionCall& call) {
 
 class ScriptRunner::Impl {
  public:
-  explicit Impl(ScriptOptions options) : options_(std::move(options)), runs_(run_prefix()) {}
+  explicit Impl(ScriptOptions options) : options_(std::move(options)), runs_(run_prefix()) {
+    reach_->runner = this;
+  }
+  ~Impl() {
+    const std::lock_guard guard(reach_->mutex);
+    reach_->runner = nullptr;
+  }
+
+  /// Preempts an execution. From any thread, also after this has gone: the thread of a script's robot, which
+  /// this waits for in its end, may not be the one that ends it.
+  std::function<void()> preemption_of(std::uint64_t id) {
+    return [reach = reach_, id] {
+      const std::lock_guard guard(reach->mutex);
+      if (reach->runner != nullptr) reach->runner->preempt(id);
+    };
+  }
 
   std::pair<std::uint64_t, std::string> next_run() {
     const std::lock_guard guard(mutex_);
@@ -70,12 +85,6 @@ class ScriptRunner::Impl {
     }
   }
 
-  void preempt(std::uint64_t id) {
-    const std::lock_guard guard(mutex_);
-    for (const auto& worker : workers_)
-      worker->preempt(id);
-  }
-
   void pause(bool paused) {
     const std::lock_guard guard(mutex_);
     paused_ = paused;
@@ -94,15 +103,27 @@ class ScriptRunner::Impl {
   [[nodiscard]] const ScriptOptions& options() const { return options_; }
 
  private:
+  struct Reach {
+    std::mutex mutex;
+    Impl* runner = nullptr;
+  };
+
+  void preempt(std::uint64_t id) {
+    const std::lock_guard guard(mutex_);
+    for (const auto& worker : workers_)
+      worker->preempt(id);
+  }
+
   const ScriptOptions options_;
   const std::string runs_;
+  const std::shared_ptr<Reach> reach_ = std::make_shared<Reach>();
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<detail::ScriptWorker>> workers_;
   std::uint64_t last_id_ = 0;
   bool paused_ = false;
 };
 
-ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
+ScriptRunner::ScriptRunner(ScriptOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 ScriptRunner::~ScriptRunner() = default;
 
 Result<void> ScriptRunner::check() const {
@@ -125,15 +146,8 @@ std::optional<Ending> ScriptRunner::start(ActionCall& call) {
   for (const Port& port : call.action().outputs)
     execution.output_names.push_back(port.name);
   execution.outputs.assign(call.outputs().begin(), call.outputs().end());
-  execution.completer = call.defer([weak = std::weak_ptr(impl_), number = id] {
-    if (const auto impl = weak.lock()) impl->preempt(number);
-  });
-  if (rights) {
-    execution.robot =
-        impl_->options().robot->begin(std::move(*rights), [weak = std::weak_ptr(impl_), number = id] {
-          if (const auto impl = weak.lock()) impl->preempt(number);
-        });
-  }
+  execution.completer = call.defer(impl_->preemption_of(id));
+  if (rights) execution.robot = impl_->options().robot->begin(std::move(*rights), impl_->preemption_of(id));
   impl_->begin(id, std::move(execution), *text);
   return std::nullopt;
 }

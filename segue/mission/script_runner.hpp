@@ -58,7 +58,7 @@ class ScriptRunner final : public ActionRunner {
 
  private:
   class Impl;
-  std::shared_ptr<Impl> impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace segue::mission
