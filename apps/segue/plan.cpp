@@ -19,6 +19,7 @@ struct PlanOptions {
   std::string order;
   bool force = false;
   bool exit_code = false;
+  bool take_over = false;
   Duration timeout = std::chrono::seconds(60);
 };
 
@@ -95,8 +96,9 @@ int show_applied(const Value& answer, const Context& context) {
 }
 
 int apply(control::RobotService& robot, const PlanOptions& options, const Context& context) {
-  const auto answer = robot.apply({.force = options.force, .order = options.order, .who = sender("apply")},
-                                  deadline_in(options.timeout));
+  control::SwitchOptions asked{.force = options.force, .order = options.order, .who = sender("apply")};
+  asked.take_over = options.take_over;
+  const auto answer = robot.apply(asked, deadline_in(options.timeout));
   return answer ? show_applied(*answer, context) : failed(context, answer.error());
 }
 
@@ -140,6 +142,8 @@ void add_apply(Verb& app, Context& context) {
         return with_robot(context,
                           [&](control::RobotService& robot) { return apply(robot, *options, context); });
       });
+  verb.flag("--take-over", options->take_over,
+            "also where somebody else, such as a mission, commands the robot; ends what that does");
   add_options(verb, *options, context);
 }
 

@@ -178,12 +178,26 @@ TEST_F(RobotMission, DoesNotSucceedWithItsControllerTakenAway) {
   const auto refused = segue({"switch", "explore"});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.output + refused.errors, HasSubstr("the robot is commanded by segue mission run"));
+  const auto kept = segue({"apply"});
+  EXPECT_EQ(kept.status, 1);
+  EXPECT_THAT(kept.output + kept.errors, HasSubstr("or take the robot over (--take-over)"));
   EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
   EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: preempted"));
   EXPECT_EQ(controller(), "explore");
   EXPECT_EQ(segue({"switch", "go_to"}).status, 0) << "nobody commands the robot now";
+}
+
+TEST_F(RobotMission, IsEndedByFilesThatTakeTheRobotOver) {
+  start();
+  write("endless.yaml", kEndless);
+  Process mission(command({"mission", "run", "endless.yaml"}), folder_);
+  wait_for_controller("go_to");
+  const auto applied = segue({"apply", "--take-over"});
+  EXPECT_EQ(applied.status, 0) << applied.output << applied.errors;
+  EXPECT_EQ(mission.wait().status, 1);
+  EXPECT_EQ(segue({"apply"}).status, 0) << "nobody commands the robot now";
 }
 
 TEST_F(RobotMission, GivesTheRobotBackWhenItIsKilled) {
