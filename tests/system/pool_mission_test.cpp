@@ -14,6 +14,7 @@
 namespace segue::testing {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 /// Plans a route.
@@ -93,8 +94,10 @@ TEST_F(PoolMission, SaysWhyWhereNoInstanceIsLeft) {
   kill_first();
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
+  // Its connection ends before the system says that it has ended.
   EXPECT_THAT(finished.errors + finished.output,
-              HasSubstr("no instance of pool 'planner' is ready: planner_1: its process is gone"));
+              ContainsRegex("no instance of pool 'planner' is ready: planner_1: its process (is gone|does "
+                            "not answer)"));
   EXPECT_THAT(segue({"status"}).output, HasSubstr("pool planner: 0 of 1 ready"));
   EXPECT_EQ(segue({"switch", "explore"}).status, 0) << "the controllers do not depend on it";
 }
