@@ -39,15 +39,19 @@ class Instances {
     return fail(ErrorCode::NotFound, "the robot has no pool " + quote(pool));
   }
 
-  /// Blocks until an instance is ready and free. Cancelled when asked to stop.
-  Result<PoolInstanceView> take(const std::string& pool, const std::stop_token& stop) {
+  /// Blocks until an instance is ready and free; rather another one than `lost`, which may be there again.
+  /// Cancelled when asked to stop.
+  Result<PoolInstanceView> take(const std::string& pool, const std::string& lost,
+                                const std::stop_token& stop) {
     TimePoint give_up = RealClock::instance().now() + options_.ready_deadline;
     while (!stop.stop_requested()) {
       const auto view = look(pool);
       if (!view) return view.error();
       std::unique_lock lock(mutex_);
       bool any_ready = false;
-      for (const PoolInstanceView& one : view->instances) {
+      auto instances = view->instances;
+      std::ranges::stable_partition(instances, [&](const PoolInstanceView& one) { return one.task != lost; });
+      for (const PoolInstanceView& one : instances) {
         any_ready = any_ready || one.ready;
         if (one.ready && busy_.insert(one.task).second) return one;
       }
@@ -103,13 +107,15 @@ class PoolExecution {
   /// Blocks until the action has ended.
   Ending run(CommandedRobot& robot, Instances& instances, const std::stop_token& stop,
              std::vector<Value>& outputs) const {
+    std::string last;
     for (std::size_t attempt = 1;; ++attempt) {
-      const auto instance = instances.take(call_.pool, stop);
+      const auto instance = instances.take(call_.pool, last, stop);
       if (!instance) return stop.stop_requested() ? Ending{kPreempted, {}} : aborted_by(instance.error());
       const auto answer = robot.call({instance->task, call_.operation}, arguments_,
                                      RealClock::instance().now() + call_.timeout);
       const bool lost = !answer && instances.is_lost(call_.pool, *instance, answer.error());
       instances.give_back(*instance);
+      last = instance->task;
       if (stop.stop_requested()) return {kPreempted, {}};
       if (answer) return ended_with(*answer, outputs);
       if (!lost) return aborted_by(answer.error());
