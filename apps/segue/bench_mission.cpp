@@ -3,6 +3,7 @@
 
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/robot.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
@@ -46,10 +47,11 @@ Result<void> add_factor(const std::string& text, MissionFactor::Kind kind,
   if (kind == MissionFactor::Kind::Input && name.find('.') != std::string::npos)
     kind = MissionFactor::Kind::Property;
   for (const type::Value& value : values->as_list()) {
-    const bool fits = value.kind() == type::Value::Kind::Int && value.as_int() >= 1 && value.as_int() <= 256;
+    const bool fits = value.kind() == type::Value::Kind::Int && value.as_int() >= 1 &&
+                      value.as_int() <= model::kLargestPool;
     if (kind == MissionFactor::Kind::PoolSize && !fits)
-      return fail(ErrorCode::InvalidArgument,
-                  "a pool has between 1 and 256 instances, not " + one_line(value));
+      return fail(ErrorCode::InvalidArgument, fmt::format("a pool has between 1 and {} instances, not {}",
+                                                          model::kLargestPool, one_line(value)));
   }
   factors.push_back({kind, name, std::move(values->as_list())});
   return {};
@@ -64,28 +66,39 @@ Result<void> parse_published(const std::string& text, std::vector<std::string>& 
   return {};
 }
 
-/// Measures one cell after the other into `cells`. What was measured before a failure or an interruption
-/// stays; an interrupted run is left out.
+/// Adds runs to the cell until it is whole, or an interruption, which leaves out the run under way.
+Result<void> measure_mission_cell(const MissionExperiment& experiment, MissionCell& cell,
+                                  const std::string& where, StopSignal& stop) {
+  Progress progress;
+  for (std::uint64_t seed = 1; seed <= experiment.runs; ++seed) {
+    // By turns, so that a load that changes slowly disturbs both modes alike.
+    for (const bool concurrent : {seed % 2 == 0, seed % 2 != 0}) {
+      progress.show(fmt::format("{}, run {} {}", where, seed, concurrent ? "concurrently" : "as written"));
+      auto run = run_mission_afresh(experiment, cell.setting, concurrent, seed, stop.token());
+      if (!run) return run.error();
+      if (stop.requested()) return {};
+      cell.runs.push_back(std::move(*run));
+    }
+  }
+  return {};
+}
+
+/// Measures one cell after the other into `cells`, and writes what there is after each. What was measured
+/// before a failure or an interruption stays.
 Result<void> measure_mission_cells(const MissionExperiment& experiment, std::vector<MissionCell>& cells,
                                    const std::string& folder, StopSignal& stop) {
-  Progress progress;
   const auto settings = settings_of(experiment);
   for (const MissionSetting& setting : settings) {
     MissionCell& cell = cells.emplace_back(MissionCell{setting, {}, {}});
     if (cells.size() <= experiment.published.size()) cell.published = experiment.published[cells.size() - 1];
-    for (std::uint64_t seed = 1; seed <= experiment.runs; ++seed) {
-      // By turns, so that a load that changes slowly disturbs both modes alike.
-      for (const bool concurrent : {seed % 2 == 0, seed % 2 != 0}) {
-        progress.show(fmt::format("combination {} of {}, run {} {}", cells.size(), settings.size(), seed,
-                                  concurrent ? "concurrently" : "as written"));
-        auto run = run_mission_afresh(experiment, cell.setting, concurrent, seed, stop.token());
-        if (!run) return run.error();
-        if (stop.requested()) return {};
-        cell.runs.push_back(std::move(*run));
-      }
+    auto measured = measure_mission_cell(
+        experiment, cell, fmt::format("combination {} of {}", cells.size(), settings.size()), stop);
+    if (cell.runs.empty()) cells.pop_back();
+    if (!cells.empty() && !folder.empty()) {
+      auto written = write_mission_bench_files(folder, experiment, cells);
+      if (measured && !written) return written;
     }
-    if (folder.empty()) continue;
-    if (auto written = write_mission_bench_files(folder, experiment, cells); !written) return written;
+    if (!measured || stop.requested()) return measured;
   }
   return {};
 }
@@ -118,12 +131,7 @@ int bench_mission(const MissionBenchOptions& options, const Context& context) {
   }
   set_log_level(LogLevel::Error);
   std::vector<MissionCell> cells;
-  auto measured = measure_mission_cells(experiment, cells, options.folder, stop);
-  std::erase_if(cells, [](const MissionCell& cell) { return cell.runs.empty(); });
-  if (!cells.empty() && !options.folder.empty()) {
-    auto written = write_mission_bench_files(options.folder, experiment, cells);
-    if (measured && !written) measured = written;
-  }
+  const auto measured = measure_mission_cells(experiment, cells, options.folder, stop);
   if (!cells.empty() && !context.json()) print(mission_bench_text(experiment, cells));
   if (!measured) return failed(context, measured.error());
   if (context.json()) print_json(mission_bench_value(experiment, cells));

@@ -143,8 +143,13 @@ std::string mission_table(const MissionExperiment& experiment, const std::vector
   return table.text();
 }
 
-std::string mode_name(const MissionRun& run) {
-  return run.concurrent ? "concurrent" : "as written";
+/// For people.
+std::string mode_name(bool concurrent) {
+  return concurrent ? "concurrent" : "as written";
+}
+/// As `segue mission run --mode` has it.
+std::string mode_key(bool concurrent) {
+  return concurrent ? "concurrent" : "sequential";
 }
 
 /// "boxes 2, planner 1".
@@ -162,8 +167,9 @@ std::string failures_of(const MissionExperiment& experiment, const std::vector<M
     for (const MissionRun& run : cell.runs) {
       if (run.ended_well) continue;
       const std::string setting = setting_text(experiment, cell.setting);
-      text += fmt::format("{}{}{}, run {}: {}{}{}\n", setting, setting.empty() ? "" : ", ", mode_name(run),
-                          run.seed, run.outcome, run.error.empty() ? "" : ": ", run.error);
+      text += fmt::format("{}{}{}, run {}: {}{}{}\n", setting, setting.empty() ? "" : ", ",
+                          mode_name(run.concurrent), run.seed, run.outcome, run.error.empty() ? "" : ": ",
+                          run.error);
     }
   }
   return text;
@@ -197,7 +203,7 @@ type::Value figures_value(const MissionCell& cell, BenchClock clock) {
 }
 
 type::Value run_value(const MissionRun& run) {
-  auto value = type::Value::map({{"mode", run.concurrent ? "concurrent" : "sequential"},
+  auto value = type::Value::map({{"mode", mode_key(run.concurrent)},
                                  {"seed", run.seed},
                                  {"ended_well", run.ended_well},
                                  {"outcome", run.outcome},
@@ -231,8 +237,8 @@ std::string csv_of_missions(const MissionExperiment& experiment, const std::vect
     for (const MissionRun& run : cell.runs) {
       for (const type::Value& value : cell.setting)
         text += csv_field(one_line(value)) + ",";
-      text += fmt::format("{},{},{},{},{:.6f},{},{:.6f},", run.concurrent ? "concurrent" : "sequential",
-                          run.seed, run.ended_well, csv_field(run.outcome), run.wall.makespan,
+      text += fmt::format("{},{},{},{},{:.6f},{},{:.6f},", mode_key(run.concurrent), run.seed, run.ended_well,
+                          csv_field(run.outcome), run.wall.makespan,
                           run.ended_well ? fmt::format("{:.6f}", run.wall.ideal) : "", run.idle);
       text += run.robot ? fmt::format("{:.6f},{:.6f},", run.robot->makespan, run.robot->ideal) : ",,";
       text += csv_field(run.error) + "\n";
@@ -259,8 +265,7 @@ draw::Chart chart_of_missions(const MissionExperiment& experiment, const std::ve
       }
       if (makespans.empty()) continue;
       const std::string others = setting_text(experiment, cell.setting, 1);
-      const std::string name =
-          std::string(concurrent ? "concurrent" : "as written") + (others.empty() ? "" : ", " + others);
+      const std::string name = mode_name(concurrent) + (others.empty() ? "" : ", " + others);
       auto line = std::ranges::find(chart.lines, name, &draw::Chart::Line::name);
       if (line == chart.lines.end()) line = chart.lines.insert(line, {name, {}});
       const auto place = std::ranges::find(first.values, cell.setting.front()) - first.values.begin();

@@ -11,9 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <map>
-#include <mutex>
 #include <stop_token>
 #include <utility>
 
@@ -86,6 +84,13 @@ Progress Progress::of(const Value& value) {
   for (const auto& [task, count] : updates->as_map())
     progress.updates.emplace(task, count.is_integer() ? count.as_uint() : 0);
   return progress;
+}
+
+/// The condition if it is one of that kind on the robot; else null.
+template <class Kind>
+const Kind* condition_of(const EndCondition& condition) {
+  const auto* seen = std::get_if<RobotCondition>(&condition.when);
+  return seen == nullptr ? nullptr : std::get_if<Kind>(seen);
 }
 
 /// Whether something other than time ends it, or it has ended.
@@ -197,9 +202,7 @@ class ControlledRun {
       if (auto written = robot_.write(one.member, one.value, answer_by()); !written) return written;
     }
     for (const EndCondition& condition : use_.until) {
-      const auto* seen = std::get_if<RobotCondition>(&condition.when);
-      if (seen == nullptr) continue;
-      if (const auto* reaches = std::get_if<TaskReaches>(seen)) {
+      if (const auto* reaches = condition_of<TaskReaches>(condition)) {
         const auto task = robot_.task(reaches->task);
         if (!task) return task.error();
         told_.emplace(reaches->task, task->updates);
@@ -212,8 +215,7 @@ class ControlledRun {
   /// Samples count from then on.
   Result<void> open_ports() {
     for (const EndCondition& condition : use_.until) {
-      const auto* seen = std::get_if<RobotCondition>(&condition.when);
-      const auto* shows = seen == nullptr ? nullptr : std::get_if<SampleShows>(seen);
+      const auto* shows = condition_of<SampleShows>(condition);
       if (shows == nullptr) continue;
       if (auto opened = open(shows->port); !opened) return opened;
     }
@@ -275,20 +277,13 @@ class ControlledRun {
   std::optional<Ending> loss(const std::stop_token& stop) {
     const auto trouble = robot_.trouble(use_.controller);
     if (!trouble) return failed(trouble.error(), stop);
-    if (!trouble->why.empty()) return lost(trouble->why, trouble->taken_over ? kPreempted : kAborted);
-    for (const ControllerTrouble::Task& task : trouble->tasks) {
-      if (!awaits_failure_of(task.id)) return lost(task.why, kAborted);
-    }
-    return std::nullopt;
-  }
-  [[nodiscard]] Ending lost(const std::string& why, Outcome outcome) const {
-    return {outcome, "controller " + quote(use_.controller) + " was lost: " + why};
+    return ending_by(*trouble, use_.controller,
+                     [this](const std::string& task) { return awaits_failure_of(task); });
   }
   /// Whether it ends, as it says itself, when that task fails.
   [[nodiscard]] bool awaits_failure_of(const std::string& task) const {
     return std::ranges::any_of(use_.until, [&](const EndCondition& condition) {
-      const auto* seen = std::get_if<RobotCondition>(&condition.when);
-      const auto* reaches = seen == nullptr ? nullptr : std::get_if<TaskReaches>(seen);
+      const auto* reaches = condition_of<TaskReaches>(condition);
       return reaches != nullptr && reaches->task == task && names_failure(reaches->state);
     });
   }
@@ -349,11 +344,7 @@ class ControlledRun {
     return {};
   }
 
-  void wait(const std::stop_token& stop) {
-    std::mutex mutex;
-    std::unique_lock lock(mutex);
-    std::condition_variable_any().wait_for(lock, stop, options_.period, [] { return false; });
-  }
+  void wait(const std::stop_token& stop) const { wait_for_next_look(options_.period, stop); }
 
   [[nodiscard]] TimePoint answer_by() const { return now() + options_.answer_deadline; }
 

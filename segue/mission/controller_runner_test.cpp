@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/mission/controller_runner.hpp>
-#include <segue/mission/engine.hpp>
+#include <segue/mission/engine_test_support.hpp>
 #include <segue/mission/fake_robot.hpp>
 #include <segue/mission/files.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <thread>
 
 namespace segue::mission {
 namespace {
@@ -17,12 +15,11 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using type::Value;
 
-class ControllerActions : public ::testing::Test {
+class ControllerActions : public RunningMission {
  protected:
   /// A mission of one action with that 'run'.
   void begin(const std::string& run) {
-    Diagnostics diagnostics;
-    auto mission = read_mission(
+    const std::string text =
         "mission: m\n"
         "actions:\n"
         "  go:\n"
@@ -30,35 +27,22 @@ class ControllerActions : public ::testing::Test {
         "    outputs: {pose: any}\n"
         "    outcomes: [arrived, blocked]\n"
         "    run: {" +
-            run +
-            "}\n"
-            "outcomes: [arrived, blocked]\n"
-            "outputs: {pose: any}\n"
-            "start: go\n"
-            "flows: [go.pose -> outputs.pose]\n"
-            "states: {go: {on: {arrived: return arrived, blocked: return blocked}}}\n",
-        "m.yaml", diagnostics);
-    ASSERT_TRUE(mission) << to_string(diagnostics);
-    auto program = Program::compile(std::move(*mission));
-    ASSERT_TRUE(program) << to_string(program.error());
+        run +
+        "}\n"
+        "outcomes: [arrived, blocked]\n"
+        "outputs: {pose: any}\n"
+        "start: go\n"
+        "flows: [go.pose -> outputs.pose]\n"
+        "states: {go: {on: {arrived: return arrived, blocked: return blocked}}}\n";
     Runners runners;
     ControllerOptions options;
     options.period = 1ms;
     options.watch = 1ms;
     runners.set_controllers(std::make_shared<ControllerRunner>(robot_, options));
-    auto engine = Engine::create(*program, runners);
-    ASSERT_TRUE(engine) << to_string(engine.error());
-    engine_ = std::move(*engine);
-    thread_ = std::jthread([this] { engine_->run(); });
-  }
-  const MissionResult& ended() {
-    thread_.join();
-    return engine_->result();
+    begin_mission(text, runners);
   }
 
   std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
-  std::unique_ptr<Engine> engine_;
-  std::jthread thread_;
 };
 
 constexpr const char* kArrived = "until: [{task: planner, state: arrived, outcome: arrived}]";

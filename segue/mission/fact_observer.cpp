@@ -4,7 +4,6 @@
 #include <segue/base/life_cycle.hpp>
 
 #include <algorithm>
-#include <condition_variable>
 #include <iterator>
 #include <utility>
 
@@ -14,12 +13,6 @@ namespace {
 
 TimePoint time_now() {
   return RealClock::instance().now();
-}
-
-void pause_for(Duration duration, const std::stop_token& end = {}) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any().wait_for(lock, end, duration, [] { return false; });
 }
 
 }  // namespace
@@ -51,7 +44,7 @@ void FactObserver::work(const std::stop_token& end) {
     watches_.insert(watches_.end(), std::make_move_iterator(watches.begin()),
                     std::make_move_iterator(watches.end()));
     lock.unlock();
-    pause_for(options_.period, end);
+    wait_for_next_look(options_.period, end);
   }
 }
 
@@ -103,7 +96,7 @@ bool FactObserver::value_now(Entry& entry) {
     const bool may_still_come =
         entry.feed && !entry.feed->last && time_now() < entry.opened + entry.declared.settle;
     if (!may_still_come) break;
-    pause_for(std::chrono::milliseconds(1));
+    wait_for_next_look(std::chrono::milliseconds(1), {});
   }
   return entry.value;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/mission/engine.hpp>
+#include <segue/mission/engine_test_support.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/pool_runner.hpp>
 
@@ -9,7 +9,6 @@
 #include <functional>
 #include <map>
 #include <mutex>
-#include <thread>
 
 namespace segue::mission {
 namespace {
@@ -90,13 +89,12 @@ Error connection_broke() {
   return fail(ErrorCode::Unavailable, "the connection is closed");
 }
 
-class PoolCalls : public ::testing::Test {
+class PoolCalls : public RunningMission {
  protected:
   /// A mission of one action with these declarations.
   void begin(PlanningRobot::Answer answer, const std::string& declared = "pure: true") {
     robot_ = std::make_shared<PlanningRobot>(std::move(answer));
-    Diagnostics diagnostics;
-    auto mission = read_mission(
+    const std::string text =
         "mission: m\n"
         "actions:\n"
         "  plan:\n"
@@ -104,34 +102,21 @@ class PoolCalls : public ::testing::Test {
         "    outputs: {length: any, all: any}\n"
         "    outcomes: [found, no_route]\n"
         "    " +
-            declared +
-            "\n"
-            "    run: {pool: planner, call: {plan: {to: '{to}'}}, outcome_from: outcome,\n"
-            "          outputs: {length: path.length, all: value}}\n"
-            "outcomes: [found, no_route]\n"
-            "outputs: {length: any}\n"
-            "start: plan\n"
-            "flows: [plan.length -> outputs.length]\n"
-            "states: {plan: {on: {found: return found, no_route: return no_route}}}\n",
-        "m.yaml", diagnostics);
-    ASSERT_TRUE(mission) << to_string(diagnostics);
-    auto program = Program::compile(std::move(*mission));
-    ASSERT_TRUE(program) << to_string(program.error());
+        declared +
+        "\n"
+        "    run: {pool: planner, call: {plan: {to: '{to}'}}, outcome_from: outcome,\n"
+        "          outputs: {length: path.length, all: value}}\n"
+        "outcomes: [found, no_route]\n"
+        "outputs: {length: any}\n"
+        "start: plan\n"
+        "flows: [plan.length -> outputs.length]\n"
+        "states: {plan: {on: {found: return found, no_route: return no_route}}}\n";
     Runners runners;
     runners.set_pools(std::make_shared<PoolRunner>(robot_, PoolOptions{1ms, 60s, 60s}));
-    auto engine = Engine::create(*program, runners);
-    ASSERT_TRUE(engine) << to_string(engine.error());
-    engine_ = std::move(*engine);
-    thread_ = std::jthread([this] { engine_->run(); });
-  }
-  const MissionResult& ended() {
-    thread_.join();
-    return engine_->result();
+    begin_mission(text, runners);
   }
 
   std::shared_ptr<PlanningRobot> robot_;
-  std::unique_ptr<Engine> engine_;
-  std::jthread thread_;
 };
 
 TEST_F(PoolCalls, EndAsTheAnswerSays) {

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/mission/robot_look.hpp>
+
+#include <condition_variable>
+#include <mutex>
 
 namespace segue::mission {
 
@@ -25,6 +29,24 @@ Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoin
   const auto answer = robot.call(when.operation, type::ValueMap{}, deadline);
   if (!answer) return answer.error();
   return *answer == when.is;
+}
+
+std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::string& controller,
+                                const std::function<bool(const std::string& task)>& awaits) {
+  const auto lost = [&](const std::string& why, Outcome outcome) {
+    return Ending{outcome, "controller " + quote(controller) + " was lost: " + why};
+  };
+  if (!trouble.why.empty()) return lost(trouble.why, trouble.taken_over ? kPreempted : kAborted);
+  for (const ControllerTrouble::Task& task : trouble.tasks) {
+    if (!awaits || !awaits(task.id)) return lost(task.why, kAborted);
+  }
+  return std::nullopt;
+}
+
+void wait_for_next_look(Duration period, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any().wait_for(lock, stop, period, [] { return false; });
 }
 
 }  // namespace segue::mission

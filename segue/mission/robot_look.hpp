@@ -3,12 +3,16 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
+#include <segue/mission/action_runner.hpp>
 #include <segue/mission/commanded_robot.hpp>
 #include <segue/mission/robot_condition.hpp>
 #include <segue/type/value.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
+#include <string>
 #include <vector>
 
 /// Looks at a robot, for conditions that end actions and for facts that are observed.
@@ -29,5 +33,12 @@ struct PortFeed {
 [[nodiscard]] bool is_in(const TaskView& task, const TaskReaches& state);
 /// Blocks until the operation has answered, until `deadline` at most.
 [[nodiscard]] Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoint deadline);
+
+/// How an action ends whose controller is in this trouble; nothing where it is in none. `awaits`: whether the
+/// action waits for that task to fail; empty: it waits for none.
+[[nodiscard]] std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::string& controller,
+                                              const std::function<bool(const std::string& task)>& awaits);
+/// Until the next look; shorter where a stop is requested.
+void wait_for_next_look(Duration period, const std::stop_token& stop);
 
 }  // namespace segue::mission

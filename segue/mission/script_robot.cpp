@@ -216,7 +216,7 @@ class RobotUse final : public ScriptRobot::Use {
       if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "it was preempted");
       if (RealClock::instance().now() >= deadline)
         return fail(ErrorCode::DeadlineExceeded, "no sample came from " + to_string(port));
-      wait(options_.period, stop);
+      wait_for_next_look(options_.period, stop);
     }
   }
 
@@ -278,7 +278,7 @@ class RobotUse final : public ScriptRobot::Use {
   void watch(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       if (look_after_controllers()) return preempt_();
-      wait(options_.watch, stop);
+      wait_for_next_look(options_.watch, stop);
     }
   }
 
@@ -296,12 +296,8 @@ class RobotUse final : public ScriptRobot::Use {
         if (options_.unreachable) return lose_robot(trouble.error()), true;
         return lose({kAborted, to_string(trouble.error())}), true;
       }
-      const bool broken = trouble->why.empty() && !trouble->tasks.empty();
-      const std::string& why = broken ? trouble->tasks.front().why : trouble->why;
-      if (why.empty() || !uses(one.controller)) continue;
-      return lose({trouble->taken_over ? kPreempted : kAborted,
-                   "controller " + quote(one.controller) + " was lost: " + why}),
-             true;
+      auto ending = ending_by(*trouble, one.controller, {});
+      if (ending && uses(one.controller)) return lose(std::move(*ending)), true;
     }
     return false;
   }
@@ -337,12 +333,6 @@ class RobotUse final : public ScriptRobot::Use {
       if (!ended && ending.outcome >= 0) ending = {kAborted, to_string(ended.error())};
     }
     return ending;
-  }
-
-  static void wait(Duration time, const std::stop_token& stop) {
-    std::mutex mutex;
-    std::unique_lock lock(mutex);
-    std::condition_variable_any().wait_for(lock, stop, time, [] { return false; });
   }
 
   const std::shared_ptr<CommandedRobot> robot_;

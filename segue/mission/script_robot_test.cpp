@@ -2,7 +2,7 @@
 // Scripts that command a robot; what it is asked is noted by a fake.
 #include <segue/base/log.hpp>
 #include <segue/mission/controllers.hpp>
-#include <segue/mission/engine.hpp>
+#include <segue/mission/engine_test_support.hpp>
 #include <segue/mission/fake_robot.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/script_robot.hpp>
@@ -10,8 +10,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <thread>
 
 namespace segue::mission {
 namespace {
@@ -24,7 +22,7 @@ using type::Value;
 
 constexpr const char* kUsesGoHome = "controllers: [go_home]";
 
-class RobotScripts : public ::testing::Test {
+class RobotScripts : public RunningMission {
  protected:
   void SetUp() override { set_log_level(LogLevel::Error); }
   void TearDown() override { set_log_level(LogLevel::Info); }
@@ -40,11 +38,6 @@ class RobotScripts : public ::testing::Test {
     return text + "\naction: a\n";
   }
   void begin(const std::string& body, const std::string& declared = kUsesGoHome) {
-    Diagnostics diagnostics;
-    auto mission = read_mission(mission_of(body, declared), "m.yaml", diagnostics);
-    ASSERT_TRUE(mission) << to_string(diagnostics);
-    auto program = Program::compile(std::move(*mission));
-    ASSERT_TRUE(program) << to_string(program.error());
     ScriptOptions options;
     if (robot_) {
       ScriptRobotOptions how;
@@ -54,14 +47,7 @@ class RobotScripts : public ::testing::Test {
     }
     Runners runners;
     runners.set_scripts(std::make_shared<ScriptRunner>(options));
-    auto engine = Engine::create(*program, runners);
-    ASSERT_TRUE(engine) << to_string(engine.error());
-    engine_ = std::move(*engine);
-    thread_ = std::jthread([this] { engine_->run(); });
-  }
-  const MissionResult& ended() {
-    thread_.join();
-    return engine_->result();
+    begin_mission(mission_of(body, declared), runners);
   }
   const MissionResult& run(const std::string& body, const std::string& declared = kUsesGoHome) {
     begin(body, declared);
@@ -69,8 +55,6 @@ class RobotScripts : public ::testing::Test {
   }
 
   std::shared_ptr<FakeRobot> robot_ = std::make_shared<FakeRobot>();
-  std::unique_ptr<Engine> engine_;
-  std::jthread thread_;
 };
 
 TEST_F(RobotScripts, CommandTheRobot) {

@@ -44,21 +44,13 @@ Result<ScriptRobot::Rights> rights_of(const ActionCall& call) {
 
 class ScriptRunner::Impl {
  public:
-  explicit Impl(ScriptOptions options) : options_(std::move(options)), runs_(run_prefix()) {
-    reach_->runner = this;
-  }
-  ~Impl() {
-    const std::lock_guard guard(reach_->mutex);
-    reach_->runner = nullptr;
-  }
+  explicit Impl(ScriptOptions options) : options_(std::move(options)), runs_(run_prefix()) {}
+  ~Impl() { reach_->close(); }
 
   /// Preempts an execution. From any thread, also after this has gone: the thread of a script's robot, which
   /// this waits for in its end, may not be the one that ends it.
   std::function<void()> preemption_of(std::uint64_t id) {
-    return [reach = reach_, id] {
-      const std::lock_guard guard(reach->mutex);
-      if (reach->runner != nullptr) reach->runner->preempt(id);
-    };
+    return [reach = reach_, id] { reach->with([&](Impl& runner) { runner.preempt(id); }); };
   }
 
   std::pair<std::uint64_t, std::string> next_run() {
@@ -103,11 +95,6 @@ class ScriptRunner::Impl {
   [[nodiscard]] const ScriptOptions& options() const { return options_; }
 
  private:
-  struct Reach {
-    std::mutex mutex;
-    Impl* runner = nullptr;
-  };
-
   void preempt(std::uint64_t id) {
     const std::lock_guard guard(mutex_);
     for (const auto& worker : workers_)
@@ -116,7 +103,7 @@ class ScriptRunner::Impl {
 
   const ScriptOptions options_;
   const std::string runs_;
-  const std::shared_ptr<Reach> reach_ = std::make_shared<Reach>();
+  const std::shared_ptr<detail::Reach<Impl>> reach_ = std::make_shared<detail::Reach<Impl>>(*this);
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<detail::ScriptWorker>> workers_;
   std::uint64_t last_id_ = 0;

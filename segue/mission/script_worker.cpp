@@ -50,15 +50,10 @@ Ending ending_of(const Value& message) {
 ScriptWorker::ScriptWorker(ScriptOptions options)
     : options_(std::move(options)),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-      messages_(options_.largest_message) {
-  link_->worker = this;
-}
+      messages_(options_.largest_message) {}
 
 ScriptWorker::~ScriptWorker() {
-  {
-    const std::lock_guard guard(link_->mutex);
-    link_->worker = nullptr;
-  }
+  reach_->close();
   {
     const std::lock_guard guard(mutex_);
     open_ = false;
@@ -255,20 +250,19 @@ void ScriptWorker::handle_question(const Value& message) {
       found->second.locks.emplace_back(message_text(message, "name"), value->as_uint());
   }
   guard.unlock();
-  answer(std::move(reply), message);
+  answer(std::move(reply), number_of(message, "number").value_or(0));
 }
 
 void ScriptWorker::ask_robot(const std::shared_ptr<ScriptRobot::Use>& robot, const Value& message) {
-  const Value number = Value::map({{"number", number_of(message, "number").value_or(0)}});
-  robot->ask(message, [link = link_, number](ValueMap reply) {
-    const std::lock_guard guard(link->mutex);
-    if (link->worker != nullptr) link->worker->answer(std::move(reply), number);
+  const std::uint64_t number = number_of(message, "number").value_or(0);
+  robot->ask(message, [reach = reach_, number](ValueMap reply) {
+    reach->with([&](ScriptWorker& worker) { worker.answer(std::move(reply), number); });
   });
 }
 
-void ScriptWorker::answer(ValueMap reply, const Value& question) {
+void ScriptWorker::answer(ValueMap reply, std::uint64_t number) {
   reply.append("do", "answer");
-  reply.append("number", number_of(question, "number").value_or(0));
+  reply.append("number", number);
   const std::lock_guard guard(mutex_);
   enqueue(std::move(reply));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/descriptor.hpp>
+#include <segue/mission/reach.hpp>
 #include <segue/mission/script_memory.hpp>
 #include <segue/mission/script_messages.hpp>
 #include <segue/mission/script_process.hpp>
@@ -30,14 +31,6 @@ struct ScriptExecution {
   std::vector<std::pair<std::string, Globals::Key>> locks;
   std::optional<TimePoint> overdue;           ///< once preempted: until when it must end
   std::shared_ptr<ScriptRobot::Use> robot{};  ///< null: it uses none
-};
-
-class ScriptWorker;
-
-/// How others reach a worker for as long as there is one. Thread safe.
-struct ScriptWorkerLink {
-  std::mutex mutex;  ///< locked before that of the worker
-  ScriptWorker* worker = nullptr;
 };
 
 /// One Python process, and the thread that communicates with it from the first execution until the process
@@ -75,7 +68,7 @@ class ScriptWorker {
   void handle_end(const type::Value& message);
   void handle_question(const type::Value& message);
   void ask_robot(const std::shared_ptr<ScriptRobot::Use>& robot, const type::Value& message);
-  void answer(type::ValueMap answer, const type::Value& question);
+  void answer(type::ValueMap answer, std::uint64_t number);
   static void complete(ScriptExecution execution, Ending ending);
   /// Ends or kills the process if it is time to.
   void check_time(const ScriptProcess& process);
@@ -89,7 +82,7 @@ class ScriptWorker {
   void enqueue_text(std::string_view text);
 
   const ScriptOptions options_;
-  const std::shared_ptr<ScriptWorkerLink> link_ = std::make_shared<ScriptWorkerLink>();
+  const std::shared_ptr<Reach<ScriptWorker>> reach_ = std::make_shared<Reach<ScriptWorker>>(*this);
   const std::shared_ptr<ScriptMemory> memory_ = std::make_shared<ScriptMemory>();
   Descriptor wake_;
   std::atomic<bool> ended_{false};

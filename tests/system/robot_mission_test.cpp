@@ -107,17 +107,7 @@ states:
   leave: {on: {success: return left_behind, aborted: return done}}
 )m";
 
-class RobotMission : public SystemTest {
- protected:
-  [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
-  void wait_for_controller(const std::string& name) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (controller() != name) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the robot does not run " << name;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-  }
-};
+class RobotMission : public SystemTest {};
 
 TEST_F(RobotMission, DrivesToItsGoalsInBothModes) {
   start();

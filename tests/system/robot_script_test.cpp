@@ -97,17 +97,7 @@ actions:
 action: wait
 )";
 
-class RobotScript : public SystemTest {
- protected:
-  [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
-  void wait_for_controller(const std::string& name) {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (controller() != name) {
-      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the robot does not run " << name;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-  }
-};
+class RobotScript : public SystemTest {};
 
 TEST_F(RobotScript, DrivesTheRobotInBothModes) {
   ASSERT_EQ(segue({"init", "rover"}).status, 0);

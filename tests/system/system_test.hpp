@@ -8,12 +8,14 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "../fault/processes.hpp"
@@ -75,6 +77,15 @@ class SystemTest : public ::testing::Test {
     if (!robot_->wait_for("robot rover runs")) {
       const auto finished = robot_->wait();
       FAIL() << finished.output << finished.errors;
+    }
+  }
+  /// The name of what the robot runs.
+  [[nodiscard]] std::string controller() { return json({"status"}).find("controller")->as_string(); }
+  void wait_for_controller(const std::string& name) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (controller() != name) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline) << "the robot does not run " << name;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
   /// Shuts the robot down cleanly.

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/mission/engine.hpp>
+#include <segue/mission/files.hpp>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace segue::mission {
+
+/// A mission that runs in a thread of its own.
+class RunningMission : public ::testing::Test {
+ protected:
+  void begin_mission(const std::string& text, const Runners& runners) {
+    Diagnostics diagnostics;
+    auto mission = read_mission(text, "m.yaml", diagnostics);
+    ASSERT_TRUE(mission) << to_string(diagnostics);
+    auto program = Program::compile(std::move(*mission));
+    ASSERT_TRUE(program) << to_string(program.error());
+    auto engine = Engine::create(*program, runners);
+    ASSERT_TRUE(engine) << to_string(engine.error());
+    engine_ = std::move(*engine);
+    thread_ = std::jthread([this] { engine_->run(); });
+  }
+  const MissionResult& ended() {
+    thread_.join();
+    return engine_->result();
+  }
+
+  std::unique_ptr<Engine> engine_;
+  std::jthread thread_;
+};
+
+}  // namespace segue::mission
