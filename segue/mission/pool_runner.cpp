@@ -50,7 +50,8 @@ class Instances {
       std::unique_lock lock(mutex_);
       bool any_ready = false;
       auto instances = view->instances;
-      std::ranges::stable_partition(instances, [&](const PoolInstanceView& one) { return one.task != lost; });
+      std::stable_partition(instances.begin(), instances.end(),
+                            [&](const PoolInstanceView& one) { return one.task != lost; });
       for (const PoolInstanceView& one : instances) {
         any_ready = any_ready || one.ready;
         if (one.ready && busy_.insert(one.task).second) return one;
