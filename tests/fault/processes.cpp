@@ -38,7 +38,8 @@ std::size_t threads_of(pid_t pid) {
   std::size_t threads = 0;
   for (const fs::path& thread : entries(folder_of(pid) / "task")) {
     const std::string name = text_of(thread / "comm");
-    const bool is_of_pool = name == "segue-fleet\n" || name == "segue-calls\n" || name == "segue-ordered\n";
+    const bool is_of_pool = name == "segue-actions\n" || name == "segue-fleet\n" || name == "segue-calls\n" ||
+                            name == "segue-ordered\n";
     threads += is_of_pool ? 0 : 1;
   }
   return threads;
