@@ -74,6 +74,7 @@ void add_host_list(Verb& host, Context& context);          ///< verbs of `host`
 void add_host_certificates(Verb& host, Context& context);  ///< likewise
 void add_component(Verb& app, Context& context);
 void add_mission(Verb& app, Context& context);
+void add_studio(Verb& app, Context& context);
 void add_bench(Verb& app, Context& context);
 void add_bench_mission(Verb& bench, Context& context);  ///< a verb of `bench`
 void add_completion(Verb& app, Context& context);

@@ -43,7 +43,7 @@ class Gate {
 };
 
 /// Echoes its arguments, so that tests see what was transferred.
-class FakeRobot final : public RobotService {
+class FakeRobot : public RobotService {
  public:
   Gate entered;  ///< a blocking call has begun
   Gate release;  ///< releases blocking calls

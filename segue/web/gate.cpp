@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/gate.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+namespace segue::web {
+
+namespace {
+
+constexpr std::string_view kTokenQuery = "/?token=";
+
+/// The next part of "a=1; b=2", which is cut off.
+std::string_view next_cookie(std::string_view& cookies) {
+  const auto end = cookies.find(';');
+  std::string_view one = cookies.substr(0, end);
+  cookies = end == std::string_view::npos ? std::string_view() : cookies.substr(end + 1);
+  while (one.starts_with(' '))
+    one.remove_prefix(1);
+  return one;
+}
+
+}  // namespace
+
+std::string random_secret() {
+  std::array<unsigned char, 32> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::system_error(errno, std::generic_category(), "getrandom");
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += "0123456789abcdef"[byte >> 4U];
+    text += "0123456789abcdef"[byte & 15U];
+  }
+  return text;
+}
+
+bool equal_secrets(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t at = 0; at < a.size(); ++at)
+    difference |= static_cast<unsigned char>(a[at]) ^ static_cast<unsigned char>(b[at]);
+  return difference == 0;
+}
+
+Gate::Gate(std::uint16_t port, Role role)
+    : port_(port),
+      role_(role),
+      cookie_name_("segue_studio_" + std::to_string(port)),
+      token_(random_secret()) {}
+
+std::string Gate::token() const {
+  const std::lock_guard lock(mutex_);
+  return token_;
+}
+
+Result<void> Gate::check_names(const Entrance& entrance) const {
+  const std::string port = ":" + std::to_string(port_);
+  const bool known = std::ranges::any_of(std::array{"127.0.0.1", "localhost"},
+                                         [&](const char* name) { return entrance.host == name + port; });
+  if (!known)
+    return fail(ErrorCode::PermissionDenied, "the request is for another host: " + quote(entrance.host));
+  const bool needs_origin = entrance.is_socket || !entrance.origin.empty();
+  if (needs_origin && entrance.origin != "http://" + entrance.host)
+    return fail(ErrorCode::PermissionDenied, "the request is of another page: " + quote(entrance.origin));
+  return {};
+}
+
+bool Gate::knows(std::string_view cookies) const {
+  const std::string prefix = cookie_name_ + "=";
+  bool known = false;
+  while (!cookies.empty()) {
+    const std::string_view one = next_cookie(cookies);
+    if (!one.starts_with(prefix)) continue;
+    for (const auto& [secret, number] : browsers_)
+      known = equal_secrets(secret, one.substr(prefix.size())) || known;
+  }
+  return known;
+}
+
+Result<Gate::Admission> Gate::admit(const Entrance& entrance) {
+  if (auto named = check_names(entrance); !named) return named.error();
+  const std::lock_guard lock(mutex_);
+  const std::string_view target = entrance.target;
+  const bool brings_token =
+      target.starts_with(kTokenQuery) && equal_secrets(target.substr(kTokenQuery.size()), token_);
+  if (!brings_token || entrance.is_socket) {
+    if (knows(entrance.cookies)) return Admission{role_, {}};
+    return fail(ErrorCode::PermissionDenied, target.starts_with(kTokenQuery)
+                                                 ? "the token is not valid (any more)"
+                                                 : "the request has no token and no valid cookie");
+  }
+  if (browsers_.size() >= kMostBrowsers) {
+    browsers_.erase(std::ranges::min_element(browsers_, {}, [](const auto& one) { return one.second; }));
+  }
+  const std::string secret = random_secret();
+  browsers_.emplace(secret, ++entered_);
+  token_ = random_secret();
+  return Admission{role_, cookie_name_ + "=" + secret + "; Path=/; HttpOnly; SameSite=Strict"};
+}
+
+}  // namespace segue::web

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/web/role.hpp>
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace segue::web {
+
+/// What a browser sent, as far as it matters for who may enter. Empty: it has no such header.
+struct Entrance {
+  std::string target{};  ///< path and query
+  std::string host{};
+  std::string origin{};
+  std::string cookies{};
+  bool is_socket = false;  ///< asks for a WebSocket
+};
+
+/// Lets browsers of this computer in that bring a token, and knows them by a cookie afterwards. Requests for
+/// other names of this computer (DNS rebinding) and of other pages (cross-site requests) are refused. All
+/// functions may be called from any thread.
+class Gate {
+ public:
+  struct Admission {
+    Role role = Role::Observe;
+    /// "Set-Cookie" of a browser that has brought the token: it is spent, and another one is valid.
+    std::string new_cookie{};
+  };
+
+  static constexpr std::size_t kMostBrowsers = 64;
+
+  Gate(std::uint16_t port, Role role);
+
+  /// PermissionDenied, with why.
+  Result<Admission> admit(const Entrance& entrance);
+  /// Opens the page once. A secret.
+  [[nodiscard]] std::string token() const;
+
+ private:
+  [[nodiscard]] Result<void> check_names(const Entrance& entrance) const;
+  [[nodiscard]] bool knows(std::string_view cookies) const;
+
+  const std::uint16_t port_;
+  const Role role_;
+  const std::string cookie_name_;
+  mutable std::mutex mutex_;  ///< protects all below
+  std::string token_;
+  std::uint64_t entered_ = 0;
+  std::map<std::string, std::uint64_t> browsers_;  ///< by cookie: which came in first
+};
+
+/// 256 random bits of the system in hexadecimal digits. Throws std::system_error where it gives none.
+std::string random_secret();
+
+/// Compares in a time that does not depend on where the texts differ.
+bool equal_secrets(std::string_view a, std::string_view b);
+
+}  // namespace segue::web

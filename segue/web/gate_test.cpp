@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/gate.hpp>
+
+#include <gtest/gtest.h>
+
+namespace segue::web {
+namespace {
+
+constexpr std::uint16_t kPort = 8475;
+constexpr const char* kHost = "127.0.0.1:8475";
+
+std::string enter(Gate& gate) {
+  const auto admission = gate.admit({.target = "/?token=" + gate.token(), .host = kHost});
+  EXPECT_TRUE(admission);
+  const std::string cookie = admission ? admission->new_cookie : "";
+  return cookie.substr(0, cookie.find(';'));
+}
+
+TEST(GateTest, ATokenOpensOnceAndGivesACookie) {
+  Gate gate(kPort, Role::Operate);
+  const std::string token = gate.token();
+  const auto first = gate.admit({.target = "/?token=" + token, .host = kHost});
+  ASSERT_TRUE(first);
+  EXPECT_NE(first->new_cookie.find("; HttpOnly; SameSite=Strict"), std::string::npos) << first->new_cookie;
+  EXPECT_EQ(first->new_cookie.find(token), std::string::npos);
+  EXPECT_FALSE(gate.admit({.target = "/?token=" + token, .host = kHost})) << "it is spent";
+  const std::string cookie = first->new_cookie.substr(0, first->new_cookie.find(';'));
+  const auto again = gate.admit({.target = "/", .host = kHost, .cookies = "other=1; " + cookie});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->role, Role::Operate);
+  EXPECT_EQ(again->new_cookie, "");
+  EXPECT_NE(enter(gate), cookie) << "the next browser has a cookie of its own";
+}
+
+TEST(GateTest, WithoutTokenAndCookieNobodyEnters) {
+  Gate gate(kPort, Role::Operate);
+  enter(gate);
+  for (const std::string cookies :
+       {"", "segue_studio_8475=", "segue_studio_8475=00", "; ;;", "segue_studio_8475"})
+    EXPECT_FALSE(gate.admit({.target = "/", .host = kHost, .cookies = cookies})) << cookies;
+  EXPECT_FALSE(gate.admit({.target = "/?token=", .host = kHost}));
+  EXPECT_FALSE(gate.admit({.target = "/x?token=" + gate.token(), .host = kHost}));
+}
+
+TEST(GateTest, OtherNamesOfTheHostAreRefused) {
+  Gate gate(kPort, Role::Operate);
+  const std::string cookie = enter(gate);
+  for (const std::string host :
+       {"", "127.0.0.1", "127.0.0.1:80", "evil.example:8475", "127.0.0.1:8475.evil.example",
+        "localhost.evil.example:8475", "0.0.0.0:8475"}) {
+    EXPECT_FALSE(gate.admit({.target = "/", .host = host, .cookies = cookie})) << host;
+    EXPECT_FALSE(gate.admit({.target = "/?token=" + gate.token(), .host = host})) << host;
+  }
+  EXPECT_TRUE(gate.admit({.target = "/", .host = "localhost:8475", .cookies = cookie}));
+}
+
+TEST(GateTest, OtherPagesAreRefused) {
+  Gate gate(kPort, Role::Operate);
+  const std::string cookie = enter(gate);
+  for (const bool socket : {false, true}) {
+    for (const std::string origin : {"http://evil.example", "null", "https://127.0.0.1:8475",
+                                     "http://127.0.0.1:8476", "http://localhost:8475"})
+      EXPECT_FALSE(gate.admit(
+          {.target = "/", .host = kHost, .origin = origin, .cookies = cookie, .is_socket = socket}))
+          << origin;
+  }
+  EXPECT_FALSE(gate.admit({.target = "/socket", .host = kHost, .cookies = cookie, .is_socket = true}))
+      << "a WebSocket of no page";
+  EXPECT_TRUE(gate.admit({.target = "/socket",
+                          .host = kHost,
+                          .origin = std::string("http://") + kHost,
+                          .cookies = cookie,
+                          .is_socket = true}));
+  EXPECT_FALSE(gate.admit({.target = "/?token=" + gate.token(),
+                           .host = kHost,
+                           .origin = std::string("http://") + kHost,
+                           .is_socket = true}))
+      << "a WebSocket with the token";
+}
+
+TEST(GateTest, TheOldestOfManyBrowsersIsForgotten) {
+  Gate gate(kPort, Role::Observe);
+  const std::string oldest = enter(gate);
+  const std::string second = enter(gate);
+  for (std::size_t more = 2; more < Gate::kMostBrowsers + 1; ++more)
+    enter(gate);
+  EXPECT_FALSE(gate.admit({.target = "/", .host = kHost, .cookies = oldest}));
+  const auto known = gate.admit({.target = "/", .host = kHost, .cookies = second});
+  ASSERT_TRUE(known);
+  EXPECT_EQ(known->role, Role::Observe);
+}
+
+TEST(Secrets, AreEqualOrNot) {
+  EXPECT_TRUE(equal_secrets("abc", "abc"));
+  EXPECT_FALSE(equal_secrets("abc", "abd"));
+  EXPECT_FALSE(equal_secrets("abc", "ab"));
+  EXPECT_EQ(random_secret().size(), 64U);
+  EXPECT_NE(random_secret(), random_secret());
+}
+
+}  // namespace
+}  // namespace segue::web

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/hub.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/concurrent/thread.hpp>
+#include <segue/type/json.hpp>
+#include <segue/web/change.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace segue::web {
+
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+/// Between two questions to the robot at the least, however often something happens there.
+constexpr Duration kShortestPause = std::chrono::milliseconds(20);
+constexpr Duration kEventWait = std::chrono::seconds(1);
+constexpr std::size_t kSampleBuffer = 16;
+
+/// The status with its lists as maps.
+Value with_keys(Value status) {
+  if (!status.is_map()) return status;
+  ValueMap& map = status.as_map();
+  if (Value* tasks = map.find("tasks"); tasks != nullptr && tasks->is_list())
+    *tasks = keyed(tasks->as_list(), {"id"});
+  if (Value* connections = map.find("connections"); connections != nullptr && connections->is_list())
+    *connections = keyed(connections->as_list(), {"from", "to", "policy"});
+  return status;
+}
+
+/// "port/TASK/PORT" -> TASK, PORT.
+std::optional<std::pair<std::string, std::string>> port_of(std::string_view document) {
+  constexpr std::string_view kPrefix = "port/";
+  if (!document.starts_with(kPrefix)) return std::nullopt;
+  const auto rest = document.substr(kPrefix.size());
+  const auto slash = rest.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const auto task = rest.substr(0, slash);
+  const auto port = rest.substr(slash + 1);
+  if (!is_identifier(task) || !is_identifier(port)) return std::nullopt;
+  return std::pair(std::string(task), std::string(port));
+}
+
+std::optional<std::string> task_of(std::string_view document) {
+  constexpr std::string_view kPrefix = "task/";
+  if (!document.starts_with(kPrefix) || !is_identifier(document.substr(kPrefix.size()))) return std::nullopt;
+  return std::string(document.substr(kPrefix.size()));
+}
+
+}  // namespace
+
+/// A document that somebody looks at.
+struct Hub::Watched {
+  std::string name;
+  Kind kind = kSnapshots;
+  std::string task{};
+  std::string port{};
+  struct Looking {
+    const Viewer* who;  ///< never used after its end
+    std::weak_ptr<Viewer> viewer;
+  };
+  std::vector<Looking> viewers{};            ///< with the hub's mutex, as the next
+  std::shared_ptr<const Document> newest{};  ///< null at first
+  std::uint64_t generation = 0;              ///< from here on: used by the thread of this kind alone
+  std::unique_ptr<control::SampleStream> stream{};
+  std::uint64_t last_event = 0;
+  ValueMap events{};
+};
+
+Hub::Hub(RobotLink& link) : Hub(link, Periods{}) {}
+
+Hub::Hub(RobotLink& link, Periods periods) : link_(link), periods_(periods) {
+  for (const Kind kind : {kSnapshots, kPorts, kEvents})
+    threads_[kind] = concurrent::start_thread("segue-hub", [this, kind] { run(kind); });
+}
+
+Hub::~Hub() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_)
+    thread.join();
+}
+
+Result<void> Hub::look(const std::shared_ptr<Viewer>& viewer, const std::string& document) {
+  const auto port = port_of(document);
+  const auto task = task_of(document);
+  if (!port && !task && document != "status" && document != "events")
+    return fail(ErrorCode::NotFound, "there is no document " + quote(document));
+  const std::lock_guard lock(mutex_);
+  auto& entry = documents_[document];
+  if (!entry) {
+    if (documents_.size() > kMostDocuments) {
+      documents_.erase(document);
+      return fail(ErrorCode::ResourceExhausted, "too many documents are looked at");
+    }
+    entry = std::make_shared<Watched>();
+    entry->name = document;
+    entry->kind = port ? kPorts : document == "events" ? kEvents : kSnapshots;
+    if (port) std::tie(entry->task, entry->port) = *port;
+    if (task) entry->task = *task;
+  }
+  // No viewer may end with the mutex held, so none is kept alive here.
+  const bool known =
+      std::ranges::any_of(entry->viewers, [&](const auto& one) { return one.who == viewer.get(); });
+  if (!known) entry->viewers.push_back({viewer.get(), viewer});
+  ++nudges_;
+  changed_.notify_all();
+  return {};
+}
+
+void Hub::look_away(const Viewer& viewer, const std::string& document) {
+  std::shared_ptr<Watched> dropped;  // ends after the mutex is free, since a stream may have to be closed
+  const std::lock_guard lock(mutex_);
+  const auto found = documents_.find(document);
+  if (found == documents_.end()) return;
+  std::erase_if(found->second->viewers, [&](const auto& one) { return one.who == &viewer; });
+  if (!found->second->viewers.empty()) return;
+  dropped = std::move(found->second);
+  documents_.erase(found);
+}
+
+void Hub::leave(const Viewer& viewer) {
+  std::vector<std::string> names;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, entry] : documents_)
+      names.push_back(name);
+  }
+  for (const std::string& name : names)
+    look_away(viewer, name);
+}
+
+std::shared_ptr<const Document> Hub::newest(const std::string& document) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = documents_.find(document);
+  return found == documents_.end() ? nullptr : found->second->newest;
+}
+
+std::vector<std::shared_ptr<Hub::Watched>> Hub::watched(Kind kind) const {
+  std::vector<std::shared_ptr<Watched>> found;
+  for (const auto& [name, entry] : documents_) {
+    if (entry->kind == kind) found.push_back(entry);
+  }
+  return found;
+}
+
+void Hub::run(Kind kind) {
+  const Duration period = kind == kPorts    ? periods_.ports
+                          : kind == kEvents ? kShortestPause
+                                            : periods_.snapshots;
+  std::unique_lock lock(mutex_);
+  while (!ends_) {
+    auto due = watched(kind);
+    if (due.empty()) {
+      changed_.wait(lock);
+      continue;
+    }
+    const std::uint64_t seen = nudges_;
+    lock.unlock();
+    for (const auto& document : due)
+      refresh(*document);
+    due.clear();  // what nobody looks at any more ends here
+    lock.lock();
+    changed_.wait_for(lock, kShortestPause, [this] { return ends_; });
+    changed_.wait_for(lock, period - std::min(period, kShortestPause),
+                      [&] { return ends_ || (kind != kEvents && nudges_ != seen); });
+  }
+}
+
+void Hub::refresh(Watched& document) {
+  const auto link = link_.get();
+  if (!link) return publish(document, Value(), link.error().message);
+  if (link->generation != document.generation) {
+    document.generation = link->generation;
+    document.stream.reset();
+    document.last_event = 0;
+    document.events = {};
+  }
+  auto value = ask(document, *link);
+  if (value) return publish(document, std::move(*value), "");
+  link_.failed(link->generation, value.error());
+  document.stream.reset();
+  publish(document, Value(), to_string(value.error()));
+}
+
+Result<Value> Hub::ask(Watched& document, const RobotLink::Connected& link) {
+  if (document.kind == kPorts) return read_port(document, link);
+  if (document.kind == kEvents) return follow_events(document, link);
+  if (!document.task.empty()) return link.robot->task(document.task);
+  auto status = link.robot->status();
+  if (!status) return status;
+  return with_keys(std::move(*status));
+}
+
+/// The value that is known already, where there is no new sample.
+Result<Value> Hub::read_port(Watched& document, const RobotLink::Connected& link) {
+  if (!document.stream) {
+    auto stream = link.robot->open_port(document.task, document.port, kSampleBuffer);
+    if (!stream) return stream.error();
+    document.stream = std::move(*stream);
+  }
+  auto samples = document.stream->read(kSampleBuffer);
+  if (!samples) return samples.error();
+  if (samples->empty()) {
+    const auto known = newest(document.name);
+    return known && known->error.empty() ? known->value : Value();
+  }
+  const double time = std::chrono::duration<double>(monotonic_now().time_since_epoch()).count();
+  return Value::map(
+      {{"type", document.stream->type_name()}, {"time_s", time}, {"value", std::move(samples->back())}});
+}
+
+Result<Value> Hub::follow_events(Watched& document, const RobotLink::Connected& link) {
+  auto events = link.robot->events(document.last_event, document.last_event == 0 ? Duration(0) : kEventWait);
+  if (!events) return events;
+  if (!events->is_list()) return fail(ErrorCode::Internal, "the robot sent events that are no list");
+  ValueMap kept;
+  auto& fresh = events->as_list();
+  const std::size_t room = kMostEvents - std::min(kMostEvents, fresh.size());
+  std::size_t skip = document.events.size() - std::min(room, document.events.size());
+  for (auto& [number, event] : document.events) {
+    if (skip > 0) {
+      --skip;
+    } else {
+      kept.append(number, std::move(event));
+    }
+  }
+  for (std::size_t at = fresh.size() - std::min(fresh.size(), kMostEvents); at < fresh.size(); ++at) {
+    const Value* number = fresh[at].find("number");
+    if (number == nullptr || !number->is_integer() || number->as_uint() <= document.last_event) continue;
+    document.last_event = number->as_uint();
+    kept.append(std::to_string(document.last_event), std::move(fresh[at]));
+  }
+  document.events = std::move(kept);
+  if (!fresh.empty()) {
+    const std::lock_guard lock(mutex_);
+    ++nudges_;
+    changed_.notify_all();
+  }
+  return Value(document.events);
+}
+
+void Hub::publish(Watched& document, Value value, std::string error) {
+  const auto before = newest(document.name);
+  if (before && before->error == error && (!error.empty() || before->value == value)) return;
+  auto next = std::make_shared<Document>();
+  next->version = before ? before->version + 1 : 1;
+  next->error = std::move(error);
+  // What was known last stays, so that a page can show it until the robot answers again.
+  next->value = next->error.empty() || !before ? std::move(value) : before->value;
+  if (before && before->value.is_map() && next->value.is_map())
+    next->change = type::to_json(change_between(before->value, next->value), -1);
+  std::vector<std::shared_ptr<Viewer>> told;
+  {
+    const std::lock_guard lock(mutex_);
+    document.newest = std::move(next);
+    for (const auto& looking : document.viewers) {
+      if (auto alive = looking.viewer.lock()) told.push_back(std::move(alive));
+    }
+  }
+  for (const auto& viewer : told)
+    viewer->on_change(document.name);
+}
+
+}  // namespace segue::web

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/clock.hpp>
+#include <segue/type/value.hpp>
+#include <segue/web/robot_link.hpp>
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace segue::web {
+
+/// One version of something that a robot shows.
+struct Document {
+  std::uint64_t version = 0;  ///< counts from 1
+  type::Value value;          ///< null: not known (yet)
+  std::string error{};        ///< why `value` is not what is now; empty: it is
+  std::string change{};       ///< JSON of change_between() the version before and this; empty: no such change
+};
+
+/// Who looks at documents.
+class Viewer {
+ public:
+  virtual ~Viewer() = default;
+  /// There is a newer version of a document. Called by threads of the hub; must neither block nor call the
+  /// hub.
+  virtual void on_change(const std::string& document) = 0;
+};
+
+/// Turns a robot into documents while somebody looks at them; what nobody looks at is not asked of the robot.
+/// The documents: "status", with "tasks" and "connections" as maps; "events", a map of the last events by
+/// number; "task/ID", the report of a task; "port/TASK/PORT", {"type", "time_s", "value"}: the newest sample
+/// and when it was read (monotonic). All functions may be called from any thread.
+class Hub {
+ public:
+  /// The time between two questions to the robot.
+  struct Periods {
+    Duration snapshots = std::chrono::milliseconds(500);  ///< status and tasks; also asked after events
+    Duration ports = std::chrono::milliseconds(50);
+  };
+  static constexpr std::size_t kMostEvents = 1000;
+  static constexpr std::size_t kMostDocuments = 1000;
+
+  explicit Hub(RobotLink& link);
+  Hub(RobotLink& link, Periods periods);
+  ~Hub();
+  Hub(const Hub&) = delete;
+  Hub& operator=(const Hub&) = delete;
+
+  /// From now on the viewer is told of changes of that document. NotFound where there is no such document,
+  /// ResourceExhausted where too many are looked at.
+  Result<void> look(const std::shared_ptr<Viewer>& viewer, const std::string& document);
+  void look_away(const Viewer& viewer, const std::string& document);
+  /// From all documents. To be called before the viewer ends.
+  void leave(const Viewer& viewer);
+  /// Null where nobody looks at it or nothing is known yet.
+  [[nodiscard]] std::shared_ptr<const Document> newest(const std::string& document) const;
+
+ private:
+  enum Kind : std::uint8_t { kSnapshots, kPorts, kEvents };
+  struct Watched;
+
+  void run(Kind kind);
+  std::vector<std::shared_ptr<Watched>> watched(Kind kind) const;
+  void refresh(Watched& document);
+  Result<type::Value> ask(Watched& document, const RobotLink::Connected& link);
+  Result<type::Value> read_port(Watched& document, const RobotLink::Connected& link);
+  Result<type::Value> follow_events(Watched& document, const RobotLink::Connected& link);
+  void publish(Watched& document, type::Value value, std::string error);
+
+  RobotLink& link_;
+  const Periods periods_;
+  mutable std::mutex mutex_;  ///< protects all below but the threads
+  std::condition_variable changed_;
+  bool ends_ = false;
+  std::uint64_t nudges_ = 0;  ///< what is known may be outdated before the period is over
+  std::map<std::string, std::shared_ptr<Watched>> documents_;
+  std::array<std::thread, 3> threads_;
+};
+
+}  // namespace segue::web

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/test_support.hpp>
+
+namespace segue::web {
+namespace {
+
+using type::Value;
+
+/// Counts what it is told.
+class Looker final : public Viewer {
+ public:
+  void on_change(const std::string&) override { ++told; }
+  std::atomic<int> told{0};
+};
+
+class HubTest : public WebTest {
+ protected:
+  HubTest() : link_([this] { return connection()(); }, std::chrono::milliseconds(5)) {}
+
+  [[nodiscard]] bool becomes(const Hub& hub, const std::string& document, const Value& value) const {
+    return comes_true([&] {
+      const auto newest = hub.newest(document);
+      return newest && newest->error.empty() && newest->value == value;
+    });
+  }
+
+  RobotLink link_;
+  const Hub::Periods often_{.snapshots = std::chrono::milliseconds(20),
+                            .ports = std::chrono::milliseconds(20)};
+  const std::shared_ptr<Looker> looker_ = std::make_shared<Looker>();
+};
+
+TEST_F(HubTest, NobodyLookingCostsTheRobotNothing) {
+  Hub hub(link_, often_);
+  ASSERT_TRUE(hub.look(looker_, "status"));
+  ASSERT_TRUE(hub.look(looker_, "events"));
+  ASSERT_TRUE(hub.look(looker_, "port/t/out"));
+  ASSERT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
+  ASSERT_TRUE(comes_true([&] { return hub.newest("port/t/out") != nullptr && robot_.open_streams == 1; }));
+  hub.leave(*looker_);
+  EXPECT_EQ(hub.newest("status"), nullptr);
+  ASSERT_TRUE(comes_true([&] { return robot_.open_streams == 0; })) << "the port is closed";
+  // A question that was under way may still arrive; then there are no more.
+  int before = -1;
+  EXPECT_TRUE(comes_true([&] {
+    const int now = robot_.questions;
+    std::this_thread::sleep_for(10 * often_.snapshots);
+    return std::exchange(before, now) == robot_.questions;
+  }));
+}
+
+TEST_F(HubTest, AChangeIsAVersionAndNothingElseIs) {
+  Hub hub(link_, often_);
+  robot_.show(Value::map({{"tasks", Value::list({Value::map({{"id", "a"}, {"n", 1}})})}}));
+  ASSERT_TRUE(hub.look(looker_, "status"));
+  ASSERT_TRUE(becomes(hub, "status",
+                      Value::map({{"tasks", Value::map({{"a", Value::map({{"id", "a"}, {"n", 1}})}})}})));
+  const int asked = robot_.questions;
+  ASSERT_TRUE(comes_true([&] { return robot_.questions > asked + 3; }));
+  EXPECT_EQ(hub.newest("status")->version, 1U);
+  EXPECT_EQ(looker_->told, 1);
+  robot_.show(Value::map({{"tasks", Value::list({Value::map({{"id", "a"}, {"n", 2}})})}}));
+  ASSERT_TRUE(comes_true([&] { return hub.newest("status")->version == 2; }));
+  EXPECT_EQ(hub.newest("status")->change, R"({"in":{"tasks":{"in":{"a":{"set":{"n":2}}}}}})");
+}
+
+TEST_F(HubTest, ALostRobotIsSaidAndFoundAgain) {
+  Hub hub(link_, often_);
+  ASSERT_TRUE(hub.look(looker_, "status"));
+  ASSERT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
+  serving_.reset();
+  ASSERT_TRUE(comes_true([&] { return !hub.newest("status")->error.empty(); }));
+  EXPECT_EQ(hub.newest("status")->value, Value::map({{"robot", "fake"}})) << "what was known last stays";
+  serve();
+  EXPECT_TRUE(becomes(hub, "status", Value::map({{"robot", "fake"}})));
+}
+
+TEST_F(HubTest, EventsAreKeptInOrder) {
+  Hub hub(link_, often_);
+  ASSERT_TRUE(hub.look(looker_, "events"));
+  ASSERT_TRUE(comes_true([&] {
+    const auto newest = hub.newest("events");
+    return newest && newest->value.is_map() && newest->value.as_map().size() == 10;
+  }));
+  EXPECT_EQ(hub.newest("events")->value.as_map().begin()->first, "1");
+}
+
+TEST_F(HubTest, UnknownDocumentsAndTasksAreErrors) {
+  Hub hub(link_, often_);
+  for (const std::string name : {"", "secret", "task/", "task/../x", "task/a b", "port/", "port/t", "port/t/",
+                                 "port//p", "port/t/p/q", "port/<b>/p"})
+    EXPECT_FALSE(hub.look(looker_, name)) << name;
+  ASSERT_TRUE(hub.look(looker_, "task/gone"));
+  ASSERT_TRUE(hub.look(looker_, "port/t/none"));
+  EXPECT_TRUE(comes_true([&] {
+    const auto task = hub.newest("task/gone");
+    const auto port = hub.newest("port/t/none");
+    return task && task->error.find("no task") != std::string::npos && port && !port->error.empty();
+  }));
+}
+
+}  // namespace
+}  // namespace segue::web

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/web/page_files.hpp>
+#include <segue/web/robot_link.hpp>
+#include <segue/web/role.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace segue::web {
+
+struct ServerOptions {
+  std::uint16_t port = 0;  ///< 0: a free one
+  Role role = Role::Operate;
+  std::string robot{};  ///< its name, for the page
+  /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
+  std::function<void(const std::string& address)> entered{};
+};
+
+/// Serves a page and its WebSocket (at /socket) to browsers of this computer: loopback only, one port, one
+/// thread. 64 connections at most; what is beyond is closed. Requests have 10 s, 16 KiB of headers and no
+/// body, messages 1 MiB.
+class Server {
+ public:
+  static constexpr std::size_t kMostConnections = 64;
+
+  /// AlreadyExists where the port is taken.
+  static Result<std::unique_ptr<Server>> start(PageFiles page, const Connect& connect, ServerOptions options);
+  /// Closes all connections; waits for calls of the robot in progress, until their deadlines at most.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const;
+  /// "http://127.0.0.1:PORT/?token=...", for one browser. A secret.
+  [[nodiscard]] std::string address() const;
+
+ private:
+  struct Implementation;
+  explicit Server(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace segue::web

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/web/verbs.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace segue::web {
+
+namespace {
+
+using control::RobotService;
+using type::Value;
+
+constexpr Duration kSwitchTime = std::chrono::seconds(60);
+constexpr Duration kCallTime = std::chrono::seconds(10);
+constexpr std::size_t kLongestHistory = 200;
+
+struct Request {
+  RobotService& robot;
+  const Command& command;
+  const std::string& who;
+};
+
+Result<Value> ask_switch(const Request& request, bool dry_run) {
+  const auto controller = request.command.text("controller");
+  if (!controller) return controller.error();
+  const auto force = request.command.flag("force");
+  if (!force) return force.error();
+  const auto take_over = request.command.flag("take_over");
+  if (!take_over) return take_over.error();
+  const auto order = request.command.text_or("order", "");
+  if (!order) return order.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.switch_to(
+      *controller,
+      {.dry_run = dry_run, .force = *force, .order = *order, .who = request.who, .take_over = *take_over},
+      *deadline);
+}
+
+Result<Value> ask_diff(const Request& request) {
+  return ask_switch(request, true);
+}
+
+Result<Value> do_switch(const Request& request) {
+  return ask_switch(request, false);
+}
+
+Result<Value> do_prepare(const Request& request) {
+  const auto controllers = request.command.texts("controllers");
+  if (!controllers) return controllers.error();
+  const auto deadline = request.command.deadline(kSwitchTime);
+  if (!deadline) return deadline.error();
+  return request.robot.prepare(*controllers, *deadline);
+}
+
+/// The two names and the value that set, call and write have in common.
+template <class Use>
+Result<Value> with_member(const Request& request, std::string_view member, Use use) {
+  const auto task = request.command.text("task");
+  if (!task) return task.error();
+  const auto name = request.command.text(member);
+  if (!name) return name.error();
+  const auto value = request.command.value();
+  if (!value) return value.error();
+  const auto deadline = request.command.deadline(kCallTime);
+  if (!deadline) return deadline.error();
+  return use(*task, *name, *value, *deadline);
+}
+
+Result<Value> nothing_or_error(const Result<void>& done) {
+  return done ? Result<Value>(Value()) : Result<Value>(done.error());
+}
+
+Result<Value> do_set(const Request& request) {
+  return with_member(request, "property",
+                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
+                       return nothing_or_error(request.robot.set_property(task, name, value, until));
+                     });
+}
+
+Result<Value> do_call(const Request& request) {
+  return with_member(request, "operation",
+                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
+                       return request.robot.call(task, name, value, until);
+                     });
+}
+
+Result<Value> do_write(const Request& request) {
+  return with_member(request, "port",
+                     [&](const auto& task, const auto& name, const Value& value, TimePoint until) {
+                       return nothing_or_error(request.robot.write(task, name, value, until));
+                     });
+}
+
+Result<Value> ask_status(const Request& request) {
+  return request.robot.status();
+}
+
+Result<Value> ask_task(const Request& request) {
+  const auto task = request.command.text("task");
+  if (!task) return task.error();
+  return request.robot.task(*task);
+}
+
+Result<Value> ask_events(const Request& request) {
+  const auto after = request.command.number_or("after", 0);
+  if (!after) return after.error();
+  return request.robot.events(*after, Duration(0));
+}
+
+/// The newest of them.
+Result<Value> ask_history(const Request& request) {
+  auto history = request.robot.history();
+  if (!history || !history->is_list()) return history;
+  auto& list = history->as_list();
+  if (list.size() > kLongestHistory)
+    list.erase(list.begin(), list.end() - static_cast<std::ptrdiff_t>(kLongestHistory));
+  return history;
+}
+
+struct VerbEntry {
+  std::string_view name;
+  Role role;
+  Result<Value> (*execute)(const Request&);
+  std::vector<std::string> arguments;
+};
+
+const std::vector<VerbEntry>& verb_entries() {
+  static const std::vector<VerbEntry> entries = {
+      {"status", Role::Observe, ask_status, {}},
+      {"task", Role::Observe, ask_task, {"task"}},
+      {"events", Role::Observe, ask_events, {"after"}},
+      {"history", Role::Observe, ask_history, {}},
+      {"diff", Role::Observe, ask_diff, {"controller", "force", "order", "take_over", "timeout_s"}},
+      {"switch", Role::Operate, do_switch, {"controller", "force", "order", "take_over", "timeout_s"}},
+      {"prepare", Role::Operate, do_prepare, {"controllers", "timeout_s"}},
+      {"set", Role::Operate, do_set, {"task", "property", "value", "yaml", "timeout_s"}},
+      {"call", Role::Operate, do_call, {"task", "operation", "value", "yaml", "timeout_s"}},
+      {"write", Role::Operate, do_write, {"task", "port", "value", "yaml", "timeout_s"}},
+  };
+  return entries;
+}
+
+const VerbEntry* find_verb(std::string_view name) {
+  for (const VerbEntry& entry : verb_entries()) {
+    if (entry.name == name) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Verbs::Verbs(RobotLink& link) : link_(link) {}
+
+void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
+  const VerbEntry* entry = find_verb(command.verb());
+  if (entry == nullptr) return answer(fail(ErrorCode::NotFound, "there is no verb " + quote(command.verb())));
+  if (entry->role == Role::Operate && role != Role::Operate)
+    return answer(fail(ErrorCode::PermissionDenied, "this browser may only observe, not " + command.verb()));
+  if (auto known = command.only(entry->arguments); !known) return answer(known.error());
+  auto shared = std::make_shared<Answer>(std::move(answer));
+  const bool accepted = pool_.try_submit(
+      [this, command = std::move(command), who, shared] { (*shared)(execute(command, who)); });
+  if (!accepted) (*shared)(fail(ErrorCode::ResourceExhausted, "too many calls are in progress; try again"));
+}
+
+Result<Value> Verbs::execute(const Command& command, const std::string& who) {
+  const auto link = link_.get();
+  if (!link) return link.error();
+  auto answer = find_verb(command.verb())->execute({*link->robot, command, who});
+  if (!answer) link_.failed(link->generation, answer.error());
+  return answer;
+}
+
+}  // namespace segue::web
