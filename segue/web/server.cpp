@@ -108,7 +108,7 @@ struct Shared {
   std::optional<Gate> gate;  ///< from listen() on
   RobotLink watching;        ///< apart, so that calls that take long cannot use up the connection's calls
   RobotLink calling;
-  Hub hub{watching};
+  Hub hub{watching, options.periods};
   Verbs verbs{calling};
   detail::Refusals refusals;
   std::set<Open*> connections;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <segue/base/result.hpp>
+#include <segue/web/hub.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
 #include <segue/web/role.hpp>
@@ -17,6 +18,7 @@ struct ServerOptions {
   std::uint16_t port = 0;  ///< 0: a free one
   Role role = Role::Operate;
   std::string robot{};  ///< its name, for the page
+  Hub::Periods periods{};
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };

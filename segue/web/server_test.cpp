@@ -70,7 +70,9 @@ class ServerTest : public WebTest {
     std::filesystem::create_symlink(folder_ / "secret.txt", folder_ / "page" / "link.txt");
     auto page = PageFiles::read(folder_ / "page");
     ASSERT_TRUE(page) << to_string(page.error());
-    auto server = Server::start(std::move(*page), connection(), {.role = role, .robot = "fake"});
+    auto server = Server::start(
+        std::move(*page), connection(),
+        {.role = role, .robot = "fake", .periods = {.snapshots = std::chrono::milliseconds(20)}});
     ASSERT_TRUE(server) << to_string(server.error());
     server_ = std::move(*server);
     host_ = "127.0.0.1:" + std::to_string(server_->port());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/web/session.hpp>
 
-#include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/type/json.hpp>
 #include <segue/web/change.hpp>
@@ -38,8 +37,6 @@ Session::~Session() {
 void Session::receive(std::string_view text) {
   auto command = Command::parse(text);
   if (command) return execute(std::move(*command));
-  log(LogLevel::Warning, "studio",
-      "a message of " + identity_.who + " is refused: " + to_string(command.error()));
   {
     const std::lock_guard lock(mutex_);
     answers_.push_back(
@@ -97,6 +94,8 @@ void Session::answer(std::uint64_t id, const Result<Value>& result) {
   }
   {
     const std::lock_guard lock(mutex_);
+    if (!result && result.error().code == ErrorCode::PermissionDenied)
+      refusals_.add("a request of " + identity_.who + ": " + result.error().message);
     --in_progress_;
     answers_.push_back(std::move(text));
   }

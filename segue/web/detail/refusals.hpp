@@ -9,7 +9,7 @@
 
 namespace segue::web::detail {
 
-/// Logs refused requests, at most one a second where they are many. For one thread.
+/// Logs refused requests, at most one a second where they are many. Calls must exclude each other.
 class Refusals {
  public:
   void add(const std::string& what) {
