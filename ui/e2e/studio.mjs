@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drives a real robot through the page in a real browser. Status 77: there is no browser.
+//   node studio.mjs SEGUE SCREENSHOT_FOLDER
+import { spawn, execFileSync } from 'node:child_process';
+import { mkdtempSync, mkdirSync, rmSync, readFileSync, writeFileSync, existsSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import assert from 'node:assert/strict';
+import { chromium } from 'playwright-core';
+
+const [segue, pictures] = process.argv.slice(2);
+const browserProgram = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find(existsSync);
+if (!browserProgram) {
+  console.log('skipped: chromium is not installed (tools/setup --test)');
+  process.exit(77);
+}
+mkdirSync(pictures, { recursive: true });
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
+mkdirSync(join(folder, 'run'), { mode: 0o700 });
+const environment = { ...process.env, XDG_RUNTIME_DIR: join(folder, 'run'), XDG_STATE_HOME: join(folder, 'state') };
+const running = [];
+
+/** Starts `segue`, and waits for a line that fits. */
+function start(args, fits) {
+  const child = spawn(segue, args, { cwd: folder, env: environment });
+  running.push(child);
+  return new Promise((resolve, reject) => {
+    let output = '';
+    const take = (data) => {
+      output += data;
+      const found = fits.exec(output);
+      if (found) resolve({ child, found: found[0] });
+    };
+    child.stdout.on('data', take);
+    child.stderr.on('data', take);
+    child.on('exit', () => reject(new Error(args.join(' ') + ' ended: ' + output)));
+  });
+}
+
+function end(child) {
+  const ended = new Promise((resolve) => child.on('exit', (status) => resolve(status)));
+  child.kill('SIGINT');
+  return ended;
+}
+
+const startRobot = (file) => start(['run', file, '--controller', 'explore'], /robot rover runs/);
+
+/** A controller that cannot be configured is added to the robot. */
+function addFailingController() {
+  const go = readFileSync(join(folder, 'rover/controllers/go_to.yaml'), 'utf8');
+  const broken = go
+    .replace('network: go_to', 'network: broken')
+    .replace('"demo::LaserScanner"', '"demo::LaserScanner", properties: {beams: 1}');
+  writeFileSync(join(folder, 'rover/controllers/broken.yaml'), broken);
+}
+
+async function look(page, name) {
+  await page.screenshot({ path: join(pictures, name + '.png') });
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => window.axe.run());
+  const violations = found.violations.map((one) => one.id + ': ' + one.nodes.map((node) => node.html.slice(0, 160)).join(' | '));
+  assert.deepEqual(violations, [], 'accessibility of ' + name);
+}
+
+async function drive(page) {
+  const seen = (locator) => locator.waitFor({ timeout: 30000 });
+
+  // Look at a task.
+  await seen(page.getByText('4 tasks, 4 connections'));
+  await page.locator('.react-flow__node[data-id=drive]').click();
+  const panel = page.getByRole('complementary', { name: 'Task drive' });
+  await seen(panel.getByLabel('max_speed'));
+  await panel.getByRole('button', { name: '← velocity' }).click();
+  await seen(panel.locator('.plot canvas'));
+  await look(page, 'network');
+
+  // Set a property.
+  await panel.getByLabel('max_speed').fill('0.45');
+  await panel.getByLabel('max_speed').press('Enter');
+  await seen(panel.locator('output.good', { hasText: 'set' }));
+  assert.equal(JSON.parse(run(['task', 'drive', '--format', 'json'])).properties.max_speed, 0.45);
+  await panel.getByLabel('max_speed').fill('[1, fast]');
+  await panel.getByLabel('max_speed').press('Enter');
+  await seen(panel.locator('output.bad'));
+
+  // Call an operation.
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('Escape');
+  await page.getByPlaceholder('Find tasks').fill('odom');
+  await page.getByPlaceholder('Find tasks').press('Enter');
+  const odometry = page.getByRole('complementary', { name: 'Task odometry' });
+  await odometry.getByRole('button', { name: 'Call reset' }).click();
+  await seen(odometry.locator('output.good', { hasText: 'done' }));
+  await page.getByPlaceholder('Find tasks').fill('');
+
+  // Switch and watch.
+  await page.getByRole('link', { name: 'Switch' }).click();
+  await page.getByRole('button', { name: 'go_to', exact: true }).click();
+  await seen(page.locator('.task-box.fate-comes').first());
+  await look(page, 'switch_before');
+  await page.getByRole('button', { name: 'Do it' }).click();
+  await seen(page.locator('.outcome.good', { hasText: 'done' }));
+  await page.waitForFunction(() => {
+    const actions = [...document.querySelectorAll('[data-progress]')];
+    return actions.length > 0 && actions.every((action) => action.dataset.progress === 'done');
+  });
+  await look(page, 'switch_after');
+  assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'go_to');
+
+  // A switch that fails is undone.
+  await page.getByRole('button', { name: 'broken', exact: true }).click();
+  await page.getByRole('button', { name: 'Do it' }).click();
+  await seen(page.locator('.outcome.bad'));
+  await look(page, 'switch_failed');
+  assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'go_to');
+
+  // Events.
+  await page.getByRole('link', { name: 'Events' }).click();
+  await page.getByPlaceholder('Find events').fill('transition');
+  await seen(page.getByRole('cell', { name: 'transition_done' }).first());
+  await look(page, 'events');
+}
+
+function run(args) {
+  return execFileSync(segue, args, { cwd: folder, env: environment, encoding: 'utf8' });
+}
+
+let browser = null;
+try {
+  run(['init', 'rover']);
+  addFailingController();
+  let robot = await startRobot('rover/robot.yaml');
+  const studio = await start(['studio', '--port', '0'], /http:\/\/127\.0\.0\.1:\d+\/\?token=[0-9a-f]{64}/);
+  browser = await chromium.launchPersistentContext(join(folder, 'browser'), {
+    executablePath: browserProgram,
+    headless: true,
+    viewport: { width: 1360, height: 820 },
+    args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+  });
+  const page = browser.pages()[0] ?? (await browser.newPage());
+  const problems = [];
+  page.on('pageerror', (error) => problems.push(String(error)));
+  page.on('console', (message) => /Content Security Policy/.test(message.text()) && problems.push(message.text()));
+  page.setDefaultTimeout(30000);
+  await page.goto(studio.found);
+  await page.waitForURL((address) => !address.search.includes('token'));
+  await drive(page);
+
+  // The runtime ends and starts again.
+  await end(robot.child);
+  await page.getByText('The robot cannot be reached').waitFor();
+  robot = await startRobot('rover/robot.yaml');
+  await page.getByText('The robot cannot be reached').waitFor({ state: 'detached' });
+  await page.getByRole('link', { name: 'Network' }).click();
+  await page.getByText('4 tasks, 4 connections').waitFor();
+  await page.emulateMedia({ colorScheme: 'dark' });
+  await page.locator('.react-flow__node[data-id=laser]').click();
+  await page.getByRole('complementary', { name: 'Task laser' }).getByLabel('beams').waitFor();
+  await look(page, 'network_dark');
+  assert.deepEqual(problems, []);
+  assert.equal(await end(studio.child), 0);
+  await end(robot.child);
+  console.log('passed; screenshots are in ' + pictures);
+} catch (error) {
+  const page = browser?.pages()[0];
+  await page?.screenshot({ path: join(pictures, 'failed.png') }).catch(() => {});
+  console.error(error);
+  process.exitCode = 1;
+} finally {
+  await browser?.close();
+  for (const child of running) if (child.exitCode === null) child.kill('SIGKILL');
+  rmSync(folder, { recursive: true, force: true });
+}

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useState } from 'react';
+import { EventsView } from './events/EventsView';
+import { NetworkView } from './network/NetworkView';
+import { useConnection, useDocument, useLink } from './robot/hooks';
+import { statusOf } from './robot/types';
+import { SwitchView } from './switch/SwitchView';
+
+const views = ['Network', 'Switch', 'Events'] as const;
+type View = (typeof views)[number];
+
+function viewOfAddress(): View {
+  return views.find((view) => '#' + view.toLowerCase() === window.location.hash) ?? 'Network';
+}
+
+function isTyping(event: KeyboardEvent): boolean {
+  return event.target instanceof HTMLElement && ['INPUT', 'TEXTAREA', 'SELECT'].includes(event.target.tagName);
+}
+
+export function App() {
+  const connection = useConnection();
+  const link = useLink();
+  const shown = useDocument('status');
+  const [view, setView] = useState<View>(viewOfAddress);
+  const status = statusOf(shown?.value);
+
+  useEffect(() => {
+    const follow = () => setView(viewOfAddress());
+    const press = (event: KeyboardEvent) => {
+      if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+      const chosen = views[Number(event.key) - 1];
+      if (chosen) window.location.hash = chosen.toLowerCase();
+      if (event.key === '/') {
+        event.preventDefault();
+        document.querySelector<HTMLInputElement>('[data-search]')?.focus();
+      }
+    };
+    window.addEventListener('hashchange', follow);
+    window.addEventListener('keydown', press);
+    return () => {
+      window.removeEventListener('hashchange', follow);
+      window.removeEventListener('keydown', press);
+    };
+  }, []);
+
+  return (
+    <>
+      <header className="top">
+        <h1>{connection.robot || 'Segue Studio'}</h1>
+        <nav aria-label="Views">
+          {views.map((name, index) => (
+            <a key={name} href={'#' + name.toLowerCase()} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
+              {name}
+            </a>
+          ))}
+        </nav>
+        {status && (
+          <p>
+            {status.controller || 'the empty network'}, {status.state}
+            {connection.role === 'observe' && <span className="badge">observe only</span>}
+          </p>
+        )}
+      </header>
+      {link === 'refused' && (
+        <p className="banner" role="alert">The studio does not know this browser (any more). Open the address that it has printed last.</p>
+      )}
+      {link === 'lost' && <p className="banner" role="alert">The studio cannot be reached; trying again …</p>}
+      {link === 'open' && shown?.error && (
+        <p className="banner" role="alert">The robot cannot be reached, what is shown is old: {shown.error}</p>
+      )}
+      <main>
+        {!status && link !== 'refused' && !shown?.error && <p className="empty">Waiting for the robot …</p>}
+        {status && view === 'Network' && <NetworkView status={status} />}
+        {status && view === 'Switch' && <SwitchView status={status} />}
+        {view === 'Events' && <EventsView />}
+      </main>
+    </>
+  );
+}

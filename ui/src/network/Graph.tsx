@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Handle, Position, ReactFlow, Background, Controls, MarkerType, useReactFlow, ReactFlowProvider, type Edge, type Node, type NodeProps } from '@xyflow/react';
+import '@xyflow/react/dist/style.css';
+import { useEffect, useMemo, useState } from 'react';
+import { layOut, nodeHeight, nodeWidth, type Box } from './layout';
+
+export interface GraphNode {
+  id: string;
+  group: string;
+  title: string;
+  detail: string;
+  /** Which colours: a class of style.css. */
+  look: string;
+}
+export interface GraphEdge {
+  id: string;
+  source: string;
+  target: string;
+  label?: string;
+  look: string;
+}
+export interface GraphGroup {
+  id: string;
+  title: string;
+}
+
+type TaskNode = Node<{ title: string; detail: string; look: string }, 'task'>;
+type GroupNode = Node<{ title: string }, 'place'>;
+
+function TaskBox({ data, selected }: NodeProps<TaskNode>) {
+  return (
+    <div className={'task-box ' + data.look + (selected ? ' selected' : '')}>
+      <Handle type="target" position={Position.Left} isConnectable={false} />
+      <strong>{data.title}</strong>
+      <span>{data.detail}</span>
+      <Handle type="source" position={Position.Right} isConnectable={false} />
+    </div>
+  );
+}
+
+function PlaceBox({ data }: NodeProps<GroupNode>) {
+  return <div className="place-box">{data.title}</div>;
+}
+
+const nodeTypes = { task: TaskBox, place: PlaceBox };
+
+interface Props {
+  label: string;
+  groups: GraphGroup[];
+  nodes: GraphNode[];
+  edges: GraphEdge[];
+  selected?: string | null;
+  /** Moved into view whenever it changes. */
+  target?: string | null;
+  onSelect?: (id: string | null) => void;
+}
+
+/** A graph of tasks in their processes. It is laid out anew where its structure changes, not where values do. */
+export function Graph(props: Props) {
+  return (
+    <ReactFlowProvider>
+      <Flow {...props} />
+    </ReactFlowProvider>
+  );
+}
+
+function Flow({ label, groups, nodes, edges, selected, target, onSelect }: Props) {
+  const [boxes, setBoxes] = useState<Map<string, Box>>(new Map());
+  const flow = useReactFlow();
+  const structure = JSON.stringify([
+    groups.map((group) => group.id),
+    nodes.map((node) => [node.id, node.group]),
+    edges.map((edge) => edge.id),
+  ]);
+
+  useEffect(() => {
+    let current = true;
+    const input = {
+      groups: groups.map((group) => ({
+        id: group.id,
+        nodes: nodes.filter((node) => node.group === group.id).map((node) => node.id),
+      })),
+      edges,
+    };
+    void layOut(input).then((found) => {
+      if (current) setBoxes(found);
+    });
+    return () => {
+      current = false;
+    };
+    // Values that change do not move anything.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [structure]);
+
+  useEffect(() => {
+    const timer = setTimeout(() => void flow.fitView({ padding: 0.08, maxZoom: 1.15 }), 30);
+    return () => clearTimeout(timer);
+  }, [boxes, flow]);
+
+  useEffect(() => {
+    if (target && boxes.has(target)) void flow.fitView({ nodes: [{ id: target }], duration: 250, maxZoom: flow.getZoom() });
+  }, [target, boxes, flow]);
+
+  const flowNodes = useMemo<Node[]>(() => {
+    const placed: Node[] = [];
+    for (const group of groups) {
+      const box = boxes.get(group.id);
+      if (!box) continue;
+      placed.push({
+        id: group.id, type: 'place', position: box, data: { title: group.title }, selectable: false, focusable: false,
+        draggable: false, style: { width: box.width, height: box.height },
+      });
+    }
+    for (const node of nodes) {
+      const box = boxes.get(node.id);
+      if (!box || !boxes.has(node.group)) continue;
+      placed.push({
+        id: node.id, type: 'task', zIndex: 2, parentId: node.group, position: box, draggable: false, selected: node.id === selected,
+        data: { title: node.title, detail: node.detail, look: node.look }, ariaLabel: node.title + ', ' + node.detail,
+        style: { width: nodeWidth, height: nodeHeight },
+      });
+    }
+    return placed;
+  }, [boxes, groups, nodes, selected]);
+
+  const flowEdges = useMemo<Edge[]>(
+    () =>
+      edges.map((edge) => ({
+        id: edge.id, source: edge.source, target: edge.target, label: edge.label, zIndex: -1, interactionWidth: 0, className: 'edge ' + edge.look,
+        markerEnd: { type: MarkerType.ArrowClosed, width: 16, height: 16 }, focusable: false,
+        ariaLabel: edge.source + ' to ' + edge.target,
+      })),
+    [edges],
+  );
+
+  return (
+    <div className="graph" role="region" aria-label={label}>
+      <ReactFlow
+        nodes={flowNodes}
+        edges={flowEdges}
+        nodeTypes={nodeTypes}
+        onNodeClick={(_, node) => node.type === 'task' && onSelect?.(node.id)}
+        onPaneClick={() => onSelect?.(null)}
+        onKeyDown={(event) => {
+          const id = (event.target as HTMLElement).dataset['id'];
+          if (event.key === 'Enter' && id && boxes.has(id)) onSelect?.(id);
+        }}
+        nodesConnectable={false}
+        minZoom={0.1}
+        onlyRenderVisibleElements={nodes.length > 200}
+        proOptions={{ hideAttribution: false }}
+      >
+        <Background gap={22} size={1} />
+        <Controls showInteractive={false} />
+      </ReactFlow>
+    </div>
+  );
+}

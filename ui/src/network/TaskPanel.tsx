@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useState, type FormEvent } from 'react';
+import { isMap, type Json } from '../robot/change';
+import { useConnection, useDocument } from '../robot/hooks';
+import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
+import { eventsOf } from '../events/filter';
+import { toneOf } from './graph';
+import { Plot } from './Plot';
+
+function reason(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
+/** One property: its value as text, which is sent on Enter. What the robot says in between wins unless it is edited. */
+function Property({ task, name, value, fixed }: { task: string; name: string; value: Json; fixed: boolean }) {
+  const connection = useConnection();
+  const [edited, setEdited] = useState<string | null>(null);
+  const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
+  const shown = typeof value === 'string' ? value : JSON.stringify(value);
+  const submit = async (event: FormEvent) => {
+    event.preventDefault();
+    if (edited === null) return;
+    try {
+      await connection.call('set', { task, property: name, yaml: edited });
+      setEdited(null);
+      setNote({ text: 'set', bad: false });
+    } catch (error) {
+      setNote({ text: reason(error), bad: true });
+    }
+  };
+  return (
+    <form className="row" onSubmit={(event) => void submit(event)}>
+      <label htmlFor={'property-' + name}>{name}</label>
+      <input
+        id={'property-' + name}
+        value={edited ?? shown}
+        readOnly={fixed}
+        spellCheck={false}
+        className={edited !== null && edited !== shown ? 'edited' : ''}
+        onChange={(event) => {
+          setEdited(event.target.value);
+          setNote(null);
+        }}
+        onKeyDown={(event) => {
+          if (event.key !== 'Escape' || edited === null) return;
+          event.stopPropagation();
+          setEdited(null);
+        }}
+      />
+      {edited !== null && <button type="submit">Set</button>}
+      {note && <output className={note.bad ? 'bad' : 'good'}>{note.text}</output>}
+    </form>
+  );
+}
+
+function PortSamples({ task, port }: { task: string; port: PortModel }) {
+  const shown = useDocument('port/' + task + '/' + port.name);
+  const [frozen, setFrozen] = useState<Json | null>(null);
+  if (shown?.error) return <p className="bad">{shown.error}</p>;
+  if (!isMap(shown?.value)) return <p className="quiet">no sample yet</p>;
+  const sample = shown.value['value'] ?? null;
+  const kept = frozen ?? sample;
+  return (
+    <div className="samples">
+      <Plot label={task + '.' + port.name} time={Number(shown.value['time_s'])} value={sample} frozen={frozen !== null} />
+      <pre tabIndex={0}>{JSON.stringify(kept, null, 1).slice(0, 4000)}</pre>
+      <button type="button" aria-pressed={frozen !== null} onClick={() => setFrozen(frozen === null ? sample : null)}>
+        {frozen === null ? 'Freeze' : 'Go on'}
+      </button>
+      {shown.skipped > 0 && <span className="quiet"> {shown.skipped} updates skipped: this browser is slow</span>}
+    </div>
+  );
+}
+
+function WriteSample({ task, port }: { task: string; port: PortModel }) {
+  const connection = useConnection();
+  const [text, setText] = useState('');
+  const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
+  const submit = async (event: FormEvent) => {
+    event.preventDefault();
+    try {
+      await connection.call('write', { task, port: port.name, yaml: text });
+      setNote({ text: 'written', bad: false });
+    } catch (error) {
+      setNote({ text: reason(error), bad: true });
+    }
+  };
+  return (
+    <form className="row" onSubmit={(event) => void submit(event)}>
+      <label htmlFor={'write-' + port.name}>sample</label>
+      <input id={'write-' + port.name} value={text} placeholder={port.type} onChange={(event) => setText(event.target.value)} />
+      <button type="submit">Write</button>
+      {note && <output className={note.bad ? 'bad' : 'good'}>{note.text}</output>}
+    </form>
+  );
+}
+
+function Port({ task, port, fixed }: { task: string; port: PortModel; fixed: boolean }) {
+  const [open, setOpen] = useState(false);
+  const input = port.direction === 'input';
+  return (
+    <li>
+      <button type="button" className="line" aria-expanded={open} onClick={() => setOpen(!open)} title={port.doc}>
+        <span>{input ? '→ ' : '← '}{port.name}</span>
+        <span className="quiet">{port.type}</span>
+      </button>
+      {open && !input && <PortSamples task={task} port={port} />}
+      {open && input && (fixed ? <p className="quiet">Who observes cannot write.</p> : <WriteSample task={task} port={port} />)}
+    </li>
+  );
+}
+
+function Operation({ task, operation, fixed }: { task: string; operation: OperationModel; fixed: boolean }) {
+  const connection = useConnection();
+  const [texts, setTexts] = useState<string[]>(operation.arguments.map(() => ''));
+  const [note, setNote] = useState<{ text: string; bad: boolean } | null>(null);
+  const submit = async (event: FormEvent) => {
+    event.preventDefault();
+    setNote(null);
+    try {
+      // Each argument is YAML in itself; the server reads the list of them.
+      const yaml = '[' + texts.join('\n, ') + '\n]';
+      const result = await connection.call('call', { task, operation: operation.name, yaml });
+      setNote({ text: result === null ? 'done' : JSON.stringify(result), bad: false });
+    } catch (error) {
+      setNote({ text: reason(error), bad: true });
+    }
+  };
+  return (
+    <form className="operation" onSubmit={(event) => void submit(event)} title={operation.doc}>
+      <div className="row">
+        <strong>{operation.name}</strong>
+        <button type="submit" disabled={fixed} aria-label={'Call ' + operation.name}>Call</button>
+        {note && <output className={note.bad ? 'bad' : 'good'}>{note.text}</output>}
+      </div>
+      {operation.arguments.map((argument, index) => (
+        <div className="row" key={argument.name}>
+          <label htmlFor={'argument-' + operation.name + '-' + argument.name}>{argument.name}</label>
+          <input
+            id={'argument-' + operation.name + '-' + argument.name}
+            placeholder={argument.type}
+            value={texts[index]}
+            onChange={(event) => setTexts(texts.map((text, at) => (at === index ? event.target.value : text)))}
+          />
+        </div>
+      ))}
+    </form>
+  );
+}
+
+function TaskEvents({ id }: { id: string }) {
+  const shown = useDocument('events');
+  const events = eventsOf(shown?.value).filter((event) => (' ' + event.subject.replace(/\.\w+/g, ' ') + ' ').includes(' ' + id + ' '));
+  if (events.length === 0) return <p className="quiet">none</p>;
+  return (
+    <ol className="log">
+      {events.slice(-12).reverse().map((event) => (
+        <li key={event.number}>
+          <time>{event.time.slice(11, 23)}</time> {event.kind}: {event.subject} {event.message}
+        </li>
+      ))}
+    </ol>
+  );
+}
+
+export function TaskPanel({ id, status, onClose }: { id: string; status: Status; onClose: () => void }) {
+  const connection = useConnection();
+  const shown = useDocument('task/' + id);
+  const fixed = connection.role !== 'operate';
+  const report = isMap(shown?.value) ? (shown.value as unknown as TaskReport) : null;
+  const task = status.tasks[id];
+  return (
+    <aside className="panel" aria-label={'Task ' + id}>
+      <header>
+        <h2>{id}</h2>
+        <button type="button" onClick={onClose} aria-label="Close (Escape)">×</button>
+      </header>
+      {shown?.error && <p className="bad">{shown.error}</p>}
+      {task && (
+        <p>
+          <span className={'badge tone-' + toneOf(task.state)}>{task.state_name || task.state}</span>{' '}
+          <span className="quiet">{task.component}, process {task.pid}</span>
+        </p>
+      )}
+      {task?.error && <p className="bad">{task.error}</p>}
+      {report && (
+        <>
+          {report.doc && <p>{report.doc}</p>}
+          <h3>Properties</h3>
+          {Object.keys(report.properties).length === 0 && <p className="quiet">none</p>}
+          {Object.entries(report.properties).map(([name, value]) => (
+            <Property key={name} task={id} name={name} value={value} fixed={fixed} />
+          ))}
+          <h3>Ports</h3>
+          <ul className="plain">
+            {report.ports.map((port) => <Port key={port.name} task={id} port={port} fixed={fixed} />)}
+          </ul>
+          <h3>Operations</h3>
+          {report.operations.length === 0 && <p className="quiet">none</p>}
+          {report.operations.map((operation) => (
+            <Operation key={operation.name} task={id} operation={operation} fixed={fixed} />
+          ))}
+          <h3>Timing</h3>
+          <dl className="numbers">
+            {Object.entries(report.timing).map(([name, number]) => (
+              <div key={name}>
+                <dt>{name.replace(/_us$/, ' (µs)').replace(/_/g, ' ')}</dt>
+                <dd>{Number.isInteger(number) ? number : number.toFixed(1)}</dd>
+              </div>
+            ))}
+          </dl>
+          <h3>Events of this task</h3>
+          <TaskEvents id={id} />
+        </>
+      )}
+    </aside>
+  );
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+import { isMap, type Json } from './change';
+
+/** What a robot's documents look like, as far as the page reads them (segue/control/robot_service.hpp). */
+export interface TaskStatus {
+  id: string;
+  component: string;
+  state: string;
+  state_name: string;
+  host: string;
+  process: string;
+  pid: number;
+  cycle_us: number;
+  worst_us: number;
+  cycles: number;
+  missed: number;
+  error: string;
+}
+
+export interface ConnectionStatus {
+  from: string;
+  to: string;
+  policy: string;
+  size: number;
+  written: number;
+  read: number;
+  dropped: number;
+}
+
+export interface Status {
+  robot: string;
+  controller: string;
+  state: string;
+  commanded_by: string | null;
+  controllers: string[];
+  ready: { controller: string; ready: boolean; reason: string }[];
+  tasks: Record<string, TaskStatus>;
+  connections: Record<string, ConnectionStatus>;
+  differences: string[];
+  uptime_s: number;
+}
+
+export interface PortModel {
+  name: string;
+  direction: string;
+  type: string;
+  doc: string;
+}
+
+export interface OperationModel {
+  name: string;
+  arguments: { name: string; type: string; doc: string }[];
+  result: string;
+  doc: string;
+}
+
+export interface TaskReport extends TaskStatus {
+  doc: string;
+  ports: PortModel[];
+  properties: { [name: string]: Json };
+  operations: OperationModel[];
+  timing: { [name: string]: number };
+}
+
+export interface RobotEvent {
+  number: number;
+  time: string;
+  kind: string;
+  subject: string;
+  message: string;
+}
+
+export interface Action {
+  id: number;
+  kind: string;
+  phase?: string;
+  after: number[];
+  task?: string;
+  from?: string;
+  to?: string;
+  process?: string;
+  host?: string;
+  took_s?: number;
+  duration_s?: number;
+  outcome?: string;
+  error?: string;
+}
+
+export interface Transition {
+  from: string;
+  to: string;
+  actions: Action[];
+  removes?: string[];
+}
+
+export interface SwitchOutcome extends Transition {
+  outcome: string;
+  duration_s: number;
+  commit_s: number;
+  error?: string;
+  undo?: { restored: boolean; duration_s: number; actions: Action[] };
+}
+
+export function statusOf(value: Json | undefined): Status | null {
+  return isMap(value) && isMap(value['tasks']) && isMap(value['connections']) ? (value as unknown as Status) : null;
+}
+
+/** "task.port" -> the task. Ids of tasks may have dots, names of ports not. */
+export function taskOf(port: string): string {
+  return port.slice(0, port.lastIndexOf('.'));
+}
+export function portOf(port: string): string {
+  return port.slice(port.lastIndexOf('.') + 1);
+}

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+import { useEffect, useMemo, useState } from 'react';
+import type { Json } from '../robot/change';
+import { Graph } from '../network/Graph';
+import { useConnection, useDocument } from '../robot/hooks';
+import type { Action, Status, SwitchOutcome, Transition } from '../robot/types';
+import { eventsOf } from '../events/filter';
+import { differenceOf, estimateOf, progressOf, subjectOf, type Difference, type Progress } from './difference';
+
+const phases = ['prepare', 'commit', 'retire'];
+const words = { stays: 'stays', goes: 'goes', comes: 'comes', changes: 'changes' };
+
+function seconds(value: number): string {
+  return value < 0.001 ? (value * 1e6).toFixed(0) + ' µs' : value < 1 ? (value * 1e3).toFixed(1) + ' ms' : value.toFixed(1) + ' s';
+}
+
+/** What was planned when the switch was asked for: the picture stays while the robot changes. */
+interface Attempt {
+  transition: Transition;
+  difference: Difference;
+  after: number;
+  outcome: SwitchOutcome | null;
+  error: string | null;
+}
+
+function Phase({ name, actions, progress, critical }: { name: string; actions: Action[]; progress: Map<number, Progress>; critical: Set<number> }) {
+  const done = actions.filter((action) => progress.get(action.id) === 'done').length;
+  return (
+    <section aria-label={'Phase ' + name}>
+      <h3>
+        {name} <span className="quiet">{done} of {actions.length}</span>
+      </h3>
+      <ul className="actions">
+        {actions.map((action) => {
+          const state = progress.get(action.id) ?? 'waiting';
+          return (
+            <li key={action.id} className={state} data-progress={state}>
+              <span aria-hidden="true">{state === 'done' ? '✓' : state === 'failed' ? '✗' : '·'}</span> {subjectOf(action)}
+              <span className="hidden">, {state}</span>
+              {critical.has(action.id) && <span className="quiet" title="on the longest chain of actions that wait for each other"> ◆</span>}
+            </li>
+          );
+        })}
+        {actions.length === 0 && <li className="quiet">nothing</li>}
+      </ul>
+    </section>
+  );
+}
+
+function Outcome({ attempt }: { attempt: Attempt }) {
+  const { outcome, error } = attempt;
+  if (error) return <p className="outcome bad" role="status">{error}</p>;
+  if (!outcome) return <p className="outcome" role="status">The robot switches …</p>;
+  const good = outcome.outcome === 'done';
+  return (
+    <div className={'outcome ' + (good ? 'good' : 'bad')} role="status">
+      <strong>{outcome.outcome}</strong>
+      {outcome.duration_s !== undefined && <span> after {seconds(outcome.duration_s)}, of it {seconds(outcome.commit_s)} commit</span>}
+      {outcome.error && <p>{outcome.error}</p>}
+      {outcome.undo && (
+        <p>
+          {outcome.undo.restored ? 'Undone: what ran before runs again' : 'What ran before could not be restored'} ({outcome.undo.actions.length} actions,{' '}
+          {seconds(outcome.undo.duration_s)})
+        </p>
+      )}
+    </div>
+  );
+}
+
+export function SwitchView({ status }: { status: Status }) {
+  const connection = useConnection();
+  const shownEvents = useDocument('events');
+  const events = useMemo(() => eventsOf(shownEvents?.value), [shownEvents]);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const [force, setForce] = useState(false);
+  const [takeOver, setTakeOver] = useState(false);
+  const [plan, setPlan] = useState<Transition | null>(null);
+  const [problem, setProblem] = useState<string | null>(null);
+  const [history, setHistory] = useState<Transition[]>([]);
+  const [attempt, setAttempt] = useState<Attempt | null>(null);
+  const fixed = connection.role !== 'operate';
+
+  useEffect(() => {
+    if (chosen === null) return;
+    let current = true;
+    const ask = async () => {
+      try {
+        const found = await connection.call('diff', { controller: chosen, force });
+        const past = await connection.call('history');
+        if (!current) return;
+        const refused = found as unknown as { outcome?: string; error?: string };
+        setProblem(refused.outcome === 'refused' ? (refused.error ?? 'refused') : null);
+        setPlan(refused.outcome === 'refused' ? null : (found as unknown as Transition));
+        setHistory(past as unknown as Transition[]);
+      } catch (error) {
+        if (current) [setPlan(null), setProblem(error instanceof Error ? error.message : String(error))];
+      }
+    };
+    void ask();
+    return () => {
+      current = false;
+    };
+    // Asked again when the robot runs something else.
+  }, [connection, chosen, force, status.controller, status.state]);
+
+  const doIt = async () => {
+    if (!plan || chosen === null) return;
+    const begun: Attempt = {
+      transition: plan, difference: differenceOf(status, plan), after: events[events.length - 1]?.number ?? 0, outcome: null, error: null,
+    };
+    setAttempt(begun);
+    try {
+      const outcome = await connection.call('switch', { controller: chosen, force, take_over: takeOver });
+      setAttempt({ ...begun, outcome: outcome as unknown as SwitchOutcome });
+    } catch (error) {
+      setAttempt({ ...begun, error: error instanceof Error ? error.message : String(error) });
+    }
+  };
+
+  const prepare = (controller: string, add: boolean) => {
+    const names: Json[] = status.ready.map((one) => one.controller).filter((name) => name !== controller);
+    connection.call('prepare', { controllers: add ? [...names, controller] : names }).then(
+      () => setProblem(null),
+      (error: Error) => setProblem(error.message),
+    );
+  };
+
+  const transition = attempt?.transition ?? plan;
+  const difference = attempt?.difference ?? (plan ? differenceOf(status, plan) : null);
+  const progress = progressOf(transition?.actions ?? [], attempt ? events : [], attempt?.after ?? Infinity);
+  const estimate = useMemo(() => estimateOf(transition?.actions ?? [], history), [transition, history]);
+  const busy = attempt !== null && attempt.outcome === null && attempt.error === null;
+  const groups = [...new Set(difference?.tasks.map((task) => task.place) ?? [])].sort().map((place) => ({
+    id: 'group:' + place, title: place === '' ? 'runtime' : place,
+  }));
+
+  return (
+    <div className="view switch">
+      <section className="controllers" aria-label="Controllers">
+        <h2>Controllers</h2>
+        <ul className="plain">
+          {status.controllers.map((name) => {
+            const prepared = status.ready.find((one) => one.controller === name);
+            return (
+              <li key={name} className="controller">
+                <button
+                  type="button"
+                  className="line"
+                  aria-pressed={chosen === name}
+                  onClick={() => {
+                    setChosen(name);
+                    setAttempt(null);
+                  }}
+                >
+                  <span>{name}</span>
+                  {status.controller === name && <span className="badge tone-good">runs</span>}
+                  {prepared && <span className="badge">{prepared.ready ? 'prepared' : 'prepares'}</span>}
+                </button>
+                {!fixed && (
+                  <button type="button" className="small" aria-label={(prepared ? 'Do not prepare ' : 'Prepare ') + name} onClick={() => prepare(name, !prepared)}>
+                    {prepared ? 'drop' : 'prepare'}
+                  </button>
+                )}
+              </li>
+            );
+          })}
+        </ul>
+        {status.commanded_by && <p className="quiet">Commanded by {status.commanded_by}</p>}
+      </section>
+      <section className="main" aria-label="Difference">
+        <div className="bar">
+          <span>
+            {chosen === null ? 'Choose a controller' : (transition?.from || 'nothing') + ' → ' + (transition?.to ?? chosen)}
+          </span>
+          {difference && (
+            <span className="legend">
+              {(['stays', 'comes', 'changes', 'goes'] as const).map((fate) => (
+                <span key={fate} className={'badge fate-' + fate}>
+                  {words[fate]}: {difference.tasks.filter((task) => task.fate === fate).length}
+                </span>
+              ))}
+            </span>
+          )}
+        </div>
+        {difference ? (
+          <Graph
+            label="Difference of the controllers"
+            groups={groups}
+            nodes={difference.tasks.map((task) => ({
+              id: task.id, group: 'group:' + task.place, title: task.id, detail: words[task.fate], look: 'fate-' + task.fate,
+            }))}
+            edges={difference.edges.map((edge) => ({ ...edge, look: 'fate-' + edge.fate }))}
+          />
+        ) : (
+          <p className="empty">{problem ? '' : 'The difference to what runs is drawn here before anything happens.'}</p>
+        )}
+      </section>
+      <aside className="panel" aria-label="Transition">
+        <h2>Transition</h2>
+        {problem && <p className="bad" role="alert">{problem}</p>}
+        {transition && (
+          <>
+            <p>
+              {transition.actions.length} actions
+              {estimate.known > 0 && <>; the longest chain takes about {seconds(estimate.seconds)} <span className="quiet">(from what {estimate.known} of them took before)</span></>}
+            </p>
+            {!fixed && (
+              <div className="doit">
+                <button type="button" className="primary" disabled={busy || attempt !== null || transition.actions.length === 0} onClick={() => void doIt()}>
+                  Do it
+                </button>
+                <label><input type="checkbox" checked={force} disabled={attempt !== null} onChange={(event) => setForce(event.target.checked)} /> force</label>
+                {status.commanded_by && (
+                  <label><input type="checkbox" checked={takeOver} onChange={(event) => setTakeOver(event.target.checked)} /> take over</label>
+                )}
+                {attempt && !busy && <button type="button" onClick={() => setAttempt(null)}>Plan again</button>}
+              </div>
+            )}
+            {attempt && <Outcome attempt={attempt} />}
+            {phases.map((name) => (
+              <Phase
+                key={name}
+                name={name}
+                actions={transition.actions.filter((action) => (action.phase ?? 'commit') === name)}
+                progress={progress}
+                critical={estimate.known > 0 ? estimate.critical : new Set()}
+              />
+            ))}
+          </>
+        )}
+      </aside>
+    </div>
+  );
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+import { describe, expect, it } from 'vitest';
+import type { Status, TaskStatus, Transition } from '../robot/types';
+import { differenceOf, estimateOf, progressOf, subjectOf } from './difference';
+
+const task = (id: string) => ({ id, host: '', process: '', state: 'running' }) as TaskStatus;
+const connection = (from: string, to: string) => ({ from, to, policy: 'data', size: 1, written: 0, read: 0, dropped: 0 });
+const status = {
+  tasks: { drive: task('drive'), laser: task('laser'), wanderer: task('wanderer') },
+  connections: { a: connection('laser.scan', 'wanderer.scan'), b: connection('wanderer.command', 'drive.command') },
+} as unknown as Status;
+const transition: Transition = {
+  from: 'explore',
+  to: 'go_to',
+  removes: ['wanderer'],
+  actions: [
+    { id: 1, kind: 'apply_config', task: 'guard', phase: 'prepare', after: [] },
+    { id: 2, kind: 'connect', from: 'guard.safe', to: 'drive.command', phase: 'prepare', after: [1] },
+    { id: 3, kind: 'start', task: 'guard', phase: 'commit', after: [1, 2] },
+    { id: 4, kind: 'apply_config', task: 'drive', phase: 'commit', after: [] },
+    { id: 5, kind: 'disconnect', from: 'wanderer.command', to: 'drive.command', phase: 'retire', after: [] },
+  ],
+};
+
+describe('the difference', () => {
+  it('says of each task what becomes of it', () => {
+    const fates = Object.fromEntries(differenceOf(status, transition).tasks.map((one) => [one.id, one.fate]));
+    expect(fates).toEqual({ drive: 'changes', laser: 'stays', wanderer: 'goes', guard: 'comes' });
+  });
+  it('says of each edge what becomes of it', () => {
+    const fates = Object.fromEntries(differenceOf(status, transition).edges.map((one) => [one.id, one.fate]));
+    expect(fates).toEqual({ 'laser -> wanderer': 'stays', 'wanderer -> drive': 'goes', 'guard -> drive': 'comes' });
+  });
+  it('follows events', () => {
+    const event = (number: number, kind: string, subject: string) => ({ number, kind, subject, time: '', message: '' });
+    const progress = progressOf(
+      transition.actions,
+      [event(1, 'action_done', 'start guard'), event(5, 'action_done', 'apply_config guard'), event(6, 'action_failed', 'connect guard.safe -> drive.command')],
+      4,
+    );
+    expect([...progress.values()]).toEqual(['done', 'failed', 'waiting', 'waiting', 'waiting']);
+  });
+  it('estimates along the longest chain', () => {
+    const past: Transition = {
+      from: '', to: '',
+      actions: [
+        { id: 1, kind: 'apply_config', task: 'guard', after: [], took_s: 1, outcome: 'done' },
+        { id: 2, kind: 'start', task: 'other', after: [], took_s: 4, outcome: 'done' },
+        { id: 3, kind: 'connect', after: [], took_s: 9, outcome: 'failed' },
+      ],
+    };
+    const estimate = estimateOf(transition.actions, [past]);
+    expect(estimate.seconds).toBe(5);
+    expect(estimate.known).toBe(3);
+    expect([...estimate.critical].sort()).toEqual([1, 3]);
+    expect(subjectOf(transition.actions[1]!)).toBe('connect guard.safe -> drive.command');
+  });
+  it('ends with actions that wait for each other', () => {
+    expect(estimateOf([{ id: 1, kind: 'a', after: [2] }, { id: 2, kind: 'b', after: [1] }], []).seconds).toBe(0);
+    expect(estimateOf([], []).seconds).toBe(0);
+  });
+});
