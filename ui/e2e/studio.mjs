@@ -112,7 +112,8 @@ async function drive(page) {
   // A switch that fails is undone.
   await page.getByRole('button', { name: 'broken', exact: true }).click();
   await page.getByRole('button', { name: 'Do it' }).click();
-  await seen(page.locator('.outcome.bad'));
+  await seen(page.locator('.outcome.bad', { hasText: 'Undone' }));
+  await seen(page.locator('[data-progress=failed]'));
   await look(page, 'switch_failed');
   assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'go_to');
 

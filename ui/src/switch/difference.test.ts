@@ -40,6 +40,11 @@ describe('the difference', () => {
     );
     expect([...progress.values()]).toEqual(['done', 'failed', 'waiting', 'waiting', 'waiting']);
   });
+  it('does not take what undoes it for progress', () => {
+    const event = (number: number, kind: string, subject: string) => ({ number, kind, subject, time: '', message: '' });
+    const told = [event(1, 'action_failed', 'start guard'), event(2, 'transition_undone', 'go_to'), event(3, 'action_done', 'start guard')];
+    expect(progressOf(transition.actions, told, 0).get(3)).toBe('failed');
+  });
   it('estimates along the longest chain', () => {
     const past: Transition = {
       from: '', to: '',

@@ -47,11 +47,12 @@ export function subjectOf(action: Action): string {
 
 export type Progress = 'waiting' | 'done' | 'failed';
 
-/** What events after the request say of each action. */
+/** What events after the request say of each action; what is done to undo it does not count. */
 export function progressOf(actions: Action[], events: RobotEvent[], after: number): Map<number, Progress> {
   const told = new Map<string, Progress>();
   for (const event of events) {
     if (event.number <= after) continue;
+    if (event.kind === 'transition_undone') break;
     if (event.kind === 'action_done') told.set(event.subject, 'done');
     if (event.kind === 'action_failed') told.set(event.subject, 'failed');
   }
