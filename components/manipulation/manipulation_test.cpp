@@ -100,6 +100,20 @@ TEST_F(Arm, GoesToNamedConfigurations) {
   EXPECT_THAT(nowhere.error().message, ::testing::HasSubstr("hmoe"));
 }
 
+TEST_F(Arm, ComesToRestOnItsWayWhereNobodyCanCommandItAnyMore) {
+  add_waypoints("generator");
+  arm.start("generator");
+  arm.start("waypoints");
+  arm.run(0.2);
+  ASSERT_TRUE(arm.call("waypoints", "go_to", Value::map({{"name", "home"}})));
+  arm.run(0.3);
+  EXPECT_EQ(state("generator"), "moving");
+  arm.input("generator", "command").disconnect_all();
+  arm.run(2);
+  EXPECT_EQ(state("generator"), "holding");
+  EXPECT_GT(distance_from({0, 0.3, 0, 0.9, 0, 0.6, 0}), 0.1) << "it has not gone on";
+}
+
 /// The follower in place of the generator.
 class FollowingArm : public Arm {
  protected:

@@ -15,7 +15,8 @@ namespace manipulation {
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
 /// What stands between every controller and the joints: whatever is commanded, and when, the set points keep
-/// the limits of the joints. Without commands the arm stays where it is. The task that takes over from it
+/// the limits of the joints. Without commands the arm stays where it is, and comes to rest where nobody is
+/// connected that could command it. The task that takes over from it
 /// goes on with its motion.
 class TrajectoryGenerator final : public Component {
  public:
@@ -63,7 +64,7 @@ class TrajectoryGenerator final : public Component {
     if (!moving_arm_) begin();
     while (const auto command = command_in_.take())
       accept(*command);
-    if (mode_ == Mode::Velocity && now() - command_time_ > *timeout_) {
+    if (mode_ != Mode::Hold && nobody_commands()) {
       trajectory_->stop();
       mode_ = Mode::Hold;
     }
@@ -134,6 +135,10 @@ class TrajectoryGenerator final : public Component {
       command_time_ = now();
     }
   }
+  /// Whoever commanded until a switch cannot tell it to stop any more.
+  [[nodiscard]] bool nobody_commands() {
+    return !command_in_.connected() || (mode_ == Mode::Velocity && now() - command_time_ > *timeout_);
+  }
   void refuse() {
     log(segue::LogLevel::Error, "ignored a command that has not one finite number for each joint");
   }
@@ -153,7 +158,8 @@ class TrajectoryGenerator final : public Component {
   InputPort<messages::JointCommand> command_in_{
       *this,
       "command",
-      {.doc = "positions, at which all joints arrive together; or, without positions, velocities"}};
+      {.doc = "positions, at which all joints arrive together; or, without positions, velocities. Comes to "
+              "rest where nobody is connected"}};
   JointInput joints_{*this};
   OutputPort<messages::JointCommand> set_points_out_{*this, "set_points"};
   Property<std::vector<JointLimit>> limits_{*this, "limits", {}, {.doc = "of each joint, in order"}};

@@ -90,10 +90,12 @@ class ArmDriver final : public Component {
   }
 
   [[nodiscard]] bool arrived(const messages::JointState& measured) const {
+    constexpr double kStill = 0.02;  // rad/s
+    const auto moves = [](double velocity) { return std::abs(velocity) > kStill; };
     for (std::size_t joint = 0; joint < kArmJoints; ++joint) {
       if (std::abs(target_.at(joint) - measured.positions[joint]) > *tolerance_) return false;
     }
-    return true;
+    return !std::any_of(measured.velocities.begin(), measured.velocities.end(), moves);
   }
 
   static std::string rounded(double number) {
@@ -127,7 +129,10 @@ class ArmDriver final : public Component {
   OutputPort<messages::JointState> joints_out_{*this, "joints", {.doc = "state of the joints"}};
   Property<double> max_velocity_{*this, "max_velocity", 1.0, {.live = true, .doc = "rad/s, of each joint"}};
   Property<double> tolerance_{
-      *this, "tolerance", 0.02, {.live = true, .doc = "rad; nearer joints are where they are wanted"}};
+      *this,
+      "tolerance",
+      0.02,
+      {.live = true, .doc = "rad; nearer joints are where they are wanted, once they stand still"}};
   Operation<segue::Result<void>(std::vector<double>)> move_to_{
       *this,
       "move_to",

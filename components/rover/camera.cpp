@@ -48,7 +48,7 @@ class Camera final : public Component {
   InputPort<SceneState> scene_in_{*this, "scene", {.doc = "where everything is"}};
   OutputPort<messages::Image> image_out_{*this, "image", {.doc = "what the camera sees"}};
   Property<std::string> camera_{
-      *this, "camera", "mast", {.doc = "mast, gripper, or room, which follows the rover from outside"}};
+      *this, "camera", "mast", {.doc = "mast, deck, gripper, or room, which follows the rover from outside"}};
   Property<std::uint32_t> width_{*this, "width", 640, {.doc = "pixels, at most 640"}};
   Property<std::uint32_t> height_{*this, "height", 480, {.doc = "pixels, at most 480"}};
   std::unique_ptr<Renderer> renderer_;

@@ -92,7 +92,7 @@ segue::Result<std::unique_ptr<Renderer>> Renderer::create(const std::string& cam
   const int id = mj_name2id(made->model.get(), mjOBJ_CAMERA, camera.c_str());
   if (id < 0) {
     return segue::fail(segue::ErrorCode::NotFound,
-                       "the rover has no camera '" + camera + "', only 'mast', 'gripper' and 'room'");
+                       "the rover has no camera '" + camera + "', only 'mast', 'deck', 'gripper' and 'room'");
   }
   mjv_defaultCamera(&made->camera);
   made->camera.type = mjCAMERA_FIXED;

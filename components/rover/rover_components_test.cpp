@@ -181,6 +181,62 @@ TEST(Gripper, takes_a_box_from_the_table) {
   EXPECT_LT((still - after).norm(), 0.005) << "the gripper holds although its driver is stopped";
 }
 
+/// A rover with a battery, whose charge it tells.
+double charge_after_driving(double speed) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  add_script(rover, Value::list({leg(100, speed, 0)}));
+  rover.add("battery", "rover::Battery", Value::map({{"capacity", 0.1}}));
+  rover.wire("rover", "arm_state", "battery", "arm");
+  rover.wire("rover", "wheel_state", "battery", "wheels");
+  rover.start();
+  rover.advance(4s);
+  EXPECT_EQ(rover.task("battery").state_name(), "good");
+  return rover.next<BatteryStatus>("battery", "status").charge;
+}
+
+TEST(Battery, is_used_up_by_time_and_by_motion) {
+  const double standing = charge_after_driving(0);
+  const double driving = charge_after_driving(0.4);
+  EXPECT_NEAR(standing, 1 - 4 * 15 / 360.0, 0.01) << "15 W for 4 s, of 360 J";
+  EXPECT_LT(driving, standing - 0.001);
+  EXPECT_GT(driving, standing - 0.5);
+}
+
+TEST(Battery, tells_when_it_is_low_and_when_it_is_empty) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.add("battery", "rover::Battery", Value::map({{"capacity", 0.01}, {"charge", 0.5}}));  // 18 J
+  rover.wire("rover", "arm_state", "battery", "arm");
+  rover.start();
+  rover.advance(500ms);
+  EXPECT_EQ(rover.task("battery").state_name(), "good");
+  rover.advance(500ms);
+  EXPECT_EQ(rover.task("battery").state_name(), "low");
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("battery").state_name(), "empty");
+  EXPECT_EQ(rover.next<BatteryStatus>("battery", "status").charge, 0);
+  rover.call("battery", "recharge", Value::list({1.0}));
+  rover.advance(20ms);
+  EXPECT_EQ(rover.task("battery").state_name(), "good");
+  const auto too_much = rover.task("battery").call("recharge", Value::list({1.5}), soon());
+  ASSERT_FALSE(too_much);
+  EXPECT_THAT(too_much.error().message, HasSubstr("charge must be from 0 to 1"));
+}
+
+TEST(StopButton, stays_pressed_until_it_is_released) {
+  SteppedRover rover(starting_at(0, 0, 0));
+  rover.add("button", "rover::StopButton");
+  rover.start();
+  rover.advance(20ms);
+  EXPECT_EQ(rover.task("button").state_name(), "released");
+  rover.call("button", "press");
+  rover.advance(1s);
+  EXPECT_EQ(rover.task("button").state_name(), "pressed");
+  EXPECT_TRUE(rover.next<bool>("button", "pressed"));
+  rover.call("button", "release");
+  rover.advance(20ms);
+  EXPECT_EQ(rover.task("button").state_name(), "released");
+}
+
 TEST(Simulation, ends_when_a_set_point_is_no_number) {
   SteppedRover rover(starting_at(0, 0, 0));
   rover.start();

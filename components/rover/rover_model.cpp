@@ -115,6 +115,9 @@ std::string rover_body() {
   text += element("camera", with("name", "mast") + with("pos", {0.09, 0.17, 0.95}) +
                                 with("xyaxes", {0, -1, 0, 0.5, 0, 0.866}) +
                                 with("fovy", {kFieldOfView * 180 / mjPI}));
+  text += element("camera", with("name", "deck") + with("pos", {0.0, 0.11, 0.95}) +
+                                with("xyaxes", {-1, 0, 0, 0, -0.8915, 0.4531}) +
+                                with("fovy", {kFieldOfView * 180 / mjPI}));
   for (const WheelPlace& place : kWheelPlaces)
     text += wheel(place);
   return text + arm(0) + "</body>\n";

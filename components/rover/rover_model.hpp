@@ -62,7 +62,14 @@ inline constexpr double kGripForce = 10;         ///< N, of each finger
 inline constexpr std::size_t kBoxes = 3;
 inline constexpr double kBoxSide = 0.06;
 inline constexpr double kMarkerSide = 0.8 * kBoxSide;  ///< of the black border, as detectors want it
-/// The cameras "mast" and "gripper": the height of the image in radians.
+/// Where boxes lie on the deck of a rover that has been loaded, in its frame.
+struct DeckPlace {
+  double x;
+  double y;
+};
+inline constexpr std::array<DeckPlace, kBoxes> kDeckPlaces = {
+    {{0.05, -0.27}, {-0.10, -0.27}, {-0.02, -0.12}}};
+/// The cameras "mast", "deck" and "gripper": the height of the image in radians.
 inline constexpr double kFieldOfView = 0.7854;
 /// The largest image that a camera may deliver.
 inline constexpr int kLargestWidth = 640;

@@ -17,6 +17,10 @@ TEST(RoverRealtime, no_update_of_simulation_and_drivers_allocates) {
             Value::map({{"legs", Value::list({testing::leg(0.5, 0.4, 0), testing::leg(5, 0.2, 0.5)})}}));
   rover.wire("rover", "time", "script", "time");
   rover.wire("script", "command", "wheels", "command");
+  rover.add("battery", "rover::Battery");
+  rover.wire("rover", "arm_state", "battery", "arm");
+  rover.wire("rover", "wheel_state", "battery", "wheels");
+  rover.add("button", "rover::StopButton");
   rover.start();
   rover.advance(200ms);
   rover.call("gripper", "open");

@@ -323,6 +323,23 @@ TEST(MastCamera, sees_all_markers_where_the_boxes_are) {
   }
 }
 
+TEST(DeckCamera, sees_all_markers_of_a_rover_that_is_loaded) {
+  auto options = without_noise({0.85, 0.3, 0.4});
+  options.loaded = true;
+  const auto rover = make(options);
+  const auto markers = seen_by("deck", *rover);
+  ASSERT_EQ(markers.markers.size(), kBoxes);
+  for (const auto& marker : markers.markers) {
+    const auto box = rover->box(static_cast<std::size_t>(marker.id)).position;
+    EXPECT_LT((box_of(marker, rover->camera("deck")) - box).norm(), 0.01) << "box " << marker.id;
+    const Eigen::Vector2d from_rover =
+        Eigen::Rotation2Dd(-0.4) * (box.head<2>() - Eigen::Vector2d(options.start.x, options.start.y));
+    const DeckPlace& place = kDeckPlaces.at(static_cast<std::size_t>(marker.id));
+    EXPECT_LT((from_rover - Eigen::Vector2d(place.x, place.y)).norm(), 0.01) << "box " << marker.id;
+    EXPECT_NEAR(box.z(), kDeckHeight + kBoxSide / 2, 0.01);
+  }
+}
+
 TEST(GripperCamera, sees_the_box_that_it_points_to) {
   const auto rover = make(without_noise({0.7, 0, 0}));
   const std::array<double, kArmJoints> above = {0, -1.2, 1.4, 0, 1.0, 0};

@@ -58,18 +58,26 @@ SimulatedRover::SimulatedRover(ModelPtr model, const SimulationOptions& options)
   place[1] = options.start.y;
   place[3] = std::cos(options.start.theta / 2);
   place[6] = std::sin(options.start.theta / 2);
-  scatter_boxes();
+  put_boxes();
   command_arm(kArmHome);
   step(250);
   time_ = 0;
 }
 
-/// With random numbers of their own, so that the sensors' noise does not depend on it.
-void SimulatedRover::scatter_boxes() {
+/// Where they lie at the beginning, scattered with random numbers of their own, so that the sensors' noise
+/// does not depend on it.
+void SimulatedRover::put_boxes() {
+  const Eigen::Rotation2Dd heading(options_.start.theta);
   std::mt19937_64 random(options_.seed);
   std::uniform_real_distribution<double> part(-1, 1);
   for (std::size_t number = 0; number < kBoxes; ++number) {
     messages::Pose pose = box(number);
+    if (options_.loaded) {
+      const auto& [x, y] = kDeckPlaces.at(number);
+      pose.position.head<2>() =
+          Eigen::Vector2d(options_.start.x, options_.start.y) + heading * Eigen::Vector2d(x, y);
+      pose.position.z() = kDeckHeight + kBoxSide / 2;
+    }
     pose.position.x() += part(random) * options_.scatter.x;
     pose.position.y() += part(random) * options_.scatter.y;
     pose.orientation = Eigen::AngleAxisd(part(random) * options_.scatter.theta, Eigen::Vector3d::UnitZ());

@@ -23,6 +23,7 @@ struct SimulationOptions {
   double acceleration_noise = 0.02;  ///< m/s^2, standard deviation
   /// By how much boxes lie elsewhere at the beginning, at most: m in the frame of the room, and rad.
   messages::Pose2D scatter{};
+  bool loaded = false;  ///< the boxes lie on the deck at the beginning (kDeckPlaces), not on the table
 };
 
 /// What a laser scanner measures, counterclockwise from `first_angle`. Zero lies ahead.
@@ -80,7 +81,7 @@ class SimulatedRover {
   [[nodiscard]] int joint(const std::string& name) const;
   void read(std::span<const int> joints, messages::JointState& state) const;
   void one_step();
-  void scatter_boxes();
+  void put_boxes();
   double noise(double deviation) { return deviation * normal_(random_); }
 
   ModelPtr model_;

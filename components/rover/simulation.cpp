@@ -33,7 +33,7 @@ class Simulation final : public Component {
     pattern_.angle_step = *rays_ > 1 ? -2 * pattern_.first_angle / static_cast<double>(*rays_ - 1) : 0;
     pattern_.maximum_range = *maximum_range_;
     auto made = SimulatedRover::create(
-        {*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_, *scatter_});
+        {*start_, *seed_, *range_noise_, *angular_noise_, *acceleration_noise_, *scatter_, *loaded_});
     if (!made) return std::move(made.error());
     rover_ = std::move(*made);
     prime();
@@ -172,6 +172,8 @@ class Simulation final : public Component {
                                       {},
                                       {.doc = "by how much boxes lie elsewhere at the beginning, at most, "
                                               "along the axes of the room and turned"}};
+  Property<bool> loaded_{
+      *this, "loaded", false, {.doc = "the boxes lie on the deck at the beginning, not on the table"}};
   Property<std::uint32_t> rays_{*this, "rays", 271, {.doc = "of a scan, which covers 270 degrees"}};
   Property<double> maximum_range_{*this, "maximum_range", 8.0, {.doc = "m, of a scan"}};
   Property<std::chrono::milliseconds> scan_period_{*this,

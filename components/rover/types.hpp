@@ -37,6 +37,12 @@ struct SetPointAges {
   std::uint32_t arm = 0;
 };
 
+struct BatteryStatus {
+  double time = 0;
+  double charge = 1;  ///< 1: full, 0: empty
+  double power = 0;   ///< W, that is drawn
+};
+
 /// A velocity to be commanded for some time.
 struct Leg {
   double duration = 0;  ///< s
@@ -50,4 +56,5 @@ SEGUE_TYPE(rover::WheelCommand, time, steering, speeds)
 SEGUE_TYPE(rover::GripperCommand, time, opening)
 SEGUE_TYPE(rover::SceneState, time, positions)
 SEGUE_TYPE(rover::SetPointAges, time, clock, wheels, arm)
+SEGUE_TYPE(rover::BatteryStatus, time, charge, power)
 SEGUE_TYPE(rover::Leg, duration, linear, angular)

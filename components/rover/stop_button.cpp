@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/task/component.hpp>
+
+#include <chrono>
+
+namespace rover {
+
+using namespace segue::task;  // NOLINT(google-build-using-namespace)
+
+/// Stands for a button that latches: it stays pressed until it is released. What it stops is up to whoever
+/// reads it.
+class StopButton final : public Component {
+ public:
+  StopButton() {
+    doc("Stands for a stop button; operations press and release it");
+    default_activity({segue::Trigger::Periodic, std::chrono::milliseconds(10), {}, 0, {}, {}, false});
+    declare_states({"released", "pressed"});
+  }
+
+ protected:
+  segue::Result<void> on_start() override {
+    pressed_ = false;
+    return {};
+  }
+
+  void on_update() override {
+    set_state(pressed_ ? "pressed" : "released");
+    pressed_out_.write(pressed_);
+  }
+
+ private:
+  OutputPort<bool> pressed_out_{*this, "pressed"};
+  Operation<void()> press_{
+      *this, "press", {}, [this] { pressed_ = true; }, RunsIn::TaskThread, "presses the button"};
+  Operation<void()> release_{
+      *this, "release", {}, [this] { pressed_ = false; }, RunsIn::TaskThread, "releases it again"};
+  bool pressed_ = false;
+};
+
+}  // namespace rover
+
+SEGUE_COMPONENT(rover::StopButton)
