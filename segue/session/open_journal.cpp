@@ -1,9 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/text.hpp>
 #include <segue/session/implementation.hpp>
+
+#include <map>
 
 namespace segue::session::detail {
 
 using mission::RunJournal;
+
+namespace {
+
+Error changed(const std::string& what) {
+  return fail(ErrorCode::InvalidArgument, "a run that is resumed goes on as it began, but " + what);
+}
+
+/// Of several counts of a resource the last one counts.
+std::map<std::string, std::uint32_t> by_name(const mission::UnitCounts& counts) {
+  std::map<std::string, std::uint32_t> found;
+  for (const auto& [resource, count] : counts)
+    found[resource] = count;
+  return found;
+}
+
+/// What is said again about a run, as in the same command with `--resume`, must be what it began with.
+Result<void> check_unchanged(const RunJournal::Start& wanted, const RunJournal::Start& begun) {
+  for (const auto& [name, value] : wanted.inputs) {
+    const type::Value* const before = begun.inputs.find(name);
+    if (before != nullptr && *before == value) continue;
+    return changed("the input " + quote(name) + " was " +
+                   (before == nullptr ? "not given" : type::describe(*before)) + " and is " +
+                   type::describe(value));
+  }
+  if (!wanted.facts.empty() && wanted.facts != begun.facts) return changed("its facts were others");
+  if (!wanted.start_at.empty() && wanted.start_at != begun.start_at)
+    return changed("it began at " + (begun.start_at.empty() ? "its start" : quote(begun.start_at)));
+  if (wanted.seed != 0 && wanted.seed != begun.seed)
+    return changed("its seed was " + std::to_string(begun.seed));
+  const auto before = by_name(begun.resources);
+  for (const auto& [resource, count] : by_name(wanted.resources)) {
+    const auto found = before.find(resource);
+    if (found != before.end() && found->second == count) continue;
+    return changed("there are " + std::to_string(count) + " units of the resource " + quote(resource) +
+                   (found == before.end() ? ", as many as the mission says then"
+                                          : ", " + std::to_string(found->second) + " then"));
+  }
+  return {};
+}
+
+}  // namespace
 
 Result<RunJournal::Start> open_journal(const mission::Mission& mission, const RunRequest& request,
                                        std::shared_ptr<RunJournal>& journal) {
@@ -18,18 +62,13 @@ Result<RunJournal::Start> open_journal(const mission::Mission& mission, const Ru
     journal = std::move(*created);
     return start;
   }
-  const bool is_new = !start.inputs.empty() || !start.facts.empty() || !start.start_at.empty() ||
-                      !start.resources.empty() || start.seed != 0;
-  if (is_new) {
-    return fail(ErrorCode::InvalidArgument,
-                "a run that is resumed has the inputs, facts, resources, seed and start that it began with");
-  }
   const auto can_go_on = [&](const mission::Action& action, const type::Value& progress) {
     return request.runners.go_on(action, progress);
   };
   auto found =
       RunJournal::resume(wanted.file, mission, concurrent, wanted.under_way, request.note, can_go_on);
   if (!found) return found.error();
+  if (auto same = check_unchanged(start, (*found)->start()); !same) return same.error();
   journal = std::move(*found);
   if (request.note) {
     request.note("the run is resumed: " + std::to_string(journal->size()) +

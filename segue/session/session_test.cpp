@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
 #include <segue/mission/files.hpp>
 #include <segue/mission/world_effects.hpp>
-#include <segue/session/session.hpp>
+#include <segue/session/session_test_support.hpp>
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <condition_variable>
-#include <filesystem>
 #include <map>
 #include <mutex>
 #include <string>
@@ -23,21 +21,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Warming up takes four seconds and looking three; only the grasp needs both.
-constexpr const char* kGrasp = R"j(mission: m
-actions:
-  warm_up: {effects: ["+warm()"], run: {simulated: {duration: 4s}}}
-  look: {pure: true, outputs: {pose: int}, run: {simulated: {duration: 3s, outputs: {pose: 7}}}}
-  grasp: {inputs: {pose: int}, preconditions: ["warm()"], run: {callback: grasp}}
-start: warm_up
-inputs: {force: {type: int, default: 1}}
-outputs: {pose: int}
-flows: [look.pose -> grasp.pose, look.pose -> outputs.pose]
-states:
-  warm_up: {on: {success: look}}
-  look: {on: {success: grasp}}
-  grasp: {on: {success: return success}}
-)j";
 constexpr const char* kEndless = R"(mission: endless
 actions:
   tick: {run: {simulated: {duration: 1s}}}
@@ -49,36 +32,6 @@ constexpr const char* kNetwork = R"j({"name": "n", "nodes": [
   {"name": "short", "duration_s": 1, "effects": ["+p()"]},
   {"name": "beside", "duration_s": 2, "effects": ["+q()"]},
   {"name": "after", "duration_s": 3, "preconditions": ["p()"], "effects": []}]})j";
-
-class Sessions : public ::testing::Test {
- protected:
-  Sessions()
-      : folder_(std::filesystem::temp_directory_path() / ("session_test." + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~Sessions() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    EXPECT_TRUE(write_file((folder_ / name).string(), text));
-    return folder_ / name;
-  }
-  Session load(const std::string& name, const std::string& text) const {
-    Diagnostics diagnostics;
-    auto session = Session::load(write(name, text), {}, diagnostics);
-    EXPECT_TRUE(session) << to_string(diagnostics);
-    return *session;
-  }
-  /// In virtual time, with a grasp that succeeds at once.
-  static RunRequest request(RunMode mode) {
-    RunRequest request;
-    request.mode = mode;
-    request.clock = cdtn::ClockKind::Virtual;
-    request.runners.add("grasp", [](mission::ActionCall&) { return mission::Ending{}; });
-    return request;
-  }
-
-  const std::filesystem::path folder_;
-};
 
 double seconds(Duration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -345,42 +298,6 @@ TEST_F(Sessions, AStopBeforeTheRunLeavesNothingDone) {
       for (const RunRow& row : run->rows())
         EXPECT_NE(row.status, cdtn::NodeStatus::Done) << file << ' ' << row.name;
     }
-  }
-}
-
-TEST_F(Sessions, AJournalLetsALaterRunContinue) {
-  const Session session = load("m.yaml", kGrasp);
-  for (const RunMode mode : {RunMode::Sequential, RunMode::Concurrent}) {
-    const bool concurrent = mode == RunMode::Concurrent;
-    RunRequest wanted = request(mode);
-    wanted.journal = JournalRequest{folder_ / (concurrent ? "concurrent" : "sequential")};
-    std::stop_source stop;
-    wanted.on_action = [&](const mission::ActionEvent& event) {
-      if (event.kind == mission::ActionEvent::Kind::Ended && event.path == "look") stop.request_stop();
-    };
-    EXPECT_EQ(session.run(wanted, stop.get_token()).value()->overview().outcome, "preempted");
-    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::AlreadyExists);
-
-    std::vector<std::string> begun;
-    std::vector<std::string> notes;
-    wanted.journal->resume = true;
-    // Concurrently the grasp may have begun before the stop was heeded.
-    if (concurrent) wanted.journal->under_way = mission::RunJournal::UnderWay::Again;
-    wanted.note = [&](const std::string& text) { notes.push_back(text); };
-    wanted.on_action = [&](const mission::ActionEvent& event) {
-      if (event.kind == mission::ActionEvent::Kind::Began) begun.emplace_back(event.path);
-    };
-    const auto run = session.run(wanted).value();
-    EXPECT_EQ(run->overview().outcome, "success");
-    EXPECT_EQ(*run->overview().outputs.find("pose"), type::Value(7)) << "from the journal";
-    // Concurrently it looks while it warms up.
-    EXPECT_EQ(begun, concurrent ? std::vector<std::string>({"warm_up", "grasp"})
-                                : std::vector<std::string>({"grasp"}));
-    EXPECT_THAT(notes, ElementsAre(concurrent ? "the run is resumed: 1 action had ended"
-                                              : "the run is resumed: 2 actions had ended"));
-    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidState) << "it has ended";
-    wanted.inputs.append("force", 2);
-    EXPECT_EQ(session.run(wanted).error().code, ErrorCode::InvalidArgument);
   }
 }
 

@@ -190,7 +190,7 @@ states:
     EXPECT_EQ(few.status, 1) << mode;
     EXPECT_THAT(few.errors, HasSubstr("it needs 1 of the resource 'cup', of which there are 0")) << mode;
     run.push_back("--resume");
-    EXPECT_THAT(segue(run).errors, HasSubstr("has the inputs, facts, resources")) << mode;
+    EXPECT_THAT(segue(run).errors, HasSubstr("that run has ended")) << mode;
   }
 }
 
