@@ -54,7 +54,6 @@ struct ControllerConflicts {
 /// Why the robot does not run a controller as it should; `why` is empty: it does, but for the tasks.
 struct ControllerTrouble {
   std::string why;
-  bool taken_over = false;  ///< somebody else commands the robot now
   struct Task {
     std::string id;
     std::string why;
@@ -84,7 +83,8 @@ class CommandedRobot {
 
   /// Has the robot run that by one transition. Returns once it runs; the error says why it does not, and
   /// what the robot runs then is as before. The first request takes the robot's lease, which ends with this:
-  /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good.
+  /// meanwhile it refuses requests of others unless they take it over. InvalidState then, for good, which
+  /// says who has it.
   virtual Result<void> request(const ControllerRequest& what, TimePoint deadline) = 0;
   /// Whether the robot runs that controller, alone or beside others, without faults that could not be
   /// repaired.

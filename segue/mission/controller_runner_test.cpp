@@ -149,11 +149,20 @@ TEST_F(ControllerActions, DoNotSucceedWhereAnotherControllerTookOver) {
   EXPECT_THAT(engine_->result().error, HasSubstr("was lost: the robot runs explore"));
 }
 
-TEST_F(ControllerActions, ArePreemptedWhereSomebodyTookTheRobotOver) {
+TEST_F(ControllerActions, AbortWhereSomebodyTookTheRobotOver) {
   begin(std::string("controller: go_home, ") + kArrived);
   robot_->wait_until_asked("request go_home");
   robot_->take_over();
-  EXPECT_EQ(ended().outcome_name, "preempted");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("controller 'go_home' was lost: the robot was taken over by somebody"));
+}
+
+TEST_F(ControllerActions, ThatBeginAfterTheRobotWasTakenOverAbortAsThoseUnderWay) {
+  robot_->take_over();
+  begin(std::string("controller: go_home, ") + kArrived);
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("the robot was taken over by somebody"));
 }
 
 TEST_F(ControllerActions, ArePreemptedAndStopTheRobotIfTheySaySo) {

@@ -28,6 +28,7 @@ class FakeRobot final : public CommandedRobot {
       text += " " + to_string(one.member) + "=" + std::to_string(one.value.as_double());
     note(text);
     const std::lock_guard lock(mutex_);
+    if (taken_over_) return fail(ErrorCode::InvalidState, kTakenOver);
     if (refuses_) return fail(ErrorCode::InvalidState, "refused by the test");
     runs_ = what.controllers.empty() ? "" : what.controllers.front();
     return {};
@@ -35,8 +36,8 @@ class FakeRobot final : public CommandedRobot {
   Result<ControllerTrouble> trouble(std::string_view controller) override {
     const std::lock_guard lock(mutex_);
     if (vanished_) return fail(ErrorCode::Unavailable, "the test took the robot away");
-    if (taken_over_) return ControllerTrouble{"somebody took the robot over", true};
-    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, false, broken_};
+    if (taken_over_) return ControllerTrouble{kTakenOver};
+    return ControllerTrouble{runs_ == controller ? trouble_ : "the robot runs " + runs_, broken_};
   }
   Result<ControllerConflicts> conflicts() override { return ControllerConflicts{}; }
   Result<void> prepare(const std::vector<std::string>& /*controllers*/, TimePoint /*deadline*/) override {
@@ -114,6 +115,7 @@ class FakeRobot final : public CommandedRobot {
   }
 
  private:
+  static constexpr const char* kTakenOver = "the robot was taken over by somebody";
   class Samples final : public PortSamples {
    public:
     explicit Samples(FakeRobot& robot) : robot_(robot) {}

@@ -33,12 +33,12 @@ Result<bool> holds(CommandedRobot& robot, const OperationAnswers& when, TimePoin
 
 std::optional<Ending> ending_by(const ControllerTrouble& trouble, const std::string& controller,
                                 const std::function<bool(const std::string& task)>& awaits) {
-  const auto lost = [&](const std::string& why, Outcome outcome) {
-    return Ending{outcome, "controller " + quote(controller) + " was lost: " + why};
+  const auto lost = [&](const std::string& why) {
+    return Ending{kAborted, "controller " + quote(controller) + " was lost: " + why};
   };
-  if (!trouble.why.empty()) return lost(trouble.why, trouble.taken_over ? kPreempted : kAborted);
+  if (!trouble.why.empty()) return lost(trouble.why);
   for (const ControllerTrouble::Task& task : trouble.tasks) {
-    if (!awaits || !awaits(task.id)) return lost(task.why, kAborted);
+    if (!awaits || !awaits(task.id)) return lost(task.why);
   }
   return std::nullopt;
 }

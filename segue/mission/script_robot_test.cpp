@@ -169,7 +169,16 @@ TEST_F(RobotScripts, DoNotSucceedWithoutTheirController) {
   begin("self.robot.request('go_home')\nself.robot.call('planner.done')\nself.preemptive_wait()\nreturn 0");
   robot_->wait_until_asked("call planner.done");
   robot_->take_over();
-  EXPECT_EQ(ended().outcome_name, "preempted");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error,
+              HasSubstr("controller 'go_home' was lost: the robot was taken over by somebody"));
+}
+
+TEST_F(RobotScripts, GetNoControllerAfterTheRobotWasTakenOver) {
+  robot_->take_over();
+  begin("self.robot.request('go_home')\nreturn 0");
+  EXPECT_EQ(ended().outcome_name, "aborted");
+  EXPECT_THAT(engine_->result().error, HasSubstr("the robot was taken over by somebody"));
 }
 
 TEST_F(RobotScripts, GiveBackTheControllerWhereTheirProcessDies) {

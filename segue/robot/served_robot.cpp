@@ -83,6 +83,15 @@ Result<std::uint64_t> ServedRobot::lease() {
   return lease_->number();
 }
 
+Result<std::optional<std::string>> ServedRobot::taken_over() {
+  const std::lock_guard lock(mutex_);
+  if (!lease_) return std::optional<std::string>();
+  const auto lost_to = lease_->lost_to();
+  if (!lost_to) return lost_to.error();
+  if (!*lost_to) return std::optional<std::string>();
+  return std::optional("the robot was taken over by " + ((*lost_to)->empty() ? "somebody" : **lost_to));
+}
+
 Result<void> ServedRobot::take() {
   const auto number = lease();
   return number ? Result<void>() : number.error();
@@ -112,6 +121,8 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
   if (!answer) return answer.error();
   const std::string outcome = text_at(*answer, "outcome");
   if (outcome == "done") return {};
+  // The taker's request may have taken the place of this one, which says only that a newer one came.
+  if (const auto taken = taken_over(); taken && *taken) return fail(ErrorCode::InvalidState, **taken);
   const std::string error = text_at(*answer, "error");
   const ErrorCode code = outcome == "superseded" ? ErrorCode::Superseded : ErrorCode::InvalidState;
   return fail(code, "the request for " + name_of(controller) + " was " + outcome +
@@ -119,15 +130,9 @@ Result<void> ServedRobot::request(const mission::ControllerRequest& what, TimePo
 }
 
 Result<mission::ControllerTrouble> ServedRobot::trouble(std::string_view controller) {
-  {
-    const std::lock_guard lock(mutex_);
-    const auto lost_to = lease_ ? lease_->lost_to() : Result<std::optional<std::string>>(std::nullopt);
-    if (!lost_to) return lost_to.error();
-    if (*lost_to) {
-      const std::string who = (*lost_to)->empty() ? std::string("somebody") : **lost_to;
-      return mission::ControllerTrouble{"the robot was taken over by " + who, true};
-    }
-  }
+  const auto taken = taken_over();
+  if (!taken) return taken.error();
+  if (*taken) return mission::ControllerTrouble{**taken};
   const auto status = service_.status();
   if (!status) return status.error();
   const std::string running = text_at(*status, "controller");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ class ServedRobot final : public mission::CommandedRobot {
 
  private:
   Result<std::uint64_t> lease();
+  /// By whom, as a sentence; nothing: the lease was not lost.
+  Result<std::optional<std::string>> taken_over();
 
   control::RobotService& service_;
   const std::string who_;

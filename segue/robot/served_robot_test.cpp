@@ -151,11 +151,14 @@ TEST_F(ServedRobotTest, SeesWhetherAControllerRunsAsItShould) {
 
 TEST_F(ServedRobotTest, NoticesThatTheRobotWasTakenOver) {
   EXPECT_TRUE(robot_.request({{"explore"}, {}}, {}));
-  EXPECT_FALSE(robot_.trouble("explore")->taken_over);
+  EXPECT_EQ(robot_.trouble("explore")->why, "");
   service_.lost_to = "segue switch";
-  const auto trouble = robot_.trouble("explore");
-  EXPECT_TRUE(trouble->taken_over);
-  EXPECT_EQ(trouble->why, "the robot was taken over by segue switch");
+  EXPECT_EQ(robot_.trouble("explore")->why, "the robot was taken over by segue switch");
+  service_.switch_answer = Value::map({{"outcome", "superseded"}, {"error", "a newer request came"}});
+  const auto refused = robot_.request({{"explore"}, {}}, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidState);
+  EXPECT_EQ(refused.error().message, "the robot was taken over by segue switch");
 }
 
 TEST_F(ServedRobotTest, KnowsWhatCannotRunAtOnce) {

@@ -48,7 +48,8 @@ class DefectiveRobot final : public ForwardingCommandedRobot {
   }
   Result<ControllerTrouble> trouble(std::string_view controller) override {
     auto trouble = inner_->trouble(controller);
-    if (defect_ == Defect::HidesTheTakeOver && trouble && trouble->taken_over) return ControllerTrouble{};
+    const bool is_taken = trouble && trouble->why.starts_with("the robot was taken over");
+    if (defect_ == Defect::HidesTheTakeOver && is_taken) return ControllerTrouble{};
     return trouble;
   }
 

@@ -174,9 +174,63 @@ TEST_F(RobotMission, DoesNotSucceedWithItsControllerTakenAway) {
   EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
   const auto finished = mission.wait();
   EXPECT_EQ(finished.status, 1);
-  EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: preempted"));
+  EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: aborted"));
+  EXPECT_THAT(finished.errors + finished.output, HasSubstr("the robot was taken over by segue switch"));
   EXPECT_EQ(controller(), "explore");
   EXPECT_EQ(segue({"switch", "go_to"}).status, 0) << "nobody commands the robot now";
+}
+
+/// A drive that never arrives beside work that needs no robot and ends when the robot has been taken over.
+/// Then there is another drive.
+constexpr const char* kBesideWork = R"(mission: beside_work
+actions:
+  drive_to:
+    run:
+      controller: go_to
+      call: {seeker.set_goal: {goal: {x: 1000.0, y: 0.0}}}
+      until: [{task: seeker, state: arrived}]
+  work:
+    resources: [{block: papers}]
+    run:
+      python:
+        text: |
+          import os
+          def execute(self, inputs, outputs, gvm):
+              while not os.path.exists("taken"):
+                  if self.preemptive_wait(0.02):
+                      return "preempted"
+              return "success"
+  judge:
+    outcomes: [work_alone, other]
+    run: {decide: [{when: {drive_to: aborted, work: success}, outcome: work_alone}, {outcome: other}]}
+outcomes: [work_alone, other]
+start: side_by_side
+states:
+  side_by_side:
+    kind: barrier
+    outcomes: [work_alone, other]
+    on: {work_alone: again, other: return other}
+    states:
+      drive_to: {}
+      work: {}
+      judge: {kind: decider, on: {work_alone: return work_alone, other: return other}}
+  again: {action: drive_to, on: {success: return other, aborted: return work_alone}}
+)";
+
+TEST_F(RobotMission, DecidesItselfWhatATakenRobotMeansForIt) {
+  start();
+  write("beside_work.yaml", kBesideWork);
+  for (const std::string mode : {"sequential", "concurrent"}) {
+    SCOPED_TRACE(mode);
+    std::filesystem::remove(folder_ / "taken");
+    Process mission(command({"mission", "run", "beside_work.yaml", "--mode", mode}), folder_);
+    wait_for_controller("go_to");
+    EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
+    write("taken", "");
+    const auto finished = mission.wait();
+    EXPECT_THAT(finished.output, HasSubstr("beside_work: work_alone")) << finished.errors;
+    EXPECT_EQ(controller(), "explore");
+  }
 }
 
 TEST_F(RobotMission, IsEndedByFilesThatTakeTheRobotOver) {

@@ -150,7 +150,8 @@ TEST_F(RobotScript, IsPreemptedAndGivesTheRobotBack) {
   EXPECT_EQ(segue({"switch", "explore", "--take-over"}).status, 0);
   const auto finished = disturbed.wait();
   EXPECT_EQ(finished.status, 1);
-  EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: preempted"));
+  EXPECT_THAT(finished.errors + finished.output, HasSubstr("endless: aborted"));
+  EXPECT_THAT(finished.errors + finished.output, HasSubstr("the robot was taken over by segue switch"));
   EXPECT_EQ(controller(), "explore") << "it no more stops what others run";
 }
 
